@@ -1,0 +1,65 @@
+# `make demo` and `make test` are all a newcomer needs: both set up .venv on first use.
+
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+VENV := .venv
+BIN := $(VENV)/bin
+DEMO := build/demo
+
+.PHONY: demo test check format lint types imports drift pytest interpreters bench clean
+
+demo: $(VENV)/demo.stamp
+	$(BIN)/rtgen generate
+	mkdir -p $(DEMO)
+	$(BIN)/rtgen run specs/navigation/rh3_goal.xml --plot $(DEMO)/goal.svg --csv $(DEMO)/goal.csv
+	$(BIN)/rtgen run specs/navigation/rh3_path.xml --plot $(DEMO)/path.svg --csv $(DEMO)/path.csv
+	$(BIN)/rtgen graph specs/navigation/rh3_goal.xml -o $(DEMO)/wiring.svg
+	@echo "Pictures: $(DEMO)/goal.svg $(DEMO)/path.svg $(DEMO)/wiring.svg; trajectories: $(DEMO)/goal.csv $(DEMO)/path.csv"
+
+test: lint types imports drift pytest interpreters
+
+lint: $(VENV)/test.stamp
+	$(BIN)/black --check --quiet src tests benchmarks
+	$(BIN)/ruff check src tests benchmarks
+
+types: $(VENV)/test.stamp
+	$(BIN)/mypy --python-version 3.11 src generated
+	$(BIN)/mypy --python-version 3.12 src generated
+	$(BIN)/mypy --python-version 3.13 src generated
+
+imports: $(VENV)/test.stamp
+	$(BIN)/lint-imports
+
+drift: $(VENV)/test.stamp
+	$(BIN)/rtgen check
+
+pytest: $(VENV)/test.stamp
+	$(BIN)/pytest -n 2 --cov --cov-report=term:skip-covered
+
+# The fast tests again on each further interpreter that this machine has.
+interpreters: $(VENV)/test.stamp
+	$(BIN)/python tests/interpreters.py
+
+bench: $(VENV)/bench.stamp
+	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done
+
+format: $(VENV)/test.stamp
+	$(BIN)/black --quiet src tests benchmarks
+	$(BIN)/ruff check --fix src tests benchmarks
+
+clean:
+	rm -rf build dist $(VENV)
+
+$(VENV)/bin/python:
+	$(PYTHON) -m venv $(VENV)
+
+$(VENV)/demo.stamp: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot]"
+	touch $@
+
+$(VENV)/test.stamp: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot,test]"
+	touch $@
+
+$(VENV)/bench.stamp: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot,test,bench]"
+	touch $@

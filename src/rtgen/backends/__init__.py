@@ -1,0 +1,60 @@
+"""Back ends: model to artifacts. Pure functions; the built-in ones and plug-ins alike."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Protocol
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.model import Model
+
+
+class Owner(StrEnum):
+    """Who owns a file: rtgen overwrites its own, and creates a user's once."""
+
+    RTGEN = "rtgen"
+    USER = "user"
+
+
+@dataclass(frozen=True, slots=True)
+class Artifact:
+    """A file to be made. `path` is relative with `/`: rtgen's below the output folder, a user's
+    below the skeleton folder. `origin` are the keys of the inputs it came from."""
+
+    path: str
+    text: str
+    origin: tuple[str, ...]
+    owner: Owner = Owner.RTGEN
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What a back end may know: the Python package to make, where skeletons are imported from."""
+
+    package: str
+    skeleton_package: str
+    version: str
+    target: str = "embedded"
+
+
+@dataclass(frozen=True, slots=True)
+class Emission:
+    """What a back end gives."""
+
+    artifacts: Sequence[Artifact] = ()
+    diagnostics: Sequence[Diagnostic] = ()
+
+
+class Backend(Protocol):
+    """The interface of a back end, also of one that an entry point `rtgen.backends` brings."""
+
+    @property
+    def name(self) -> str:
+        """Its name in messages."""
+        ...
+
+    def emit(self, model: Model, options: Options) -> Emission:
+        """All files for the model, in a fixed order."""
+        ...

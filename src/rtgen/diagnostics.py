@@ -1,0 +1,97 @@
+"""Findings about a user's input: one value type, made from rule records, printed elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Severity(StrEnum):
+    """How bad a finding is; only an error makes a command exit with 2."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    NOTE = "note"
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Span:
+    """A stretch of a user's text: 1-based lines and columns (in characters), end exclusive.
+
+    `file` is the path as given on the command line, included files relative to the working
+    folder, always with `/`.
+    """
+
+    file: str
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+
+
+@dataclass(frozen=True, slots=True)
+class Related:
+    """A further place that explains a finding, such as "first declared here"."""
+
+    span: Span
+    label: str
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding. `span` is None only where no file can be blamed."""
+
+    code: str
+    severity: Severity
+    message: str
+    span: Span | None = None
+    related: tuple[Related, ...] = ()
+    hint: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """What a code means: the record behind `rtgen explain` and behind each diagnostic.
+
+    `explanation` is Markdown: what is wrong, an example, how to put it right.
+    """
+
+    code: str
+    title: str
+    severity: Severity
+    explanation: str
+
+    def at(
+        self,
+        span: Span | None,
+        message: str,
+        *,
+        related: Iterable[Related] = (),
+        hint: str | None = None,
+    ) -> Diagnostic:
+        """A finding of this rule."""
+        return Diagnostic(self.code, self.severity, message, span, tuple(related), hint)
+
+
+class InputError(Exception):
+    """Input that cannot be processed further; carries its findings (at least one error)."""
+
+    def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
+        self.diagnostics = tuple(diagnostics)
+        super().__init__("\n".join(f"{d.code}: {d.message}" for d in self.diagnostics))
+
+    def __reduce__(self) -> tuple[type[InputError], tuple[tuple[Diagnostic, ...]]]:
+        return (InputError, (self.diagnostics,))
+
+
+def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:
+    """Whether any of the findings is an error."""
+    return any(d.severity is Severity.ERROR for d in diagnostics)
+
+
+def in_order(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """The findings without repetitions, sorted by place, then code."""
+    unique = dict.fromkeys(diagnostics)
+    nowhere = Span("", 0, 0, 0, 0)
+    return sorted(unique, key=lambda d: (d.span or nowhere, d.code, d.message))

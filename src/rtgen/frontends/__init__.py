@@ -1,0 +1,1 @@
+"""Front ends: text to model, one package or module for each input language."""

@@ -1,0 +1,162 @@
+"""The model: one frozen value for whatever was read, the same for every input language."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from rtgen.model.components import (
+    Activation,
+    Component,
+    ConfigurationParameter,
+    Connection,
+    Port,
+    PortKind,
+    PortReference,
+    System,
+    SystemComponent,
+)
+from rtgen.model.declarations import (
+    Annotation,
+    Attribute,
+    Bitfield,
+    Bitmask,
+    Bitset,
+    Case,
+    Const,
+    ConstantValue,
+    Declaration,
+    Direction,
+    Documented,
+    Enum,
+    Enumerator,
+    EnumeratorName,
+    ExceptionDecl,
+    Home,
+    Interface,
+    Member,
+    Native,
+    Operation,
+    Parameter,
+    StateMember,
+    Struct,
+    Typedef,
+    Union,
+    ValueBox,
+    Valuetype,
+)
+from rtgen.model.types import (
+    VOID,
+    ArrayType,
+    FixedType,
+    MapType,
+    NamedType,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Type,
+)
+
+__all__ = [
+    "VOID",
+    "Activation",
+    "Annotation",
+    "ArrayType",
+    "Attribute",
+    "Bitfield",
+    "Bitmask",
+    "Bitset",
+    "Case",
+    "Component",
+    "ConfigurationParameter",
+    "Connection",
+    "Const",
+    "ConstantValue",
+    "Declaration",
+    "Direction",
+    "Documented",
+    "Enum",
+    "Enumerator",
+    "EnumeratorName",
+    "ExceptionDecl",
+    "FixedType",
+    "Home",
+    "Interface",
+    "MapType",
+    "Member",
+    "Model",
+    "NamedType",
+    "Native",
+    "Operation",
+    "Parameter",
+    "Port",
+    "PortKind",
+    "PortReference",
+    "Primitive",
+    "PrimitiveType",
+    "ScopedName",
+    "SequenceType",
+    "SourceFile",
+    "StateMember",
+    "StringType",
+    "Struct",
+    "System",
+    "SystemComponent",
+    "Type",
+    "Typedef",
+    "Union",
+    "ValueBox",
+    "Valuetype",
+]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SourceFile:
+    """A file that was read.
+
+    `name` is the displayed path (as in spans), `key` the path that goes into generated text
+    (relative to the project or to the include folder, never absolute), `sha256` of its bytes.
+    `includes` are the names of the files it includes directly, in order. `main` says that it was
+    given, not only included. A file included inside a scope has its includer in `belongs_to`.
+    """
+
+    name: str
+    key: str
+    sha256: str
+    main: bool
+    includes: tuple[str, ...] = ()
+    belongs_to: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """Everything that was read: files (included before includer) and declarations in order."""
+
+    files: tuple[SourceFile, ...] = ()
+    declarations: tuple[Declaration, ...] = ()
+    systems: tuple[System, ...] = ()
+    _by_name: dict[ScopedName, Declaration] = field(
+        init=False, repr=False, compare=False, default_factory=dict
+    )
+
+    def __post_init__(self) -> None:
+        self._by_name.update((d.name, d) for d in self.declarations)
+
+    def find(self, name: ScopedName) -> Declaration:
+        """The declaration of that scoped name; KeyError where there is none."""
+        return self._by_name[name]
+
+    def unalias(self, type_: Type) -> Type:
+        """The type behind typedefs: never a NamedType that names a Typedef."""
+        while isinstance(type_, NamedType):
+            declaration = self._by_name[type_.name]
+            if not isinstance(declaration, Typedef):
+                return type_
+            type_ = declaration.type
+        return type_
+
+    def of_file(self, name: str) -> Iterable[Declaration]:
+        """The declarations that stand in the file of that displayed path."""
+        return (d for d in self.declarations if d.file == name)

@@ -1,0 +1,140 @@
+"""Components and systems: what runs, with which ports and values, and how it is joined."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from rtgen.diagnostics import Span
+from rtgen.model.declarations import ConstantValue, Declaration, Documented
+from rtgen.model.types import ScopedName, Type
+
+
+class PortKind(StrEnum):
+    """What a port is; the values are those of `rtgen inspect --json`."""
+
+    INPORT = "inport"
+    OUTPORT = "outport"
+    PROVIDER = "provider"
+    CONSUMER = "consumer"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Port(Documented):
+    """A data port, or one interface of a service port.
+
+    `name` is the outside name (`@name`, else the identifier), `identifier` the IDL identifier.
+    For an interface `port` is the service port it belongs to (`@port`, else `name`) and
+    `instance` its instance name there (`@instance`, else the unscoped interface name).
+    """
+
+    kind: PortKind
+    name: str
+    identifier: str
+    type: Type
+    port: str = ""
+    instance: str = ""
+    unit: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConfigurationParameter(Documented):
+    """A configuration parameter; `default`, `minimum`, `maximum` are of its type."""
+
+    name: str
+    identifier: str
+    type: Type
+    default: ConstantValue | None = None
+    minimum: ConstantValue | None = None
+    maximum: ConstantValue | None = None
+    unit: str = ""
+    constraint: str = ""
+    widget: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Component(Declaration):
+    """A component: the CORBA 3 construct read as an RTC. Rate in Hz; dates as xsd:dateTime.
+
+    `ports` and `configuration` hold inherited ones too, base first.
+    """
+
+    ports: tuple[Port, ...] = ()
+    configuration: tuple[ConfigurationParameter, ...] = ()
+    base: ScopedName | None = None
+    supports: tuple[ScopedName, ...] = ()
+    kind: str = "DataFlowComponent"
+    category: str = ""
+    vendor: str = ""
+    version: str = "1.0.0"
+    description: str = ""
+    rate: float = 1000.0
+    max_instances: int = 1
+    activity: str = "PERIODIC"
+    component_type: str = "STATIC"
+    execution: str = "PeriodicExecutionContext"
+    created: str = "1970-01-01T00:00:00+00:00"
+    updated: str = "1970-01-01T00:00:00+00:00"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SystemComponent:
+    """A component of a system. `configuration` maps set id to (parameter, text) pairs."""
+
+    instance: str
+    type: str
+    id: str
+    path_uri: str
+    span: Span
+    rate: float | None = None
+    active_set: str = "default"
+    configuration: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
+    location: tuple[int, int, int, int] | None = None
+    required: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PortReference:
+    """One end of a connection; `port` without the `<Instance>.` prefix."""
+
+    instance: str
+    port: str
+
+    def __str__(self) -> str:
+        return f"{self.instance}.{self.port}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Connection:
+    """A connection; `properties` by OpenRTM's names (`dataport.subscription_type`, ...)."""
+
+    name: str
+    source: PortReference
+    target: PortReference
+    service: bool
+    span: Span
+    properties: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Activation:
+    """One step of the start order: `instance`, after `wait_ms` and after those in `after`."""
+
+    instance: str
+    sequence: int
+    wait_ms: int = 0
+    after: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class System:
+    """A system of components, as an RtsProfile tells it; `activation` in its order."""
+
+    name: str
+    id: str
+    file: str
+    abstract: str
+    components: tuple[SystemComponent, ...]
+    connections: tuple[Connection, ...]
+    activation: tuple[Activation, ...] = ()
+    properties: tuple[tuple[str, str], ...] = ()

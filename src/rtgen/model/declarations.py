@@ -1,0 +1,255 @@
+"""Declarations: what a definition file says, resolved, with the place each came from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from decimal import Decimal
+from enum import StrEnum
+from typing import TypeAlias
+
+from rtgen.diagnostics import Span
+from rtgen.model.types import ScopedName, Type
+
+
+@dataclass(frozen=True, slots=True)
+class EnumeratorName:
+    """The value of an enumerated constant or label."""
+
+    name: ScopedName
+
+
+ConstantValue: TypeAlias = bool | int | float | str | Decimal | EnumeratorName
+"""What a constant expression evaluates to; which of them is told by the constant's type."""
+
+
+@dataclass(frozen=True, slots=True)
+class Annotation:
+    """`@name(arguments)`; a single unnamed argument has the name `value`."""
+
+    name: str
+    arguments: tuple[tuple[str, ConstantValue], ...] = ()
+
+    def get(self, key: str = "value") -> ConstantValue | None:
+        """The argument of that name, or None."""
+        return dict(self.arguments).get(key)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Documented:
+    """What every declaration and member carries: its place, doc comment and annotations."""
+
+    span: Span
+    doc: str = ""
+    annotations: tuple[Annotation, ...] = ()
+
+    def annotation(self, name: str) -> Annotation | None:
+        """The first annotation of that name, or None."""
+        return next((a for a in self.annotations if a.name == name), None)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Declaration(Documented):
+    """A named declaration. `span` is that of the name's token; `file` is the one it stands in."""
+
+    name: ScopedName
+    repository_id: str
+    file: str
+
+    @property
+    def scoped(self) -> str:
+        """The name as IDL writes it, without a leading `::`."""
+        return "::".join(self.name)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Member(Documented):
+    """A field of a struct or exception."""
+
+    name: str
+    type: Type
+    optional: bool = False
+    key: bool = False
+    id: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Struct(Declaration):
+    """A struct; `base` as in IDL 4.2's struct inheritance. `members` are its own only."""
+
+    members: tuple[Member, ...]
+    base: ScopedName | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ExceptionDecl(Declaration):
+    """A user exception."""
+
+    members: tuple[Member, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case(Documented):
+    """A branch of a union. `labels` are of the switch type; `default` may stand beside them."""
+
+    labels: tuple[ConstantValue, ...]
+    default: bool
+    name: str
+    type: Type
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Union(Declaration):
+    """A discriminated union."""
+
+    switch: Type
+    cases: tuple[Case, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Enumerator(Documented):
+    """A member of an enum or bitmask with its number (bit position for a bitmask)."""
+
+    name: str
+    value: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Enum(Declaration):
+    """An enum; its enumerators live in the scope that holds it."""
+
+    members: tuple[Enumerator, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bitfield(Documented):
+    """A field of a bitset: `bits` wide, `type` when one was written; unnamed ones are padding."""
+
+    name: str | None
+    bits: int
+    type: Type | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bitset(Declaration):
+    """A bitset (IDL 4.2)."""
+
+    members: tuple[Bitfield, ...]
+    base: ScopedName | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bitmask(Declaration):
+    """A bitmask (IDL 4.2)."""
+
+    members: tuple[Enumerator, ...]
+    bound: int = 32
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Typedef(Declaration):
+    """One declarator of a typedef."""
+
+    type: Type
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Const(Declaration):
+    """A constant, evaluated."""
+
+    type: Type
+    value: ConstantValue
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Native(Declaration):
+    """A native type: a name without marshalling."""
+
+
+class Direction(StrEnum):
+    """How a parameter is passed."""
+
+    IN = "in"
+    OUT = "out"
+    INOUT = "inout"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Parameter(Documented):
+    """A parameter of an operation."""
+
+    direction: Direction
+    name: str
+    type: Type
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Operation(Documented):
+    """An operation of an interface."""
+
+    name: str
+    returns: Type
+    parameters: tuple[Parameter, ...] = ()
+    raises: tuple[ScopedName, ...] = ()
+    oneway: bool = False
+    context: tuple[str, ...] = ()
+    repository_id: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attribute(Documented):
+    """An attribute of an interface or component."""
+
+    name: str
+    type: Type
+    readonly: bool = False
+    get_raises: tuple[ScopedName, ...] = ()
+    set_raises: tuple[ScopedName, ...] = ()
+    repository_id: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interface(Declaration):
+    """An interface. Operations and attributes are its own, in source order each."""
+
+    bases: tuple[ScopedName, ...] = ()
+    abstract: bool = False
+    local: bool = False
+    attributes: tuple[Attribute, ...] = ()
+    operations: tuple[Operation, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StateMember(Member):
+    """A state member of a valuetype."""
+
+    public: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Valuetype(Declaration):
+    """A valuetype; `eventtype` marks the CORBA 3 form."""
+
+    bases: tuple[ScopedName, ...] = ()
+    supports: tuple[ScopedName, ...] = ()
+    abstract: bool = False
+    custom: bool = False
+    truncatable: bool = False
+    eventtype: bool = False
+    attributes: tuple[Attribute, ...] = ()
+    operations: tuple[Operation, ...] = ()
+    state: tuple[StateMember, ...] = ()
+    factories: tuple[Operation, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ValueBox(Declaration):
+    """A boxed value: `valuetype Name T;`."""
+
+    type: Type
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Home(Declaration):
+    """A component home; read, not generated from."""
+
+    manages: ScopedName | None = None

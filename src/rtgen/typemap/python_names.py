@@ -1,0 +1,39 @@
+"""Names in Python for names in a definition (PEP 8 for what rtgen names, the user's otherwise)."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Collection
+
+from rtgen.model import ScopedName
+
+_WORD_END = re.compile(r"([A-Z]+)([A-Z][a-z])")
+_WORD_START = re.compile(r"([a-z0-9])([A-Z])")
+_NOT_A_WORD = re.compile(r"\W")
+
+
+def identifier(name: str, reserved: Collection[str] = ()) -> str:
+    """The name as a Python identifier: a keyword or a reserved name gets a trailing `_`."""
+    name = _NOT_A_WORD.sub("_", name)
+    if not name or name[0].isdigit():
+        name = f"o_{name}"
+    while keyword.iskeyword(name) or name in reserved:
+        name += "_"
+    return name
+
+
+def snake_case(name: str) -> str:
+    """`RefHardRh3` to `ref_hard_rh3`, `OmniTo2WD` to `omni_to2_wd`."""
+    name = _WORD_END.sub(r"\1_\2", name)
+    return _WORD_START.sub(r"\1_\2", name).lower()
+
+
+def module_name(name: str) -> str:
+    """The module or package that rtgen makes for a file's stem or a component."""
+    return identifier(snake_case(_NOT_A_WORD.sub("_", name)))
+
+
+def scope_modules(scope: ScopedName) -> tuple[str, ...]:
+    """The package path below the root package for an IDL module: `("IIS",)` to `("iis",)`."""
+    return tuple(identifier(part.lower()) for part in scope)
