@@ -1,0 +1,139 @@
+"""A data port's write and read in one process, beside `collections.deque` append and popleft.
+
+Run: `python benchmarks/ports.py`. Rounds are interleaved; medians and ratios are printed. The
+deque passes a reference; the port passes a snapshot, through a ring buffer that counts losses.
+"""
+
+from __future__ import annotations
+
+import statistics
+import time
+from collections import deque
+from collections.abc import Callable
+
+from refrobots import iis
+from rtgen.runtime import (
+    RTC_OK,
+    SECOND,
+    Component,
+    ComponentProfile,
+    ReturnCode_t,
+    System,
+)
+
+ROUNDS = 21
+CALLS = 20_000
+
+
+class Idle(Component):
+    """A component whose tick does nothing."""
+
+    profile = ComponentProfile("Idle")
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        return RTC_OK
+
+
+def per_call(function: Callable[[], None]) -> float:
+    """Nanoseconds that one of CALLS repetitions inside `function` takes."""
+    start = time.perf_counter_ns()
+    function()
+    return (time.perf_counter_ns() - start) / CALLS
+
+
+def sample(elements: int) -> iis.TimedVelocity2D:
+    """A TimedVelocity2D with so many ids and errors."""
+    value = iis.TimedVelocity2D(id=list(range(elements)), error=[0.5] * elements)
+    value.data.vx = 0.3
+    return value
+
+
+def port_case(
+    value: iis.TimedVelocity2D, properties: dict[str, str]
+) -> Callable[[], None]:
+    """Write and read over a connection in simulated time."""
+    system = System()
+    writer, reader = Idle("writer"), Idle("reader")
+    out = writer.add_out_port("velocity", iis.TimedVelocity2D)
+    port = reader.add_in_port("InTargetVelocity", iis.TimedVelocity2D)
+    system.add(writer)
+    system.add(reader)
+    system.connect(("writer", "velocity"), ("reader", "InTargetVelocity"), properties)
+
+    def run() -> None:
+        write, read = out.write, port.read
+        for _ in range(CALLS):
+            write(value)
+            read()
+
+    return run
+
+
+def snapshot_case(value: iis.TimedVelocity2D) -> Callable[[], None]:
+    """The snapshot alone."""
+
+    def run() -> None:
+        snapshot = value._snapshot_
+        for _ in range(CALLS):
+            snapshot()
+
+    return run
+
+
+def deque_case(value: iis.TimedVelocity2D) -> Callable[[], None]:
+    """The peer: a bounded deque."""
+    samples: deque[iis.TimedVelocity2D] = deque(maxlen=8)
+
+    def run() -> None:
+        append, popleft = samples.append, samples.popleft
+        for _ in range(CALLS):
+            append(value)
+            popleft()
+
+    return run
+
+
+def scheduler_share() -> float:
+    """Nanoseconds of the scheduler for a tick: empty ticks less the calls of `on_execute`."""
+    system = System()
+    components = [Idle(f"Idle{number}") for number in range(6)]
+    for component in components:
+        system.add(component, 1000.0)
+        system.activate(component.instance_name)
+    system.run(until_ns=SECOND // 1000)
+    ticks = len(components) * 1000
+    start = time.perf_counter_ns()
+    system.run(until_ns=system.time + SECOND)
+    whole = time.perf_counter_ns() - start
+    start = time.perf_counter_ns()
+    for _ in range(1000):
+        for component in components:
+            component.on_execute(0)
+    return (whole - (time.perf_counter_ns() - start)) / ticks
+
+
+def main() -> None:
+    """Prints the table."""
+    cases = {"deque append and popleft": deque_case(sample(0))}
+    for elements in (0, 3):
+        value = sample(elements)
+        label = f"TimedVelocity2D, {elements} ids and errors"
+        cases[f"port write and read, {label}"] = port_case(value, {})
+        cases[f"  of that the snapshot, {label}"] = snapshot_case(value)
+    times: dict[str, list[float]] = {name: [] for name in cases}
+    shares: list[float] = []
+    for _ in range(ROUNDS):
+        for name, case in cases.items():
+            times[name].append(per_call(case))
+        shares.append(scheduler_share())
+    medians = {name: statistics.median(values) for name, values in times.items()}
+    peer = medians["deque append and popleft"]
+    width = max(map(len, medians))
+    for name, median in medians.items():
+        print(f"{name:<{width}}  {median / 1000:7.3f} us  {median / peer:6.1f} x deque")
+    share = statistics.median(shares) / 1000
+    print(f"{'scheduler, for each tick in simulated time':<{width}}  {share:7.3f} us")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,110 @@
+"""Ring buffers between two ports, with OpenRTM's policies for a full and an empty buffer."""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Generic, TypeVar
+
+from rtgen.runtime.guards import SINGLE_THREAD, Guard
+from rtgen.runtime.return_codes import PORT_OK, PortStatus
+
+T = TypeVar("T")
+
+
+class FullPolicy(StrEnum):
+    """What a write to a full buffer does (`dataport.buffer.write.full_policy`)."""
+
+    OVERWRITE = "overwrite"
+    DO_NOTHING = "do_nothing"
+    BLOCK = "block"
+
+
+class EmptyPolicy(StrEnum):
+    """What a read from an empty buffer does (`dataport.buffer.read.empty_policy`)."""
+
+    READBACK = "readback"
+    DO_NOTHING = "do_nothing"
+    BLOCK = "block"
+
+
+@dataclass(frozen=True, slots=True)
+class BufferSettings:
+    """The settings of one end of a connection; timeouts in seconds, used by `block`."""
+
+    length: int = 8
+    full_policy: FullPolicy = FullPolicy.OVERWRITE
+    write_timeout: float = 1.0
+    empty_policy: EmptyPolicy = EmptyPolicy.READBACK
+    read_timeout: float = 1.0
+
+
+class RingBuffer(Generic[T]):
+    """At most `settings.length` samples, oldest first.
+
+    `arrivals` is the order in which the samples of several buffers of one InPort came: the buffer
+    enters itself there once for each sample, so that the port reads the oldest of all. It is
+    None where the port has one connection.
+    """
+
+    __slots__ = ("arrivals", "closed", "guard", "overwritten", "samples", "settings")
+
+    def __init__(self, settings: BufferSettings, guard: Guard = SINGLE_THREAD) -> None:
+        self.settings = settings
+        self.guard = guard
+        self.samples: deque[T] = deque()
+        self.arrivals: deque[RingBuffer[T]] | None = None
+        self.overwritten = 0
+        self.closed = False
+
+    def write(self, value: T) -> PortStatus:
+        """Takes the sample, or answers why not; `block` waits where somebody else can read."""
+        with self.guard:
+            if self.closed:
+                return PortStatus.CONNECTION_LOST
+            if len(self.samples) >= self.settings.length:
+                refusal = self._make_room()
+                if refusal is not None:
+                    return refusal
+            self.samples.append(value)
+            if self.arrivals is not None:
+                self.arrivals.append(self)
+            self.guard.notify_all()
+        return PORT_OK
+
+    def _make_room(self) -> PortStatus | None:
+        policy = self.settings.full_policy
+        if policy is FullPolicy.OVERWRITE:
+            self.overwritten += 1
+            self.take()
+            return None
+        if policy is FullPolicy.DO_NOTHING:
+            return PortStatus.BUFFER_FULL
+        self.guard.wait_for(self._has_room_or_closed, self.settings.write_timeout)
+        if self.closed:
+            return PortStatus.CONNECTION_LOST
+        return (
+            PortStatus.BUFFER_TIMEOUT
+            if len(self.samples) >= self.settings.length
+            else None
+        )
+
+    def _has_room_or_closed(self) -> bool:
+        return self.closed or len(self.samples) < self.settings.length
+
+    def take(self) -> T:
+        """Removes and returns the oldest sample; the caller holds the guard and knows of one."""
+        if self.arrivals is not None:
+            self.arrivals.remove(self)
+        return self.samples.popleft()
+
+    def close(self) -> int:
+        """Wakes whoever waits, drops what is unread and returns how many samples that were."""
+        with self.guard:
+            self.closed = True
+            unread = len(self.samples)
+            while self.samples:
+                self.take()
+            self.guard.notify_all()
+        return unread

@@ -1,0 +1,232 @@
+"""Conversions between Python values and their octets in CDR, where `struct` has none.
+
+Strings are UTF-8; `char` is ISO 8859-1; `wchar` and `wstring` are UTF-16 as omniORB 4.3 sends them
+under GIOP 1.2 (CORBA 3.3 part 2, 9.3.1 and 9.3.2). All raise ValueError or a kin of it for what
+cannot be converted; the codecs turn that into a `CdrError`.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from struct import Struct
+from typing import Any, TypeVar
+
+_T = TypeVar("_T")
+
+
+def text_octets(text: str) -> bytes:
+    """A string as CDR has it, without its NUL. Raises ValueError for NUL and surrogates."""
+    if "\0" in text:
+        raise ValueError("a string cannot hold NUL")
+    return text.encode()
+
+
+def text_value(octets: bytes) -> str:
+    """The string of octets that end with NUL (none at all is taken for an empty string)."""
+    if octets.find(0) != len(octets) - 1:
+        raise ValueError("a string has to end with its only NUL")
+    return octets[:-1].decode()
+
+
+def wide_octets(text: str) -> bytes:
+    """A wstring: UTF-16, little-endian with its mark in either byte order; nothing if empty."""
+    if "\0" in text:
+        raise ValueError("a wstring cannot hold NUL")
+    return b"\xff\xfe" + text.encode("utf-16-le") if text else b""
+
+
+def wide_value(octets: bytes) -> str:
+    """The wstring of octets with a byte-order mark, or without one big-endian (GIOP 1.2)."""
+    mark = octets[:2]
+    if mark == b"\xff\xfe":
+        return _no_nul(octets[2:].decode("utf-16-le"))
+    if mark == b"\xfe\xff":
+        octets = octets[2:]
+    return _no_nul(octets.decode("utf-16-be"))
+
+
+def _no_nul(text: str) -> str:
+    if "\0" in text:
+        raise ValueError("a wstring cannot hold NUL")
+    return text
+
+
+def wide_character(character: str) -> bytes:
+    """A wchar: the number of octets, then one UTF-16 unit, most significant octet first."""
+    octets = character.encode("utf-16-be")
+    if len(octets) != 2:
+        raise ValueError("a wchar is one character of the basic multilingual plane")
+    return b"\x02" + octets
+
+
+def wide_character_value(octets: bytes) -> str:
+    """The character of a wchar."""
+    if octets[0] != 2:
+        raise ValueError(f"a wchar of {octets[0]} octets")
+    return octets[1:].decode("utf-16-be")
+
+
+def quad_octets(value: float, little_endian: bool) -> bytes:
+    """A long double (IEEE 754 binary128) of exactly the value of a float."""
+    bits = int.from_bytes(struct.pack(">d", value))
+    sign, exponent, fraction = bits >> 63, bits >> 52 & 0x7FF, bits & ((1 << 52) - 1)
+    if exponent == 0x7FF:
+        exponent = 0x7FFF
+    elif exponent:
+        exponent += 0x3FFF - 0x3FF
+    elif fraction:
+        shift = 53 - fraction.bit_length()
+        fraction = fraction << shift & ((1 << 52) - 1)
+        exponent = 0x3FFF - 0x3FF + 1 - shift
+    quad = sign << 127 | exponent << 112 | fraction << 60
+    return quad.to_bytes(16, "little" if little_endian else "big")
+
+
+def quad_value(octets: bytes, little_endian: bool) -> float:
+    """The nearest float (ties to even). Raises OverflowError beyond the range of a float."""
+    quad = int.from_bytes(octets, "little" if little_endian else "big")
+    sign, exponent, fraction = (
+        quad >> 127,
+        quad >> 112 & 0x7FFF,
+        quad & ((1 << 112) - 1),
+    )
+    if exponent == 0x7FFF:
+        bits = (
+            sign << 63
+            | 0x7FF << 52
+            | fraction >> 60
+            | (fraction != 0 and not fraction >> 60)
+        )
+        return float(struct.unpack(">d", bits.to_bytes(8))[0])
+    number = fraction | (1 << 112 if exponent else 0)
+    power = max(exponent, 1) - 0x3FFF - 112
+    value = float(number << power) if power >= 0 else number / (1 << -power)
+    return -value if sign else value
+
+
+def fixed_octets(value: Decimal, digits: int, scale: int) -> bytes:
+    """A fixed: decimal digits in half octets, sign last. Raises ValueError if it does not fit."""
+    if not isinstance(value, Decimal) or not value.is_finite():
+        raise TypeError("a fixed is a finite Decimal")
+    sign, figures, exponent = value.as_tuple()
+    assert isinstance(exponent, int)
+    number = int("".join(map(str, figures)))
+    shift = exponent + scale
+    if shift < 0:
+        number, rest = divmod(number, 10**-shift) if -shift < 100 else (0, number)
+        if rest:
+            raise ValueError(f"more than {scale} digits after the point")
+    elif number:
+        if shift > digits:
+            raise ValueError(f"more than {digits} digits")
+        number *= 10**shift
+    text = f"{number:0{digits + 1 - digits % 2}d}"
+    if len(text) > digits + 1 - digits % 2 or (digits % 2 == 0 and text[0] != "0"):
+        raise ValueError(f"more than {digits} digits")
+    return bytes.fromhex(text + ("d" if sign and number else "c"))
+
+
+def fixed_value(octets: bytes, digits: int, scale: int) -> Decimal:
+    """The Decimal of a fixed, with `scale` digits after the point."""
+    text = octets.hex()
+    figures, sign = text[:-1], text[-1]
+    if sign not in "cd" or not figures.isdecimal() or int(figures) >= 10**digits:
+        raise ValueError("not a fixed")
+    return Decimal(
+        (int(sign == "d"), tuple(map(int, figures.lstrip("0") or "0")), -scale)
+    )
+
+
+def exact(items: Sequence[_T], length: int) -> Sequence[_T]:
+    """The items, which have to be that many."""
+    if len(items) != length:
+        raise ValueError(f"{len(items)} items instead of {length}")
+    return items
+
+
+def flat(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
+    """The items of an array of several dimensions, outermost first, in one list."""
+    for depth, length in enumerate(dimensions):
+        if len(items) != length:
+            raise ValueError(f"{len(items)} items instead of {length}")
+        if depth + 1 < len(dimensions):
+            rows = [exact(row, dimensions[depth + 1]) for row in items]
+            return [item for row in rows for item in flat(row, dimensions[depth + 1 :])]
+    return list(items)
+
+
+def nested(items: Sequence[Any], dimensions: Sequence[int]) -> list[Any]:
+    """The array of those dimensions that has the items."""
+    if len(dimensions) == 1:
+        return list(items)
+    step = len(items) // dimensions[0]
+    return [
+        nested(items[i : i + step], dimensions[1:]) for i in range(0, len(items), step)
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectReference:
+    """An object reference (IOR): repository id and tagged profiles (CORBA 3.3 part 2, 7.6.2)."""
+
+    type_id: str = ""
+    profiles: tuple[tuple[int, bytes], ...] = ()
+
+
+_ULONG = (Struct(">I"), Struct("<I"))
+
+
+def write_reference(
+    out: bytearray, reference: ObjectReference | None, little_endian: bool
+) -> None:
+    """Appends a reference; None is nil."""
+    pack = _ULONG[bool(little_endian)].pack
+    type_id = b"" if reference is None else text_octets(reference.type_id)
+    profiles = () if reference is None else reference.profiles
+    out += bytes(-len(out) % 4) + pack(len(type_id) + 1) + type_id + b"\0"
+    out += bytes(-len(out) % 4) + pack(len(profiles))
+    for tag, octets in profiles:
+        out += bytes(-len(out) % 4) + pack(tag) + pack(len(octets)) + octets
+
+
+def read_reference(
+    data: bytes | bytearray | memoryview, offset: int, little_endian: bool
+) -> tuple[ObjectReference | None, int]:
+    """The reference at `offset` (None for nil) and the offset behind it."""
+    unpack = _ULONG[bool(little_endian)].unpack_from
+
+    def octets() -> bytes:
+        nonlocal offset
+        offset += -offset % 4
+        (length,) = unpack(data, offset)
+        offset += 4
+        if length > len(data) - offset:
+            raise ValueError(f"{length} octets, and {len(data) - offset} are left")
+        offset += length
+        return bytes(data[offset - length : offset])
+
+    type_id = text_value(octets())
+    offset += -offset % 4
+    (count,) = unpack(data, offset)
+    offset += 4
+    if count * 8 > len(data) - offset:
+        raise ValueError(f"{count} profiles, and {len(data) - offset} octets are left")
+    profiles = []
+    for _ in range(count):
+        offset += -offset % 4
+        (tag,) = unpack(data, offset)
+        offset += 4
+        profiles.append((tag, octets()))
+    if not profiles:
+        return None, offset
+    return ObjectReference(type_id, tuple(profiles)), offset
+
+
+def flags_number(value: int, bound: int) -> int:
+    """The number of a bitmask, which has that many bits."""
+    if not 0 <= value < 1 << bound:
+        raise ValueError(f"{value} has more than {bound} bits")
+    return int(value)

@@ -1,0 +1,70 @@
+"""The two clocks: simulated time, which the scheduler sets, and real time."""
+
+from __future__ import annotations
+
+import threading
+import time
+from abc import ABC, abstractmethod
+
+from rtgen.runtime.guards import SINGLE_THREAD, Guard
+
+SECOND = 1_000_000_000
+"""Nanoseconds in a second."""
+
+
+def period_of(rate_hz: float) -> int:
+    """The period of a rate in whole nanoseconds, at least 1."""
+    return max(1, round(SECOND / rate_hz))
+
+
+class Clock(ABC):
+    """Where a system's time comes from; all times are integer nanoseconds."""
+
+    @abstractmethod
+    def now(self) -> int:
+        """What components see and stamp: simulated from 0, real UTC since 1970."""
+
+    @abstractmethod
+    def elapsed(self) -> int:
+        """Time since the system started to run; what schedules and records go by."""
+
+    @abstractmethod
+    def guard(self) -> Guard:
+        """A new guard for a port of a system on this clock."""
+
+
+class SimulatedClock(Clock):
+    """Time that stands still until the scheduler moves it on, from 0."""
+
+    def __init__(self) -> None:
+        self.time = 0
+
+    def now(self) -> int:
+        return self.time
+
+    def elapsed(self) -> int:
+        return self.time
+
+    def guard(self) -> Guard:
+        return SINGLE_THREAD
+
+
+class RealClock(Clock):
+    """The machine's monotonic clock, set to UTC once: it never jumps, and has no leap backwards."""
+
+    def __init__(self) -> None:
+        self._start = time.monotonic_ns()
+        self._utc_offset = time.time_ns() - self._start
+
+    def restart(self) -> None:
+        """Makes this the instant from which `elapsed` counts."""
+        self._start = time.monotonic_ns()
+
+    def now(self) -> int:
+        return time.monotonic_ns() + self._utc_offset
+
+    def elapsed(self) -> int:
+        return time.monotonic_ns() - self._start
+
+    def guard(self) -> Guard:
+        return threading.Condition()

@@ -1,0 +1,303 @@
+"""The base of every component: callbacks, ports, configuration, and its execution contexts."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
+
+from rtgen.runtime.callbacks import log, succeeds
+from rtgen.runtime.clocks import SECOND, Clock, SimulatedClock
+from rtgen.runtime.configuration import ConfigurationSets
+from rtgen.runtime.data_ports import InPort, OutPort
+from rtgen.runtime.descriptors import DataType
+from rtgen.runtime.errors import DuplicatePortError
+from rtgen.runtime.life_cycle import TRANSITIONS, Request
+from rtgen.runtime.profiles import ComponentProfile
+from rtgen.runtime.return_codes import (
+    CREATED_STATE,
+    INACTIVE_STATE,
+    PRECONDITION_NOT_MET,
+    RTC_ERROR,
+    RTC_OK,
+    ReturnCode_t,
+)
+from rtgen.runtime.service_ports import Consumer, Provider
+from rtgen.runtime.services import Servant
+
+if TYPE_CHECKING:
+    from rtgen.runtime.execution_context import ExecutionContext
+
+T = TypeVar("T", bound=DataType)
+S = TypeVar("S", bound=Servant)
+C = TypeVar("C")
+P = TypeVar("P")
+
+FIRST_FOREIGN_HANDLE = 1000
+"""Handles of contexts that a component does not own count from here, as in OpenRTM."""
+
+
+class Time(Protocol):
+    """The members of `RTC::Time`."""
+
+    sec: int
+    nsec: int
+
+
+class Timed(Protocol):
+    """A sample with a time stamp: any struct with a member `tm` of type `RTC::Time`."""
+
+    @property
+    def tm(self) -> Time: ...
+
+
+class Component:
+    """A component (OMG RTC 1.0, 5.2.2.2 and 5.3.1). Generated bases derive from it.
+
+    Every callback returns a `ReturnCode_t`; anything but RTC_OK, None too, and every exception
+    counts as a failure. What a failure leads to says `docs/life-cycle.md`.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile("Component")
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        self.instance_name = instance_name or f"{self.profile.type_name}0"
+        self.folder = Path()
+        """Where relative file names in parameters start: the folder of the system file."""
+        self.observables: dict[str, Callable[[], Sequence[float]]] = {}
+        """What the component shows of its inside to reports and tests, by name."""
+        self.reason = ""
+        """Why the last callback failed, in ERROR why it got there; empty after a reset."""
+        self.in_ports: dict[str, InPort[Any]] = {}
+        self.out_ports: dict[str, OutPort[Any]] = {}
+        self.providers: dict[tuple[str, str], Provider[Any]] = {}
+        """By service port and instance, as `consumers`."""
+        self.consumers: dict[tuple[str, str], Consumer[Any]] = {}
+        self._chores: deque[Callable[[], None]] = deque()
+        self.configuration_sets = ConfigurationSets(
+            self.instance_name, self._at_end_of_cycle
+        )
+        self._clock: Clock = SimulatedClock()
+        self._alive = False
+        self._failing = ""
+        self._active_contexts = 0
+        self._contexts: dict[int, ExecutionContext] = {}
+        self._turn = threading.RLock()
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.instance_name}>"
+
+    # Ports and configuration, added by the constructor of a generated base.
+
+    def add_in_port(self, name: str, type_: type[T]) -> InPort[T]:
+        """Adds an InPort. Raises DuplicatePortError if there is one of that name."""
+        return self._add(self.in_ports, name, InPort(name, type_, self.instance_name))
+
+    def add_out_port(self, name: str, type_: type[T]) -> OutPort[T]:
+        """Adds an OutPort, whose name an InPort may have too. Raises DuplicatePortError."""
+        return self._add(self.out_ports, name, OutPort(name, type_, self.instance_name))
+
+    def add_provider(
+        self, port: str, instance: str, interface: Callable[..., S]
+    ) -> Provider[S]:
+        """Adds a provided interface to a service port. Raises DuplicatePortError.
+
+        `interface` is its servant class; declared as a callable, since type checkers take no
+        abstract class for `type[S]`.
+        """
+        provider = Provider(port, instance, cast("type[S]", interface), self)
+        return self._add(self.providers, (port, instance), provider)
+
+    def add_consumer(
+        self, port: str, instance: str, interface: Callable[..., S]
+    ) -> Consumer[S]:
+        """Adds a required interface, as `add_provider`. Raises DuplicatePortError."""
+        consumer = Consumer(
+            port, instance, cast("type[S]", interface), self.instance_name
+        )
+        return self._add(self.consumers, (port, instance), consumer)
+
+    def add_configuration(self, values: C) -> C:
+        """Makes the fields of `values` the parameters of the profile; they hold the defaults."""
+        self.configuration_sets.bind(values, self.profile.configuration)
+        return values
+
+    def _add(self, ports: dict[Any, P], key: object, port: P) -> P:
+        if key in ports:
+            raise DuplicatePortError(f"{self.instance_name} has a port {port} already")
+        ports[key] = port
+        return port
+
+    # Callbacks (ComponentAction and DataFlowComponentAction).
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Called once, when the component joins a system; a failure keeps it out."""
+        return RTC_OK
+
+    def on_finalize(self) -> ReturnCode_t:
+        """Called once, when the component leaves."""
+        return RTC_OK
+
+    def on_startup(self, ec_id: int) -> ReturnCode_t:
+        """Called when an execution context starts; a failure is logged."""
+        return RTC_OK
+
+    def on_shutdown(self, ec_id: int) -> ReturnCode_t:
+        """Called when an execution context stops; a failure is logged."""
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Called on the way from INACTIVE to ACTIVE; a failure leads to ERROR."""
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Called on the way from ACTIVE to INACTIVE; a failure is logged."""
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Called when ERROR is entered; a failure is logged."""
+        return RTC_OK
+
+    def on_error(self, ec_id: int) -> ReturnCode_t:
+        """Called at every tick in ERROR; a failure is logged."""
+        return RTC_OK
+
+    def on_reset(self, ec_id: int) -> ReturnCode_t:
+        """Called on the way from ERROR to INACTIVE; after a failure it stays in ERROR."""
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Called at every tick while ACTIVE; a failure leads to ERROR."""
+        return RTC_OK
+
+    def on_state_update(self, ec_id: int) -> ReturnCode_t:
+        """Called at every tick while ACTIVE, after `on_execute`; a failure leads to ERROR."""
+        return RTC_OK
+
+    def on_rate_changed(self, ec_id: int) -> ReturnCode_t:
+        """Called at the tick after the context's rate was set; a failure leads to ERROR."""
+        return RTC_OK
+
+    # What a callback may use.
+
+    def now(self) -> int:
+        """The runtime's time in ns: simulated from 0, real as UTC since 1970."""
+        return self._clock.now()
+
+    def stamp(self, sample: Timed) -> None:
+        """Fills `sample.tm` from `now`."""
+        time = sample.tm
+        time.sec, time.nsec = divmod(self._clock.now(), SECOND)
+
+    def fail(self, reason: str) -> ReturnCode_t:
+        """Notes why a callback fails; returns RTC_ERROR, to be returned by the callback."""
+        self._failing = reason
+        return RTC_ERROR
+
+    @property
+    def lost(self) -> int:
+        """Samples that were lost on the way to the component's InPorts."""
+        return sum(port.lost for port in self.in_ports.values())
+
+    @property
+    def is_active(self) -> bool:
+        """Whether the component is ACTIVE in any of its contexts: its services answer then."""
+        return self._active_contexts > 0
+
+    # LightweightRTObject.
+
+    def initialize(self) -> ReturnCode_t:
+        """CREATED to INACTIVE by `on_initialize`. PRECONDITION_NOT_MET if it is alive already."""
+        if self._alive:
+            return PRECONDITION_NOT_MET
+        self.configuration_sets.apply()
+        row = TRANSITIONS[CREATED_STATE, Request.INITIALIZE]
+        self._alive = succeeds(self, row.callback)
+        return RTC_OK if self._alive else RTC_ERROR
+
+    def finalize(self) -> ReturnCode_t:
+        """Ends the component's life by `on_finalize`.
+
+        PRECONDITION_NOT_MET if it is not alive or still participates in a context.
+        """
+        if not self._alive or self._contexts:
+            return PRECONDITION_NOT_MET
+        self._alive = False
+        row = TRANSITIONS[INACTIVE_STATE, Request.FINALIZE]
+        return RTC_OK if succeeds(self, row.callback) else RTC_ERROR
+
+    def exit(self) -> ReturnCode_t:
+        """Stops the contexts it owns, leaves all contexts, deactivated if need be, and finalizes.
+
+        PRECONDITION_NOT_MET if it is not alive.
+        """
+        if not self._alive:
+            return PRECONDITION_NOT_MET
+        for context in list(self._contexts.values()):
+            context._expel(self)
+        return self.finalize()
+
+    def is_alive(self, context: ExecutionContext | None = None) -> bool:
+        """Whether it is initialized and not finalized; with a context, whether it takes part."""
+        return self._alive and (context is None or context in self._contexts.values())
+
+    def attach_context(self, context: ExecutionContext) -> int:
+        """Notes a context, for `ExecutionContext.add_component`; returns its handle, the `ec_id`.
+
+        Own contexts count from 0, foreign ones from 1000.
+        """
+        handle = 0 if context.owner is self else FIRST_FOREIGN_HANDLE
+        while handle in self._contexts:
+            handle += 1
+        self._contexts[handle] = context
+        return handle
+
+    def detach_context(self, handle: int) -> ReturnCode_t:
+        """Forgets a context, for `ExecutionContext.remove_component`. BAD_PARAMETER if unknown."""
+        known = self._contexts.pop(handle, None) is not None
+        return RTC_OK if known else ReturnCode_t.BAD_PARAMETER
+
+    def get_context(self, handle: int) -> ExecutionContext | None:
+        """The context of a handle, None if there is none."""
+        return self._contexts.get(handle)
+
+    def get_context_handle(self, context: ExecutionContext) -> int:
+        """The handle of a context, -1 if the component does not take part in it."""
+        handles = (
+            handle for handle, known in self._contexts.items() if known is context
+        )
+        return next(handles, -1)
+
+    def get_owned_contexts(self) -> list[ExecutionContext]:
+        """The contexts that belong to the component."""
+        return [context for context in self._contexts.values() if context.owner is self]
+
+    def get_participating_contexts(self) -> list[ExecutionContext]:
+        """The contexts of others that the component takes part in."""
+        return [
+            context for context in self._contexts.values() if context.owner is not self
+        ]
+
+    # For the runtime.
+
+    def _join(self, clock: Clock) -> None:
+        self._clock = clock
+        for port in self.in_ports.values():
+            port._protect(clock.guard())
+
+    def _at_end_of_cycle(self, chore: Callable[[], None]) -> None:
+        self._chores.append(chore)
+
+    def _do_chores(self) -> None:
+        chores = self._chores
+        for _ in range(len(chores)):
+            chores.popleft()()
+
+    def _note_failure(self, callback: str, what: str, *, forced: bool = False) -> None:
+        told, self._failing = self._failing, ""
+        reason = told if told and not forced else f"{callback}: {what}"
+        if callback not in ("on_aborting", "on_error"):
+            self.reason = reason
+        log.warning("%s: %s", self.instance_name, reason)

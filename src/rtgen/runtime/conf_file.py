@@ -1,0 +1,101 @@
+"""`.conf` files of components: `key: value` lines as OpenRTM reads them."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtgen.runtime.errors import ConfFileError
+
+_LINE = re.compile(r"(?P<key>[^:=\s]+)\s*[:=](?P<value>.*)", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class ConfFile:
+    """What a `.conf` file says; `sets` maps set id to parameter to text.
+
+    `others` holds the keys that mean nothing here, such as `logger.enable`. The sets whose names
+    begin with two underscores (`__widget__`, `__constraints__`, `__type__`) inform tools only,
+    and are among them.
+    """
+
+    sets: dict[str, dict[str, str]] = field(default_factory=dict)
+    active_set: str | None = None
+    rate: float | None = None
+    others: dict[str, str] = field(default_factory=dict)
+
+
+def read(path: Path) -> ConfFile:
+    """Reads a file in UTF-8. Raises ConfFileError, which names file, line and reason."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError:
+        raise ConfFileError(f"{path}: the file is not UTF-8 text") from None
+    except OSError as error:
+        raise ConfFileError(f"{path}: {error.strerror or error}") from error
+    return parse(text, str(path))
+
+
+def parse(text: str, name: str = "<conf>") -> ConfFile:
+    """Reads the text of a `.conf` file; `name` stands in messages. Raises ConfFileError.
+
+    `#` begins a comment line, a trailing backslash joins the next line, the key ends at the first
+    `:` or `=`; a key given twice takes its last value.
+    """
+    conf = ConfFile()
+    active_set, rate = conf.active_set, conf.rate
+    for number, line in _logical_lines(text):
+        match = _LINE.fullmatch(line)
+        if match is None:
+            raise ConfFileError(
+                f"{name}:{number}: this is not of the form `key: value`"
+            )
+        key, value = match["key"], match["value"].strip()
+        parts = key.split(".", 2)
+        if parts[0] == "conf" and not key.startswith("conf.__"):
+            if len(parts) < 3 or not all(parts):
+                raise ConfFileError(
+                    f"{name}:{number}: {key!r} is not of the form conf.<set>.<parameter>"
+                )
+            conf.sets.setdefault(parts[1], {})[parts[2]] = value
+        elif key == "configuration.active_config":
+            active_set = value
+        elif key == "exec_cxt.periodic.rate":
+            rate = _rate(value, f"{name}:{number}")
+        else:
+            conf.others[key] = value
+    return ConfFile(conf.sets, active_set, rate, conf.others)
+
+
+def _logical_lines(text: str) -> list[tuple[int, str]]:
+    """The lines that say something, joined at backslashes, with their first line's number."""
+    lines: list[tuple[int, str]] = []
+    joined, start = "", 0
+    for number, raw in enumerate(text.lstrip("\ufeff").splitlines(), 1):
+        line = raw.strip()
+        if not joined:
+            start = number
+            if not line or line.startswith("#"):
+                continue
+        if line.endswith("\\"):
+            joined += line[:-1].rstrip()
+            continue
+        lines.append((start, joined + line))
+        joined = ""
+    if joined:
+        lines.append((start, joined))
+    return lines
+
+
+def _rate(text: str, place: str) -> float:
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = math.nan
+    if not (math.isfinite(rate) and rate > 0.0):
+        raise ConfFileError(
+            f"{place}: the rate {text!r} must be a number of Hz above 0"
+        )
+    return rate

@@ -1,0 +1,133 @@
+"""Configuration sets: texts checked when they come, values changed between two cycles only."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rtgen.runtime.conf_file import ConfFile
+from rtgen.runtime.errors import UnknownConfigurationSetError, UnknownParameterError
+from rtgen.runtime.parameter_values import Converter
+from rtgen.runtime.profiles import ParameterProfile
+
+DEFAULT_SET = "default"
+
+
+class ConfigurationSets:
+    """The configuration sets of one component.
+
+    A set holds some parameters and takes the rest from the set `default`, that one from the
+    definition. What is set or activated reaches the configuration object by `apply`: before
+    `on_initialize` and `on_activated`, and at the end of each cycle; so no callback ever sees half
+    of a change. `schedule` is told to call `apply` at the end of the next cycle.
+    """
+
+    def __init__(
+        self, owner: str, schedule: Callable[[Callable[[], None]], None]
+    ) -> None:
+        self.rate: float | None = None
+        """Rate in Hz that a `.conf` file gave (`exec_cxt.periodic.rate`)."""
+        self._owner = owner
+        self._schedule = schedule
+        self._target: object = None
+        self._converters: dict[str, Converter] = {}
+        # Replaced as a whole by every change, since another thread may be applying them.
+        self._texts: dict[str, dict[str, str]] = {DEFAULT_SET: {}}
+        self._lock = threading.Lock()
+        self._initial: dict[str, Any] = {}
+        self._applied: dict[str, Any] = {}
+        self._active = DEFAULT_SET
+
+    def bind(self, target: object, profiles: tuple[ParameterProfile, ...]) -> None:
+        """Makes `target` the object whose fields the parameters are; its values are defaults."""
+        self._target = target
+        for profile in profiles:
+            value = getattr(target, profile.python_name)
+            self._converters[profile.name] = Converter(profile, value)
+            self._initial[profile.name] = value
+        self._applied = dict(self._initial)
+
+    @property
+    def active(self) -> str:
+        """Id of the active set."""
+        return self._active
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Ids of all sets, `default` first."""
+        return tuple(self._texts)
+
+    @property
+    def parameters(self) -> tuple[ParameterProfile, ...]:
+        """The parameters, in the order of the definition."""
+        return tuple(converter.profile for converter in self._converters.values())
+
+    def texts(self, set_id: str = DEFAULT_SET) -> Mapping[str, str]:
+        """The texts of a set, filled up from `default`. Raises UnknownConfigurationSetError."""
+        self._require(set_id, self._texts)
+        defaults = {profile.name: profile.default for profile in self.parameters}
+        return defaults | self._texts[DEFAULT_SET] | self._texts[set_id]
+
+    def set(self, parameter: str, text: str, set_id: str = DEFAULT_SET) -> None:
+        """Sets a parameter in a set, which comes into being if need be.
+
+        Raises UnknownParameterError or ParameterValueError; the old value stays then.
+        """
+        self.check(parameter, text)
+        with self._lock:
+            values = self._texts.get(set_id, {}) | {parameter: text}
+            self._texts = self._texts | {set_id: values}
+        self._schedule(self.apply)
+
+    def check(self, parameter: str, text: str) -> None:
+        """Raises what `set` would raise, and sets nothing."""
+        if parameter not in self._converters:
+            known = ", ".join(self._converters) or "none"
+            raise UnknownParameterError(
+                f"{self._owner} has no configuration parameter {parameter!r}; known: {known}"
+            )
+        self._converters[parameter](text)
+
+    def activate(self, set_id: str) -> None:
+        """Makes a set the active one. Raises UnknownConfigurationSetError."""
+        self._require(set_id, self._texts)
+        self._active = set_id
+        self._schedule(self.apply)
+
+    def load(self, conf: ConfFile) -> None:
+        """Takes over values, active set and rate of a `.conf` file, all or nothing.
+
+        Raises UnknownParameterError, ParameterValueError or UnknownConfigurationSetError.
+        """
+        for values in conf.sets.values():
+            for parameter, text in values.items():
+                self.check(parameter, text)
+        if conf.active_set is not None:
+            self._require(conf.active_set, {**self._texts, **conf.sets})
+        for set_id, values in conf.sets.items():
+            for parameter, text in values.items():
+                self.set(parameter, text, set_id)
+        if conf.active_set is not None:
+            self.activate(conf.active_set)
+        if conf.rate is not None:
+            self.rate = conf.rate
+
+    def apply(self) -> None:
+        """Brings the values that changed since the last time into the configuration object."""
+        # In this order: a set that is active was there before it became so.
+        active, texts = self._active, self._texts
+        effective = texts[DEFAULT_SET] | texts[active]
+        for name, converter in self._converters.items():
+            text = effective.get(name)
+            value = self._initial[name] if text is None else converter(text)
+            if value != self._applied[name]:
+                self._applied[name] = value
+                own = list(value) if isinstance(value, list) else value
+                setattr(self._target, converter.profile.python_name, own)
+
+    def _require(self, set_id: str, known: Mapping[str, object]) -> None:
+        if set_id not in known:
+            raise UnknownConfigurationSetError(
+                f"{self._owner} has no configuration set {set_id!r}; known: {', '.join(known)}"
+            )

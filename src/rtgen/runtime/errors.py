@@ -1,0 +1,87 @@
+"""Every error that the runtime raises, under one base class."""
+
+from __future__ import annotations
+
+
+class RtcError(Exception):
+    """Base of all errors of the runtime but those of service calls (`rtgen.runtime.services`)."""
+
+
+class InitializationError(RtcError):
+    """`on_initialize` failed, so the component cannot be added to a system."""
+
+
+class DuplicateInstanceError(RtcError):
+    """A system has a component of that instance name already."""
+
+
+class UnknownComponentError(RtcError):
+    """A system has no component of that instance name."""
+
+
+class ConnectError(RtcError):
+    """Two ports cannot be connected; the subclasses say why."""
+
+
+class UnknownPortError(ConnectError):
+    """The component has no port of that name."""
+
+
+class PolarityError(ConnectError):
+    """The ports do not complement each other, such as two OutPorts or two providers."""
+
+
+class PortTypeError(ConnectError):
+    """The data types or interfaces of the two ends differ; the message shows both."""
+
+
+class DuplicateConnectionError(ConnectError):
+    """The two ports are connected already, or a connection of that name exists."""
+
+
+class ConnectionLimitError(ConnectError):
+    """One more connection would exceed `dataport.fan_in` or `dataport.fan_out`."""
+
+
+class ConnectorPropertyError(ConnectError):
+    """A connector property is unknown, ill-typed, or contradicts another."""
+
+
+class UnknownConnectionError(RtcError):
+    """There is no connection of that name, or it is cut already."""
+
+
+class UnknownObservableError(RtcError):
+    """The component shows no observable of that name."""
+
+
+class ConfigurationError(RtcError):
+    """Base of the errors about configuration parameters and sets."""
+
+
+class UnknownParameterError(ConfigurationError):
+    """The component has no configuration parameter of that name."""
+
+
+class UnknownConfigurationSetError(ConfigurationError):
+    """The component has no configuration set of that id."""
+
+
+class ParameterValueError(ConfigurationError):
+    """A text does not convert to the parameter's type, or breaks its range or constraint."""
+
+
+class ConfFileError(ConfigurationError):
+    """A `.conf` file cannot be read: the message gives file, line and reason."""
+
+
+class SampleTypeError(RtcError, TypeError):
+    """A sample of another class than the port's was written."""
+
+
+class DuplicatePortError(RtcError):
+    """A component has a port of that name and kind already."""
+
+
+class RateError(RtcError, ValueError):
+    """A rate is not a number of Hz above 0."""

@@ -1,0 +1,395 @@
+"""Execution contexts: whose tick it is, and what the tick does to each participant."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable
+from typing import Protocol
+
+from rtgen.runtime.callbacks import is_ok, log, note_answer, note_exception, succeeds
+from rtgen.runtime.clocks import period_of
+from rtgen.runtime.component import Component
+from rtgen.runtime.errors import RateError
+from rtgen.runtime.life_cycle import TRANSITIONS, Request
+from rtgen.runtime.return_codes import (
+    ACTIVE_STATE,
+    BAD_PARAMETER,
+    CREATED_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    PRECONDITION_NOT_MET,
+    RTC_OK,
+    ExecutionKind,
+    LifeCycleState,
+    ReturnCode_t,
+)
+
+
+class Driver(Protocol):
+    """Whoever calls a context's `cycle` in time; it is told what it has to know."""
+
+    def started(self, context: ExecutionContext) -> None: ...
+
+    def stopped(self, context: ExecutionContext) -> None:
+        """Returns when no tick is under way any more (unless the tick itself asks)."""
+
+    def rate_changed(self, context: ExecutionContext) -> None: ...
+
+    def cycle_changed(self, context: ExecutionContext) -> None: ...
+
+
+class Undriven:
+    """A driver that does nothing: somebody calls `ExecutionContext.tick`."""
+
+    def started(self, context: ExecutionContext) -> None:
+        return None
+
+    def stopped(self, context: ExecutionContext) -> None:
+        return None
+
+    def rate_changed(self, context: ExecutionContext) -> None:
+        return None
+
+    def cycle_changed(self, context: ExecutionContext) -> None:
+        return None
+
+
+StateListener = Callable[["Participant", LifeCycleState, LifeCycleState], None]
+
+
+class Participant:
+    """A component in a context: its state there, and the requests that wait for the next tick."""
+
+    __slots__ = (
+        "_chores",
+        "_requests",
+        "_updates",
+        "component",
+        "context",
+        "handle",
+        "state",
+        "ticks",
+    )
+
+    def __init__(self, component: Component, context: ExecutionContext) -> None:
+        self.component = component
+        self.context = context
+        self.handle = component.attach_context(context)
+        self.state = INACTIVE_STATE
+        self.ticks = 0
+        """How often `on_execute` was called."""
+        self._requests: deque[Request] = deque()
+        self._chores = component._chores
+        own = getattr(component.on_state_update, "__func__", None)
+        self._updates = own is not Component.on_state_update
+
+    def request(self, request: Request) -> ReturnCode_t:
+        """Notes a legal request for the next tick; PRECONDITION_NOT_MET for an illegal one."""
+        if (self.state, request) not in TRANSITIONS:
+            return PRECONDITION_NOT_MET
+        if request not in self._requests:
+            self._requests.append(request)
+        return RTC_OK
+
+    def cycle(self) -> None:
+        """A whole tick, where this is the only participant."""
+        if not (self._requests and self.carry_out_requests()):
+            if self.state is ACTIVE_STATE:
+                self.ticks += 1
+                try:
+                    code = self.component.on_execute(self.handle)
+                except Exception as error:
+                    self._abort("on_execute", error)
+                else:
+                    if code is not RTC_OK and not is_ok(code):
+                        self._abort("on_execute", code)
+                    elif self._updates:
+                        self.update()
+            elif self.state is ERROR_STATE:
+                succeeds(self.component, "on_error", self.handle)
+        if self._chores:
+            self.component._do_chores()
+
+    def carry_out_requests(self) -> bool:
+        """The first phase of a tick; True if it led into ERROR, where the tick ends."""
+        before = self.state
+        for _ in range(len(self._requests)):
+            self.carry_out(self._requests.popleft())
+        return self.state is ERROR_STATE and before is not ERROR_STATE
+
+    def execute(self) -> None:
+        """The second phase of a tick."""
+        if self.state is ACTIVE_STATE:
+            self.ticks += 1
+        row = TRANSITIONS.get((self.state, Request.EXECUTE))
+        if row is not None and not succeeds(self.component, row.callback, self.handle):
+            self.enter(row.failure)
+
+    def update(self) -> None:
+        """The third phase of a tick."""
+        row = TRANSITIONS.get((self.state, Request.STATE_UPDATE))
+        if row is not None and not succeeds(self.component, row.callback, self.handle):
+            self.enter(row.failure)
+
+    def finish(self) -> None:
+        """The end of a tick: deliveries and configuration that were put off till now."""
+        if self._chores:
+            self.component._do_chores()
+
+    def carry_out(self, request: Request) -> None:
+        """Does now what a legal request asks for; ignores one that has become illegal."""
+        row = TRANSITIONS.get((self.state, request))
+        if row is None:
+            log.warning("%s: %s came too late", self.component.instance_name, request)
+            return
+        if request is Request.ACTIVATE:
+            self.component.configuration_sets.apply()
+        done = succeeds(self.component, row.callback, self.handle)
+        self.enter(row.success if done else row.failure)
+
+    def enter(self, state: LifeCycleState) -> None:
+        """Changes the state, and calls `on_aborting` on the way into ERROR."""
+        before = self.state
+        if state is before:
+            return
+        self.state = state
+        self.component._active_contexts += (state is ACTIVE_STATE) - (
+            before is ACTIVE_STATE
+        )
+        if before is ERROR_STATE:
+            self.component.reason = ""
+        self.context._tell(self, before, state)
+        if state is ERROR_STATE:
+            succeeds(self.component, "on_aborting", self.handle)
+
+    def _abort(self, callback: str, what: object) -> None:
+        if isinstance(what, Exception):
+            note_exception(self.component, callback, what)
+        else:
+            note_answer(self.component, callback, what)
+        self.enter(ERROR_STATE)
+
+
+class ExecutionContext:
+    """An execution context (OMG RTC 1.0, 5.2.2.6) of PERIODIC kind unless told otherwise.
+
+    Activation, deactivation, reset and rate change are requests: they are answered at once and
+    carried out at the next tick, so that callbacks never run outside of a tick. Each phase of a
+    tick runs over all participants before the next: requests, `on_execute` (or `on_error`),
+    `on_state_update`, and what was put off to the end of the cycle.
+    """
+
+    def __init__(
+        self,
+        rate_hz: float = 1000.0,
+        *,
+        owner: Component | None = None,
+        kind: ExecutionKind = ExecutionKind.PERIODIC,
+        driver: Driver | None = None,
+        listener: StateListener | None = None,
+    ) -> None:
+        self.owner = owner
+        self.overruns = 0
+        """Instants at which no tick could begin, because one was still running (real time)."""
+        self.cycle: Callable[[], None] = self._cycle_of_all
+        """One tick, whether the context runs or not: for the driver."""
+        self._rate = _checked_rate(rate_hz)
+        self._kind = kind
+        self._running = False
+        self._driver: Driver = driver or Undriven()
+        self._listener = listener
+        self._participants: tuple[Participant, ...] = ()
+
+    @property
+    def period(self) -> int:
+        """The period in whole nanoseconds."""
+        return period_of(self._rate)
+
+    @property
+    def participants(self) -> tuple[Participant, ...]:
+        """The participants, in the order in which they were added."""
+        return self._participants
+
+    def tick(self) -> ReturnCode_t:
+        """One tick now, for a context that nothing else drives. PRECONDITION_NOT_MET if stopped."""
+        if not self._running:
+            return PRECONDITION_NOT_MET
+        self.cycle()
+        return RTC_OK
+
+    def is_running(self) -> bool:
+        """Whether the context is started."""
+        return self._running
+
+    def start(self) -> ReturnCode_t:
+        """Calls every `on_startup`, then ticks begin. PRECONDITION_NOT_MET if it runs already."""
+        if self._running:
+            return PRECONDITION_NOT_MET
+        for participant in self._participants:
+            participant.carry_out(Request.STARTUP)
+        self._running = True
+        self._driver.started(self)
+        return RTC_OK
+
+    def stop(self) -> ReturnCode_t:
+        """Ends the ticks, then calls every `on_shutdown`; states stay as they are.
+
+        PRECONDITION_NOT_MET if it is stopped already.
+        """
+        if not self._running:
+            return PRECONDITION_NOT_MET
+        self._running = False
+        self._driver.stopped(self)
+        for participant in self._participants:
+            participant.carry_out(Request.SHUTDOWN)
+        return RTC_OK
+
+    def get_rate(self) -> float:
+        """The rate in Hz."""
+        return self._rate
+
+    def set_rate(self, rate: float) -> ReturnCode_t:
+        """Sets the rate in Hz; `on_rate_changed` follows at the next tick.
+
+        The next tick comes one new period after the last, or now if that has passed.
+        BAD_PARAMETER for a rate that is not above 0.
+        """
+        if not _is_rate(rate):
+            return BAD_PARAMETER
+        self._rate = float(rate)
+        for participant in self._participants:
+            participant.request(Request.RATE_CHANGE)
+        self._driver.rate_changed(self)
+        return RTC_OK
+
+    def get_kind(self) -> ExecutionKind:
+        """The kind."""
+        return self._kind
+
+    def add_component(self, component: Component) -> ReturnCode_t:
+        """Makes a component a participant, INACTIVE; `on_startup` follows if the context runs.
+
+        PRECONDITION_NOT_MET if it is not initialized, or takes part already.
+        """
+        if not component.is_alive() or self._find(component) is not None:
+            return PRECONDITION_NOT_MET
+        participant = Participant(component, self)
+        if self._running:
+            participant.carry_out(Request.STARTUP)
+        self._set_participants((*self._participants, participant))
+        return RTC_OK
+
+    def remove_component(self, component: Component) -> ReturnCode_t:
+        """Ends a participation; `on_shutdown` is called before if the context runs.
+
+        BAD_PARAMETER if it takes no part, PRECONDITION_NOT_MET while it is ACTIVE.
+        """
+        participant = self._find(component)
+        if participant is None:
+            return BAD_PARAMETER
+        if participant.state is ACTIVE_STATE:
+            return PRECONDITION_NOT_MET
+        self._set_participants(
+            tuple(p for p in self._participants if p is not participant)
+        )
+        if self._running:
+            participant.carry_out(Request.SHUTDOWN)
+        return component.detach_context(participant.handle)
+
+    def activate_component(self, component: Component) -> ReturnCode_t:
+        """Requests ACTIVE. BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: not INACTIVE."""
+        return self._request(component, Request.ACTIVATE)
+
+    def deactivate_component(self, component: Component) -> ReturnCode_t:
+        """Requests INACTIVE. BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: not ACTIVE."""
+        return self._request(component, Request.DEACTIVATE)
+
+    def reset_component(self, component: Component) -> ReturnCode_t:
+        """Requests INACTIVE. BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: not in ERROR."""
+        return self._request(component, Request.RESET)
+
+    def get_component_state(self, component: Component) -> LifeCycleState:
+        """The component's state here; CREATED if it takes no part."""
+        participant = self._find(component)
+        return CREATED_STATE if participant is None else participant.state
+
+    def _request(self, component: Component, request: Request) -> ReturnCode_t:
+        participant = self._find(component)
+        return BAD_PARAMETER if participant is None else participant.request(request)
+
+    def _find(self, component: Component) -> Participant | None:
+        found = (p for p in self._participants if p.component is component)
+        return next(found, None)
+
+    def _expel(self, component: Component) -> None:
+        """Ends a participation whatever the state, for a component that exits.
+
+        If it owns the context, that stops for all.
+        """
+        participant = self._find(component)
+        if participant is None:
+            return
+        leaving: tuple[Participant, ...] = (participant,)
+        if was_running := self._running and component is self.owner:
+            leaving = self._participants
+            self._running = False
+            self._driver.stopped(self)
+        with component._turn:
+            if participant.state is ACTIVE_STATE:
+                participant.carry_out(Request.DEACTIVATE)
+            if was_running or self._running:
+                for one in leaving:
+                    one.carry_out(Request.SHUTDOWN)
+            self._set_participants(
+                tuple(p for p in self._participants if p is not participant)
+            )
+            component.detach_context(participant.handle)
+
+    def _tell(
+        self, participant: Participant, before: LifeCycleState, now: LifeCycleState
+    ) -> None:
+        if self._listener is not None:
+            self._listener(participant, before, now)
+
+    def _set_participants(self, participants: tuple[Participant, ...]) -> None:
+        self._participants = participants
+        contexts = {
+            id(context): context
+            for participant in participants
+            for context in participant.component._contexts.values()
+        }
+        for context in [self, *contexts.values()]:
+            context._choose_cycle()
+
+    def _choose_cycle(self) -> None:
+        sole = self._participants[0] if len(self._participants) == 1 else None
+        if sole is not None and len(sole.component._contexts) == 1:
+            self.cycle = sole.cycle
+        else:
+            self.cycle = self._cycle_of_all
+        self._driver.cycle_changed(self)
+
+    def _cycle_of_all(self) -> None:
+        going_on = []
+        for participant in self._participants:
+            with participant.component._turn:
+                if not participant.carry_out_requests():
+                    going_on.append(participant)
+        for phase in (Participant.execute, Participant.update):
+            for participant in going_on:
+                with participant.component._turn:
+                    phase(participant)
+        for participant in self._participants:
+            with participant.component._turn:
+                participant.finish()
+
+
+def _is_rate(rate: float) -> bool:
+    return math.isfinite(rate) and rate > 0.0
+
+
+def _checked_rate(rate: float) -> float:
+    if not _is_rate(rate):
+        raise RateError(f"the rate {rate!r} must be a number of Hz above 0")
+    return float(rate)

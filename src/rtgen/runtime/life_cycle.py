@@ -1,0 +1,83 @@
+"""The life cycle of OMG RTC 1.0 as one table: what a request does to a component in a state.
+
+The same table, with the answers, stands in `docs/life-cycle.md` for readers and tests.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from rtgen.runtime.return_codes import (
+    ACTIVE_STATE,
+    CREATED_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    LifeCycleState,
+)
+
+
+class Request(StrEnum):
+    """What can be asked of a component in an execution context, or happens to it there."""
+
+    INITIALIZE = "initialize"
+    STARTUP = "start"
+    SHUTDOWN = "stop"
+    ACTIVATE = "activate"
+    DEACTIVATE = "deactivate"
+    RESET = "reset"
+    RATE_CHANGE = "set_rate"
+    EXECUTE = "tick"
+    STATE_UPDATE = "state_update"
+    FINALIZE = "finalize"
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """The callback of a legal request, and the state after it returned RTC_OK or did not."""
+
+    callback: str
+    success: LifeCycleState
+    failure: LifeCycleState
+
+
+_ALIVE = (INACTIVE_STATE, ACTIVE_STATE, ERROR_STATE)
+
+TRANSITIONS: dict[tuple[LifeCycleState, Request], Transition] = {
+    (CREATED_STATE, Request.INITIALIZE): Transition(
+        "on_initialize", INACTIVE_STATE, CREATED_STATE
+    ),
+    (INACTIVE_STATE, Request.ACTIVATE): Transition(
+        "on_activated", ACTIVE_STATE, ERROR_STATE
+    ),
+    (ACTIVE_STATE, Request.EXECUTE): Transition(
+        "on_execute", ACTIVE_STATE, ERROR_STATE
+    ),
+    (ACTIVE_STATE, Request.STATE_UPDATE): Transition(
+        "on_state_update", ACTIVE_STATE, ERROR_STATE
+    ),
+    (ACTIVE_STATE, Request.DEACTIVATE): Transition(
+        "on_deactivated", INACTIVE_STATE, INACTIVE_STATE
+    ),
+    (ERROR_STATE, Request.EXECUTE): Transition("on_error", ERROR_STATE, ERROR_STATE),
+    (ERROR_STATE, Request.RESET): Transition("on_reset", INACTIVE_STATE, ERROR_STATE),
+    **{
+        (state, Request.RATE_CHANGE): Transition("on_rate_changed", state, ERROR_STATE)
+        for state in _ALIVE
+    },
+    **{
+        (state, Request.STARTUP): Transition("on_startup", state, state)
+        for state in _ALIVE
+    },
+    **{
+        (state, Request.SHUTDOWN): Transition("on_shutdown", state, state)
+        for state in _ALIVE
+    },
+    (INACTIVE_STATE, Request.FINALIZE): Transition(
+        "on_finalize", CREATED_STATE, CREATED_STATE
+    ),
+}
+"""Legal requests. Whatever is not here is refused with PRECONDITION_NOT_MET and changes nothing.
+
+Entering ERROR from another state calls `on_aborting` at once.
+"""

@@ -1,0 +1,235 @@
+"""From the text of a configuration parameter to its value, by the parameter's IDL type."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from decimal import Decimal, InvalidOperation
+from enum import IntEnum
+from typing import Any
+
+from rtgen.runtime import constraints
+from rtgen.runtime.constraints import Scalar
+from rtgen.runtime.errors import ParameterValueError
+from rtgen.runtime.profiles import ParameterProfile
+
+_INTEGERS = {
+    "int8": (-(2**7), 2**7 - 1),
+    "uint8": (0, 2**8 - 1),
+    "octet": (0, 2**8 - 1),
+    "short": (-(2**15), 2**15 - 1),
+    "unsigned short": (0, 2**16 - 1),
+    "long": (-(2**31), 2**31 - 1),
+    "unsigned long": (0, 2**32 - 1),
+    "long long": (-(2**63), 2**63 - 1),
+    "unsigned long long": (0, 2**64 - 1),
+}
+_FLOATS = {
+    "float": (2.0 - 2.0**-23) * 2.0**127,
+    "double": math.inf,
+    "long double": math.inf,
+}
+_TRUE, _FALSE = ("true", "1", "yes", "on"), ("false", "0", "no", "off")
+_SEQUENCE = re.compile(r"sequence<(?P<element>.+?)(?:,(?P<bound>\d+))?>")
+_ARRAY = re.compile(r"(?P<element>[^\[\]]+)\[(?P<length>\d+)\]")
+_STRING = re.compile(r"(?:w?string(?:<(?P<bound>\d+)>)?|(?P<char>w?char))")
+_FIXED = re.compile(r"fixed<(?P<digits>\d+),(?P<scale>\d+)>")
+
+
+class _RefusalError(Exception):
+    """Why a text is not a value; the converter adds the parameter and the text."""
+
+
+class Converter:
+    """Converts and checks the texts of one parameter.
+
+    `example` is a value of the parameter's Python type: it gives the class of an enumeration, and
+    the kind of value where the profile's type is the name of an alias.
+    """
+
+    def __init__(self, profile: ParameterProfile, example: object) -> None:
+        self.profile = profile
+        self._parse = _parser(profile.type, example)
+        self._checks = constraints.parse(profile.constraint)
+
+    def __call__(self, text: str) -> Any:
+        """The value; raises ParameterValueError, which names parameter, text and reason."""
+        try:
+            value = self._parse(text.strip())
+            self._check(value)
+        except _RefusalError as refusal:
+            raise ParameterValueError(
+                f"parameter {self.profile.name!r} cannot be {text.strip()!r}: {refusal}"
+            ) from None
+        return value
+
+    def _check(self, value: Any) -> None:
+        elements: list[Scalar] = (
+            list(value) if isinstance(value, list | bytes) else [value]
+        )
+        for element in elements:
+            self._check_range(element)
+        checks = self._checks
+        if len(checks) == 1:
+            checks *= len(elements)
+        for check, element in zip(checks, elements, strict=False):
+            if not check(element):
+                raise _RefusalError(f"its constraint is {self.profile.constraint}")
+
+    def _check_range(self, element: Scalar) -> None:
+        low, high = self.profile.minimum, self.profile.maximum
+        if isinstance(element, str):
+            return
+        if low is not None and not element >= low:
+            raise _RefusalError(f"it must be at least {low}{self._unit()}")
+        if high is not None and not element <= high:
+            raise _RefusalError(f"it must be at most {high}{self._unit()}")
+
+    def _unit(self) -> str:
+        return f" {self.profile.unit}" if self.profile.unit else ""
+
+
+def _parser(type_: str, example: object) -> Callable[[str], Any]:
+    if isinstance(example, IntEnum):
+        return _enumeration(type(example))
+    if match := _SEQUENCE.fullmatch(type_):
+        bound = int(match["bound"]) if match["bound"] else None
+        return _elements(match["element"].strip(), example, 0, bound)
+    if match := _ARRAY.fullmatch(type_):
+        length = int(match["length"])
+        return _elements(match["element"].strip(), example, length, length)
+    if type_ == "boolean":
+        return _boolean
+    if type_ in _INTEGERS:
+        return _integer(*_INTEGERS[type_])
+    if type_ in _FLOATS:
+        return _floating(_FLOATS[type_])
+    if match := _STRING.fullmatch(type_):
+        bound = int(match["bound"]) if match["bound"] else None
+        return _character if match["char"] else _string(bound)
+    if match := _FIXED.fullmatch(type_):
+        return _decimal(int(match["digits"]), int(match["scale"]))
+    return _by_example(type_, example)
+
+
+def _by_example(type_: str, example: object) -> Callable[[str], Any]:
+    if isinstance(example, bool):
+        return _boolean
+    if isinstance(example, int):
+        return _integer(-(2**63), 2**64 - 1)
+    if isinstance(example, float):
+        return _floating(math.inf)
+    if isinstance(example, str):
+        return _string(None)
+    if isinstance(example, list):
+        first = example[0] if example else 0.0
+        return _elements("", first, 0, None)
+
+    def refuse(text: str) -> Any:
+        raise _RefusalError(f"a value of type {type_} cannot be given as text")
+
+    return refuse
+
+
+def _boolean(text: str) -> bool:
+    if text.lower() not in _TRUE + _FALSE:
+        raise _RefusalError("it must be true or false")
+    return text.lower() in _TRUE
+
+
+def _integer(low: int, high: int) -> Callable[[str], int]:
+    def parse(text: str) -> int:
+        if not re.fullmatch(r"[+-]?[0-9]{1,40}", text):
+            raise _RefusalError("it must be a decimal integer")
+        value = int(text)
+        if not low <= value <= high:
+            raise _RefusalError(f"it must be between {low} and {high}")
+        return value
+
+    return parse
+
+
+def _floating(largest: float) -> Callable[[str], float]:
+    def parse(text: str) -> float:
+        try:
+            value = float(text if "_" not in text else "")
+        except ValueError:
+            raise _RefusalError("it must be a number") from None
+        if math.isfinite(value) and abs(value) > largest:
+            raise _RefusalError(f"its size must be at most {largest:.8g}")
+        return value
+
+    return parse
+
+
+def _decimal(digits: int, scale: int) -> Callable[[str], Decimal]:
+    def parse(text: str) -> Decimal:
+        try:
+            value = Decimal(text)
+        except InvalidOperation:
+            raise _RefusalError("it must be a decimal number") from None
+        if not value.is_finite() or abs(value) >= Decimal(10) ** (digits - scale):
+            raise _RefusalError(
+                f"it must have at most {digits - scale} digits before the point"
+            )
+        if value != round(value, scale):
+            raise _RefusalError(f"it must have at most {scale} digits after the point")
+        return value
+
+    return parse
+
+
+def _string(bound: int | None) -> Callable[[str], str]:
+    def parse(text: str) -> str:
+        if "\0" in text:
+            raise _RefusalError("it must not contain NUL")
+        if bound is not None and len(text.encode()) > bound:
+            raise _RefusalError(f"it must have at most {bound} octets")
+        return text
+
+    return parse
+
+
+def _character(text: str) -> str:
+    if len(text) != 1:
+        raise _RefusalError("it must be one character")
+    return text
+
+
+def _enumeration(kind: type[IntEnum]) -> Callable[[str], IntEnum]:
+    def parse(text: str) -> IntEnum:
+        name = text.rpartition("::")[2]
+        if name not in kind.__members__:
+            raise _RefusalError(f"it must be one of {', '.join(kind.__members__)}")
+        return kind[name]
+
+    return parse
+
+
+def _elements(
+    type_: str, example: object, least: int, most: int | None
+) -> Callable[[str], Any]:
+    sample = (
+        example[0] if isinstance(example, list | str | bytes) and example else example
+    )
+    parse_element = _parser(type_, sample)
+
+    def parse(text: str) -> Any:
+        items = [item.strip() for item in text.split(",")] if text else []
+        if len(items) < least or (most is not None and len(items) > most):
+            wanted = f"{least}" if least == most else f"at most {most}"
+            raise _RefusalError(f"it must have {wanted} elements, not {len(items)}")
+        values = []
+        for position, item in enumerate(items, 1):
+            try:
+                values.append(parse_element(item))
+            except _RefusalError as refusal:
+                raise _RefusalError(
+                    f"element {position}, {item!r}: {refusal}"
+                ) from None
+        if type_ in ("octet", "uint8"):
+            return bytes(values)
+        return "".join(values) if type_ == "char" else values
+
+    return parse

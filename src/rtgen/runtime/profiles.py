@@ -1,0 +1,63 @@
+"""What a component says about itself: the runtime form of its definition."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class ParameterProfile:
+    """A configuration parameter.
+
+    `name` is the outside name, `python_name` the field of the configuration dataclass, `type` the
+    canonical IDL spelling (`double`, `sequence<long>`, a scoped name), `default` a text as in a
+    `.conf` file, `constraint` a text as in RTC.xml (`0.0<x<=2.0`).
+    """
+
+    name: str
+    python_name: str
+    type: str
+    default: str = ""
+    minimum: float | int | None = None
+    maximum: float | int | None = None
+    unit: str = ""
+    constraint: str = ""
+    widget: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class PortProfile:
+    """A data port, or one interface of a service port.
+
+    `kind` is `inport`, `outport`, `provider` or `consumer`; `port` and `instance` name the service
+    port and the interface's instance in it; both are empty for a data port.
+    """
+
+    name: str
+    python_name: str
+    kind: str
+    type: str
+    repository_id: str
+    port: str = ""
+    instance: str = ""
+    unit: str = ""
+    description: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class ComponentProfile:
+    """A component type; `rate` in Hz, used where neither system nor `.conf` file gives one."""
+
+    type_name: str
+    kind: str = "DataFlowComponent"
+    category: str = ""
+    vendor: str = ""
+    version: str = "1.0.0"
+    description: str = ""
+    rate: float = 1000.0
+    max_instances: int = 1
+    activity: str = "PERIODIC"
+    execution: str = "PeriodicExecutionContext"
+    ports: tuple[PortProfile, ...] = ()
+    configuration: tuple[ParameterProfile, ...] = ()

@@ -1,0 +1,194 @@
+"""Service connections: which consumer meets which provider when two service ports are joined."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from rtgen.runtime.component import Component
+from rtgen.runtime.descriptors import InterfaceDescriptor, difference
+from rtgen.runtime.errors import (
+    ConnectorPropertyError,
+    DuplicateConnectionError,
+    PolarityError,
+    PortTypeError,
+)
+from rtgen.runtime.service_ports import Consumer, Provider
+
+Pair = tuple[Consumer[Any], Provider[Any]]
+
+_STRICTNESS = "port.connection.strictness"
+
+
+class ServicePort:
+    """The interfaces of one service port of a component, of both polarities."""
+
+    def __init__(self, component: Component, name: str) -> None:
+        self.name = f"{component.instance_name}.{name}"
+        self.instance = component.instance_name
+        self.port = name
+        self.providers = [
+            p for (port, _), p in component.providers.items() if port == name
+        ]
+        self.consumers = [
+            c for (port, _), c in component.consumers.items() if port == name
+        ]
+
+    def __bool__(self) -> bool:
+        return bool(self.providers or self.consumers)
+
+    def __str__(self) -> str:
+        return self.name
+
+
+class ServiceConnector:
+    """One connection of service ports; `pairs` are the consumers and providers that met."""
+
+    def __init__(
+        self,
+        name: str,
+        source: ServicePort,
+        target: ServicePort,
+        properties: Mapping[str, str],
+    ) -> None:
+        self.name = name
+        self.source = source
+        self.target = target
+        self.properties = dict(properties)
+        self.connected = False
+        self.pairs = _pairs(source, target, properties)
+
+    def __repr__(self) -> str:
+        return f"<ServiceConnector {self.name}: {self.source} -- {self.target}>"
+
+    def attach(self) -> None:
+        """Makes the connection: from now on calls reach the providers."""
+        self.connected = True
+        for consumer, provider in self.pairs:
+            consumer._provider = provider
+
+    def detach(self) -> None:
+        """Cuts the connection; later calls raise ObjectNotExist."""
+        self.connected = False
+        for consumer, _ in self.pairs:
+            consumer._provider = None
+
+
+def _pairs(
+    source: ServicePort, target: ServicePort, properties: Mapping[str, str]
+) -> tuple[Pair, ...]:
+    named, strict = _read(properties)
+    pairs: list[Pair] = []
+    lonely: list[str] = []
+    for here, there in ((source, target), (target, source)):
+        for consumer in here.consumers:
+            provider = _partner(consumer, here, there, named)
+            if provider is None:
+                lonely.append(str(consumer))
+            else:
+                pairs.append((consumer, provider))
+    if named:
+        unknown = next(iter(named))
+        raise ConnectorPropertyError(
+            f"connector property {unknown!r} names no consumer"
+        )
+    if not pairs:
+        raise _mismatch(source, target)
+    if strict and lonely:
+        raise PortTypeError(f"strict connection: no provider for {', '.join(lonely)}")
+    for consumer, _ in pairs:
+        if consumer.connected:
+            raise DuplicateConnectionError(f"{consumer} is connected already")
+    return tuple(pairs)
+
+
+def _read(properties: Mapping[str, str]) -> tuple[dict[str, str], bool]:
+    named = {key: text for key, text in properties.items() if ".required." in key}
+    strictness = properties.get(_STRICTNESS, "best_effort")
+    for key in properties:
+        if key not in named and key != _STRICTNESS:
+            raise ConnectorPropertyError(
+                f"unknown property {key!r} of a service connection"
+            )
+    if strictness not in ("strict", "best_effort"):
+        raise ConnectorPropertyError(
+            f"connector property {_STRICTNESS!r} is {strictness!r}; "
+            "it must be strict or best_effort"
+        )
+    return named, strictness == "strict"
+
+
+def _partner(
+    consumer: Consumer[Any],
+    here: ServicePort,
+    there: ServicePort,
+    named: dict[str, str],
+) -> Provider[Any] | None:
+    """The provider for a consumer: the one told by property, else of equal instance name and
+    type, else the only one of the type if the consumer is the only one too."""
+    wish = _end(here, "required", consumer)
+    if wish in named:
+        told = named.pop(wish)
+        for provider in there.providers:
+            if _end(there, "provided", provider) == told:
+                _check_interfaces(consumer, provider)
+                return provider
+        raise ConnectorPropertyError(
+            f"connector property {wish!r}: {told!r} is no provider"
+        )
+    fitting = [p for p in there.providers if _interface_difference(consumer, p) is None]
+    for provider in fitting:
+        if provider.instance == consumer.instance:
+            return provider
+    alike = [c for c in here.consumers if c.interface is consumer.interface]
+    return fitting[0] if len(fitting) == len(alike) == 1 else None
+
+
+def _end(port: ServicePort, polarity: str, end: Consumer[Any] | Provider[Any]) -> str:
+    type_ = end.interface._descriptor_.name
+    return f"{port.instance}.port.{port.port}.{polarity}.{type_}.{end.instance}"
+
+
+def _interface_difference(
+    consumer: Consumer[Any], provider: Provider[Any]
+) -> str | None:
+    """None if the provider's interface, or one that it derives from, is the consumer's."""
+    wanted, offered = consumer.interface._descriptor_, provider.interface._descriptor_
+    if any(difference(wanted, ancestor) is None for ancestor in _lineage(offered)):
+        return None
+    return difference(wanted, offered)
+
+
+def _lineage(interface: InterfaceDescriptor) -> Iterator[InterfaceDescriptor]:
+    yield interface
+    for base in interface.bases:
+        yield from _lineage(base)
+
+
+def _check_interfaces(consumer: Consumer[Any], provider: Provider[Any]) -> None:
+    differs = _interface_difference(consumer, provider)
+    if differs is not None:
+        raise PortTypeError(
+            f"{consumer} and {provider} have different interfaces\n{differs}"
+        )
+
+
+def _mismatch(
+    source: ServicePort, target: ServicePort
+) -> PolarityError | PortTypeError:
+    for here, there in ((source, target), (target, source)):
+        if here.consumers and there.providers:
+            consumer, provider = here.consumers[0], there.providers[0]
+            differs = _interface_difference(consumer, provider)
+            if differs is None:
+                return PortTypeError(
+                    f"{source} and {target}: no instance names agree, and more than one "
+                    f"provider or consumer has the type of {consumer}"
+                )
+            return PortTypeError(
+                f"{consumer} and {provider} have different interfaces\n{differs}"
+            )
+    polarity = "provide" if source.providers else "require"
+    return PolarityError(
+        f"{source} and {target} both only {polarity}; a connection needs one end of each"
+    )

@@ -1,0 +1,100 @@
+"""Service ports: providers and consumers of interfaces, and the calls between them.
+
+Arguments and results are copied on their way, so components share no object. In real time a
+call runs in the caller's thread, beside the provider's own ticks.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from rtgen.runtime.services import ObjectNotExist, Servant, Skeleton
+
+if TYPE_CHECKING:
+    from rtgen.runtime.component import Component
+
+S = TypeVar("S", bound=Servant)
+
+
+class Provider(Generic[S]):
+    """An interface that a component provides; one servant serves every consumer."""
+
+    __slots__ = ("_component", "_skeleton", "instance", "interface", "port")
+
+    def __init__(
+        self, port: str, instance: str, interface: type[S], owner: Component
+    ) -> None:
+        self.port = port
+        self.instance = instance
+        self.interface = interface
+        self._component = owner
+        self._skeleton: Skeleton | None = None
+
+    def __str__(self) -> str:
+        return f"{self._component.instance_name}.{self.port}:{self.instance}"
+
+    def set_servant(self, servant: S) -> None:
+        """Sets the object that carries out the calls, usually in `on_initialize`."""
+        self._skeleton = self.interface._skeleton_(servant)
+
+    def call(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """Carries out a call. Raises what the IDL allows, ObjectNotExist or UnknownException.
+
+        ObjectNotExist: the component is not ACTIVE, or has set no servant.
+        """
+        if not self._component.is_active:
+            raise ObjectNotExist(
+                f"{self} is not active, so {operation!r} cannot be called"
+            )
+        if self._skeleton is None:
+            raise ObjectNotExist(
+                f"{self} has no servant, so {operation!r} cannot be called"
+            )
+        result = self._skeleton.dispatch(operation, _snapshot(arguments))
+        return _snapshot(result)
+
+
+class Consumer(Generic[S]):
+    """An interface that a component requires; at most one provider serves it at a time."""
+
+    __slots__ = ("_provider", "_stub", "instance", "interface", "owner", "port")
+
+    def __init__(
+        self, port: str, instance: str, interface: type[S], owner: str
+    ) -> None:
+        self.port = port
+        self.instance = instance
+        self.interface = interface
+        self.owner = owner
+        self._provider: Provider[Any] | None = None
+        self._stub: S = interface._stub_(self._call)
+
+    def __str__(self) -> str:
+        return f"{self.owner}.{self.port}:{self.instance}"
+
+    def _call(self, operation: str, arguments: tuple[object, ...]) -> object:
+        provider = self._provider
+        if provider is None:
+            raise ObjectNotExist(
+                f"{self} is not connected, so {operation!r} cannot be called"
+            )
+        return provider.call(operation, arguments)
+
+    @property
+    def connected(self) -> bool:
+        """Whether there is a provider, ACTIVE or not."""
+        return self._provider is not None
+
+    @property
+    def object(self) -> S:
+        """The typed stub. Its operations raise ObjectNotExist without an ACTIVE provider."""
+        return self._stub
+
+
+def _snapshot(value: object) -> Any:
+    if isinstance(value, list):
+        return [_snapshot(item) for item in value]
+    if isinstance(value, tuple):
+        return tuple(_snapshot(item) for item in value)
+    copy = getattr(value, "_snapshot_", None)
+    return value if copy is None else copy()

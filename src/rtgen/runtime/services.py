@@ -1,0 +1,105 @@
+"""Interfaces at work: abstract servants, client stubs and the skeletons that call servants."""
+
+from __future__ import annotations
+
+from abc import ABC
+from collections.abc import Callable
+from functools import partial
+from typing import Any, ClassVar, TypeAlias
+
+from rtgen.runtime.descriptors import InterfaceDescriptor
+
+Invoker: TypeAlias = Callable[[str, tuple[object, ...]], object]
+"""Carries a call: operation name (`_get_x`, `_set_x` for an attribute), `in` and `inout`
+arguments; gives the result, a tuple where there are several (return value first)."""
+
+
+class ServiceError(RuntimeError):
+    """A call that did not reach its end, whatever the interface says."""
+
+
+class ObjectNotExist(ServiceError):
+    """Nobody serves the object: not connected, or the provider is not active."""
+
+
+class UnknownException(ServiceError):
+    """The servant raised what the operation does not declare; that is its cause."""
+
+
+class BadOperation(ServiceError):
+    """The interface has no such operation, or it takes other arguments."""
+
+
+class Servant(ABC):
+    """The base of generated interfaces: what a servant implements, and what a client sees."""
+
+    _descriptor_: ClassVar[InterfaceDescriptor]
+    _stub_: ClassVar[type[Any]]
+    _skeleton_: ClassVar[type[Any]]
+
+
+class Stub:
+    """The base of generated stubs: each operation is handed to the invoker."""
+
+    def __init__(self, invoker: Invoker) -> None:
+        self._invoker = invoker
+
+    def _invoke_(self, operation: str, *arguments: object) -> Any:
+        return self._invoker(operation, arguments)
+
+
+class Skeleton:
+    """The base of generated skeletons: calls a servant by operation name."""
+
+    def __init__(self, servant: Any) -> None:
+        self._servant = servant
+
+    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """The result of the operation.
+
+        Raises what the operation declares, UnknownException for anything else that the servant
+        raises, BadOperation for a name or a number of arguments that the interface has not.
+        """
+        raise BadOperation(f"there is no operation {operation}")
+
+    def _call_(
+        self,
+        operation: str,
+        method: Callable[..., object],
+        arguments: tuple[object, ...],
+        count: int,
+        raises: tuple[type[Exception], ...] = (),
+    ) -> object:
+        if len(arguments) != count:
+            raise BadOperation(
+                f"{operation} takes {count} arguments, not {len(arguments)}"
+            )
+        declared = (*raises, ServiceError)
+        try:
+            return method(*arguments)
+        except declared:
+            raise
+        except Exception as error:
+            raise UnknownException(
+                f"{operation}: {type(error).__name__}: {error}"
+            ) from error
+
+    def _get_(
+        self,
+        operation: str,
+        attribute: str,
+        arguments: tuple[object, ...],
+        raises: tuple[type[Exception], ...] = (),
+    ) -> object:
+        get = partial(getattr, self._servant, attribute)
+        return self._call_(operation, get, arguments, 0, raises)
+
+    def _set_(
+        self,
+        operation: str,
+        attribute: str,
+        arguments: tuple[object, ...],
+        raises: tuple[type[Exception], ...] = (),
+    ) -> object:
+        put = partial(setattr, self._servant, attribute)
+        return self._call_(operation, put, arguments, 1, raises)

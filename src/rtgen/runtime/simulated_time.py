@@ -1,0 +1,168 @@
+"""Simulated time: one loop over instants of integer nanoseconds, without threads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from heapq import heapify, heappop, heappush, heapreplace
+from typing import Any
+
+from rtgen.runtime.clocks import SimulatedClock, period_of
+from rtgen.runtime.component import Component
+from rtgen.runtime.connector_properties import Subscription
+from rtgen.runtime.connectors import Publisher
+from rtgen.runtime.execution_context import ExecutionContext
+from rtgen.runtime.scheduling import Action
+
+# What comes first at one instant; within a band, what was added first.
+_ACTIONS, _PUBLISHERS, _CONTEXTS, _WATCHERS = (band << 32 for band in range(4))
+
+
+class _Task:
+    """Something due at an instant; `period` 0 means once."""
+
+    __slots__ = ("action", "period")
+
+    def __init__(self, action: Action, period: int) -> None:
+        self.action = action
+        self.period = period
+
+
+@dataclass(slots=True)
+class _Driven:
+    """A running context: its task, and when its first tick is or was due."""
+
+    task: _Task
+    since: int
+
+
+class SimulatedScheduler:
+    """Runs everything in the order of instants; at one instant timeline, publishers, contexts.
+
+    Contexts go in the order in which their components were added to the system.
+    """
+
+    def __init__(self, clock: SimulatedClock) -> None:
+        self._clock = clock
+        self._heap: list[tuple[int, int, _Task]] = []
+        self._added = 0
+        self._orders: dict[ExecutionContext, int] = {}
+        self._driven: dict[ExecutionContext, _Driven] = {}
+        self._resume: dict[ExecutionContext, int] = {}
+
+    def start(self) -> None:
+        return None
+
+    def at(self, instant: int, action: Action) -> None:
+        self._push(max(instant, self._clock.time), _ACTIONS, _Task(action, 0))
+
+    def every(self, period: int, action: Action) -> Action:
+        task = _Task(action, period)
+        self._push(self._clock.time, _WATCHERS, task)
+        return self._end_of(task)
+
+    def drive(self, publisher: Publisher[Any], writer: Component) -> Action:
+        if publisher.subscription is Subscription.PERIODIC:
+            period = period_of(publisher.rate)
+            task = _Task(publisher.publish, period)
+            self._push(self._clock.time + period, _PUBLISHERS, task)
+            return self._end_of(task)
+        due = False
+
+        def signal() -> None:
+            nonlocal due
+            if not due:
+                due = True
+                writer._at_end_of_cycle(deliver)
+
+        def deliver() -> None:
+            nonlocal due
+            due = False
+            publisher.publish()
+            if not publisher.idle and not publisher.closed:
+                signal()
+
+        publisher.signal = signal
+        return _nothing
+
+    def changed(self) -> None:
+        return None
+
+    def started(self, context: ExecutionContext) -> None:
+        if context not in self._orders:
+            self._added += 1
+            self._orders[context] = _CONTEXTS + self._added
+        # A context that stops and starts in its own tick must not tick twice at one instant.
+        now = self._clock.time
+        instant = max(now, min(self._resume.pop(context, 0), now + context.period))
+        self._schedule(context, instant, since=instant)
+
+    def stopped(self, context: ExecutionContext) -> None:
+        driven = self._driven.pop(context, None)
+        if driven is not None:
+            self._resume[context] = self._cancel(driven.task)
+
+    def rate_changed(self, context: ExecutionContext) -> None:
+        driven = self._driven.pop(context, None)
+        if driven is None:
+            return
+        due = self._cancel(driven.task)
+        if due > driven.since:
+            due += context.period - driven.task.period
+        self._schedule(context, max(self._clock.time, due), driven.since)
+
+    def cycle_changed(self, context: ExecutionContext) -> None:
+        if context in self._driven:
+            self._driven[context].task.action = context.cycle
+
+    def run(self, until_ns: int | None, until: Callable[[], bool] | None) -> bool:
+        heap, clock = self._heap, self._clock
+        if until is not None and until():
+            return True
+        while heap:
+            instant = heap[0][0]
+            if until_ns is not None and instant >= until_ns:
+                break
+            clock.time = instant
+            while heap and heap[0][0] == instant:
+                _, order, task = heap[0]
+                if task.period:
+                    heapreplace(heap, (instant + task.period, order, task))
+                else:
+                    heappop(heap)
+                task.action()
+            if until is not None and until():
+                return True
+        if until_ns is not None:
+            clock.time = max(clock.time, until_ns)
+        return False
+
+    def close(self) -> None:
+        self._heap.clear()
+
+    def _push(self, instant: int, band: int, task: _Task) -> None:
+        self._added += 1
+        heappush(self._heap, (instant, band + self._added, task))
+
+    def _schedule(self, context: ExecutionContext, instant: int, since: int) -> None:
+        order = self._orders[context]
+        task = _Task(context.cycle, context.period)
+        self._driven[context] = _Driven(task, since)
+        heappush(self._heap, (instant, order, task))
+
+    def _end_of(self, task: _Task) -> Action:
+        def end() -> None:
+            self._cancel(task)
+
+        return end
+
+    def _cancel(self, task: _Task) -> int:
+        """Takes a task out of the heap; returns when it was due."""
+        due = [entry[0] for entry in self._heap if entry[2] is task]
+        self._heap[:] = [entry for entry in self._heap if entry[2] is not task]
+        heapify(self._heap)
+        return due[0] if due else self._clock.time
+
+
+def _nothing() -> None:
+    return None

@@ -1,0 +1,443 @@
+"""A system: components that run by one clock, their connections, and what is asked of them."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any
+
+from rtgen.runtime.clocks import Clock, RealClock, SimulatedClock
+from rtgen.runtime.component import Component
+from rtgen.runtime.configuration import DEFAULT_SET
+from rtgen.runtime.connectors import DataConnector
+from rtgen.runtime.data_ports import OutPort
+from rtgen.runtime.errors import (
+    ConnectError,
+    DuplicateConnectionError,
+    DuplicateInstanceError,
+    InitializationError,
+    PolarityError,
+    UnknownComponentError,
+    UnknownConnectionError,
+    UnknownObservableError,
+    UnknownPortError,
+)
+from rtgen.runtime.execution_context import ExecutionContext, Participant
+from rtgen.runtime.real_time import RealTimeScheduler
+from rtgen.runtime.records import Listener, Record, SampleRecord, StateRecord
+from rtgen.runtime.return_codes import (
+    CREATED_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    RTC_OK,
+    ExecutionKind,
+    LifeCycleState,
+    ReturnCode_t,
+)
+from rtgen.runtime.scheduling import Scheduler
+from rtgen.runtime.service_connectors import ServiceConnector, ServicePort
+from rtgen.runtime.simulated_time import SimulatedScheduler
+
+Connector = DataConnector[Any] | ServiceConnector
+PortAddress = tuple[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """What became of a component so far.
+
+    `ticks` counts `on_execute`, `overruns` the instants of its own context at which no tick could
+    begin, `lost` the samples lost on the way to its InPorts; `reason` says why a callback failed.
+    """
+
+    state: LifeCycleState
+    ticks: int
+    overruns: int
+    lost: int
+    reason: str
+
+
+class System:
+    """Components, each with an execution context of its own, on a simulated or a real clock.
+
+    In simulated time everything happens in `run`, in one thread, in the order of instants; at one
+    instant the timeline goes first, then periodic connections, then components in the order in
+    which they were added. In real time each component has a thread from the first `run` on.
+
+    Requests (activation and so on) are answered at once and carried out at the component's next
+    tick. Usable as a context manager, which closes it.
+    """
+
+    def __init__(self, clock: Clock | None = None) -> None:
+        self.clock: Clock = clock or SimulatedClock()
+        self._scheduler = _scheduler(self.clock)
+        self._participants: dict[str, Participant] = {}
+        self._connectors: dict[str, Connector] = {}
+        self._connecting = threading.RLock()
+        self._listeners: tuple[Listener, ...] = ()
+
+    def __enter__(self) -> System:
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_val: BaseException | None,
+        exc_tb: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    # Components.
+
+    def add(
+        self, component: Component, rate_hz: float | None = None
+    ) -> ExecutionContext:
+        """Initializes a component and gives it a running context of its own.
+
+        The rate is `rate_hz`, else that of its `.conf` file, else that of its profile. Raises
+        DuplicateInstanceError, InitializationError (`on_initialize` failed) or RateError.
+        """
+        name = component.instance_name
+        if name in self._participants:
+            raise DuplicateInstanceError(f"the system has a component {name!r} already")
+        rates = (rate_hz, component.configuration_sets.rate, component.profile.rate)
+        rate = next(rate for rate in rates if rate is not None)
+        context = ExecutionContext(
+            rate, owner=component, driver=self._scheduler, listener=self._state_changed
+        )
+        component._join(self.clock)
+        if component.initialize() is not RTC_OK:
+            why = component.reason or "it is initialized already"
+            raise InitializationError(f"{name} cannot be initialized: {why}")
+        context.add_component(component)
+        self._participants[name] = context.participants[0]
+        self._observe(component)
+        self._state_changed(context.participants[0], CREATED_STATE, INACTIVE_STATE)
+        context.start()
+        return context
+
+    def add_context(
+        self, rate_hz: float, *, kind: ExecutionKind = ExecutionKind.PERIODIC
+    ) -> ExecutionContext:
+        """A further context, without owner, in which components can take part too.
+
+        It is stopped at first, and ticks by the system's clock from its `start` on.
+        Raises RateError.
+        """
+        return ExecutionContext(
+            rate_hz, kind=kind, driver=self._scheduler, listener=self._state_changed
+        )
+
+    def remove(self, instance: str) -> None:
+        """Cuts a component's connections and lets it exit. Raises UnknownComponentError."""
+        component = self.component(instance)
+        for connector in list(self._connectors.values()):
+            if instance in _instances(connector):
+                self.disconnect(connector)
+        participant = self._participants[instance]
+        component.exit()
+        self._state_changed(participant, participant.state, CREATED_STATE)
+        del self._participants[instance]
+
+    @property
+    def instances(self) -> tuple[str, ...]:
+        """The instance names, in the order in which the components were added."""
+        return tuple(self._participants)
+
+    def component(self, instance: str) -> Component:
+        """The component of an instance name. Raises UnknownComponentError."""
+        return self._participant(instance).component
+
+    def context(self, instance: str) -> ExecutionContext:
+        """A component's own execution context. Raises UnknownComponentError."""
+        return self._participant(instance).context
+
+    def state(self, instance: str) -> LifeCycleState:
+        """A component's state in its own context. Raises UnknownComponentError."""
+        return self._participant(instance).state
+
+    def statistics(self, instance: str) -> Statistics:
+        """What became of a component so far. Raises UnknownComponentError."""
+        participant = self._participant(instance)
+        component = participant.component
+        return Statistics(
+            participant.state,
+            participant.ticks,
+            participant.context.overruns,
+            component.lost,
+            component.reason,
+        )
+
+    def observable(self, name: str) -> tuple[float, ...]:
+        """What a component shows under `<instance>.<observable>`.
+
+        Raises UnknownComponentError, or UnknownObservableError.
+        """
+        instance, _, what = name.rpartition(".")
+        observables = self.component(instance).observables
+        if what not in observables:
+            known = ", ".join(observables) or "none"
+            raise UnknownObservableError(
+                f"{instance} has no observable {what!r}; known: {known}"
+            )
+        return tuple(observables[what]())
+
+    # Requests.
+
+    def activate(self, instance: str) -> ReturnCode_t:
+        """Requests ACTIVE; PRECONDITION_NOT_MET unless INACTIVE. Raises UnknownComponentError."""
+        component = self.component(instance)
+        return self.context(instance).activate_component(component)
+
+    def deactivate(self, instance: str) -> ReturnCode_t:
+        """Requests INACTIVE; PRECONDITION_NOT_MET unless ACTIVE. Raises UnknownComponentError."""
+        component = self.component(instance)
+        return self.context(instance).deactivate_component(component)
+
+    def reset(self, instance: str) -> ReturnCode_t:
+        """Requests INACTIVE; PRECONDITION_NOT_MET unless ERROR. Raises UnknownComponentError."""
+        component = self.component(instance)
+        return self.context(instance).reset_component(component)
+
+    def configure(
+        self, instance: str, parameter: str, text: str, set_id: str = DEFAULT_SET
+    ) -> None:
+        """Sets a parameter in a configuration set; it takes effect between two cycles.
+
+        Raises UnknownComponentError, UnknownParameterError or ParameterValueError.
+        """
+        self.component(instance).configuration_sets.set(parameter, text, set_id)
+
+    def activate_set(self, instance: str, set_id: str) -> None:
+        """Makes a configuration set the active one; it takes effect between two cycles.
+
+        Raises UnknownComponentError or UnknownConfigurationSetError.
+        """
+        self.component(instance).configuration_sets.activate(set_id)
+
+    # Connections.
+
+    @property
+    def connectors(self) -> tuple[Connector, ...]:
+        """The connections, oldest first."""
+        return tuple(self._connectors.values())
+
+    def connector(self, name: str) -> Connector:
+        """The connection of a name. Raises UnknownConnectionError."""
+        if name not in self._connectors:
+            known = ", ".join(self._connectors) or "none"
+            raise UnknownConnectionError(
+                f"there is no connection {name!r}; known: {known}"
+            )
+        return self._connectors[name]
+
+    def connect(
+        self,
+        source: PortAddress,
+        target: PortAddress,
+        properties: Mapping[str, str] | None = None,
+        name: str = "",
+    ) -> Connector:
+        """Connects two ports, each given as (instance, port): data ports or service ports.
+
+        Allowed at any time, from a callback too. Data ports may be given in either order. Without
+        name the connection is called `<instance>.<port>_<instance>.<port>`. Raises
+        UnknownComponentError, or the ConnectError that says why the ports do not fit.
+        """
+        connector = self._make(source, target, properties or {}, name)
+        if connector.name in self._connectors:
+            raise DuplicateConnectionError(
+                f"there is a connection {connector.name!r} already"
+            )
+        connector.attach()
+        self._connectors[connector.name] = connector
+        if isinstance(connector, DataConnector) and connector.publisher is not None:
+            writer = self.component(connector.source.owner)
+            connector.end_publishing = self._scheduler.drive(
+                connector.publisher, writer
+            )
+        return connector
+
+    def disconnect(self, connection: Connector | str) -> None:
+        """Cuts a connection. Unread samples are dropped and counted as lost.
+
+        Allowed at any time, from a callback too. Raises UnknownConnectionError.
+        """
+        name = connection if isinstance(connection, str) else connection.name
+        with self._connecting:
+            connector = self.connector(name)
+            if not isinstance(connection, str) and connection is not connector:
+                raise UnknownConnectionError(f"{connection!r} is cut already")
+            del self._connectors[name]
+            connector.detach()
+
+    def _make(
+        self,
+        source: PortAddress,
+        target: PortAddress,
+        properties: Mapping[str, str],
+        name: str,
+    ) -> Connector:
+        name = name or f"{'.'.join(source)}_{'.'.join(target)}"
+        for one, other in ((source, target), (target, source)):
+            out_port = self.component(one[0]).out_ports.get(one[1])
+            in_port = self.component(other[0]).in_ports.get(other[1])
+            if out_port is not None and in_port is not None:
+                return DataConnector(
+                    name, out_port, in_port, properties, self.clock.guard
+                )
+        ends = [ServicePort(self.component(end[0]), end[1]) for end in (source, target)]
+        if all(ends):
+            return ServiceConnector(name, ends[0], ends[1], properties)
+        raise _cannot_join(
+            self.component(source[0]), source[1], self.component(target[0]), target[1]
+        )
+
+    # Time.
+
+    @property
+    def time(self) -> int:
+        """Nanoseconds since the start."""
+        return self.clock.elapsed()
+
+    def at(self, instant: int, action: Callable[[], None]) -> None:
+        """Calls an action at an instant [ns since the start], before the ticks of that instant.
+
+        At once if it has passed. In real time the action runs in the thread of `run`.
+        """
+        self._scheduler.at(instant, action)
+
+    def every(self, period: int, action: Callable[[], None]) -> Callable[[], None]:
+        """Calls an action now and every period [ns], after the ticks of that instant.
+
+        Returns a function that ends it. In real time the action runs in the thread of `run`.
+        """
+        return self._scheduler.every(period, action)
+
+    def run(
+        self,
+        until_ns: int | None = None,
+        until: Callable[[System], bool] | None = None,
+    ) -> bool:
+        """Runs until a condition holds (True) or an instant [ns since the start] comes (False).
+
+        The instant itself does not belong to the run: one second of a 1000 Hz component are 1000
+        ticks. The condition is looked at after all ticks of an instant; in real time after each
+        change of state, and every few milliseconds. Can be called again to go on. In real time
+        components go on between two runs too. Raises ValueError if neither is given.
+        """
+        if until_ns is None and until is None:
+            raise ValueError("run needs an end: until_ns, until, or both")
+        condition = None if until is None else lambda: until(self)
+        return self._scheduler.run(until_ns, condition)
+
+    def close(self) -> None:
+        """Lets every component exit (deactivate, shut down, finalize), the last added first."""
+        for instance in reversed(self.instances):
+            self.remove(instance)
+        self._scheduler.close()
+
+    # Listeners.
+
+    def add_listener(self, listener: Listener) -> None:
+        """Adds a listener for changes of state and samples. Without any, they cost nothing.
+
+        In real time it is called from the threads of the components.
+        """
+        self._listeners += (listener,)
+        for instance in self.instances:
+            self._observe(self.component(instance))
+
+    def remove_listener(self, listener: Listener) -> None:
+        """Removes a listener; one that is not there is no error."""
+        self._listeners = tuple(
+            known for known in self._listeners if known is not listener
+        )
+        for instance in self.instances:
+            self._observe(self.component(instance))
+
+    def _observe(self, component: Component) -> None:
+        for port in component.out_ports.values():
+            port._observe(self._sample_written if self._listeners else None)
+
+    def _sample_written(self, port: OutPort[Any], value: Any) -> None:
+        self._tell(SampleRecord("sample", self.time, port.owner, port.name, value))
+
+    def _state_changed(
+        self, participant: Participant, before: LifeCycleState, after: LifeCycleState
+    ) -> None:
+        if self._listeners:
+            component = participant.component
+            reason = component.reason if after is ERROR_STATE else ""
+            self._tell(
+                StateRecord(
+                    "state",
+                    self.time,
+                    component.instance_name,
+                    before,
+                    after,
+                    participant.handle,
+                    reason,
+                )
+            )
+        self._scheduler.changed()
+
+    def _tell(self, record: Record) -> None:
+        for listener in self._listeners:
+            listener(record)
+
+    def _participant(self, instance: str) -> Participant:
+        if instance not in self._participants:
+            known = ", ".join(self._participants) or "none"
+            raise UnknownComponentError(
+                f"there is no component {instance!r}; known: {known}"
+            )
+        return self._participants[instance]
+
+
+def _scheduler(clock: Clock) -> Scheduler:
+    if isinstance(clock, SimulatedClock):
+        return SimulatedScheduler(clock)
+    if isinstance(clock, RealClock):
+        return RealTimeScheduler(clock)
+    raise TypeError(f"a system needs a SimulatedClock or a RealClock, not {clock!r}")
+
+
+def _instances(connector: Connector) -> tuple[str, str]:
+    if isinstance(connector, DataConnector):
+        return connector.source.owner, connector.target.owner
+    return connector.source.instance, connector.target.instance
+
+
+def _cannot_join(
+    source: Component, port: str, target: Component, other: str
+) -> ConnectError:
+    for component, name in ((source, port), (target, other)):
+        known = _port_names(component)
+        if name not in known:
+            return UnknownPortError(
+                f"{component.instance_name} has no port {name!r}; "
+                f"known: {', '.join(known) or 'none'}"
+            )
+    ends = f"{source.instance_name}.{port} and {target.instance_name}.{other}"
+    kinds = f"{_kinds(source, port)} and {_kinds(target, other)}"
+    return PolarityError(
+        f"{ends} cannot be connected: they are {kinds}; "
+        "an OutPort goes with an InPort, a service port with a service port"
+    )
+
+
+def _port_names(component: Component) -> tuple[str, ...]:
+    services = [port for port, _ in (*component.providers, *component.consumers)]
+    return tuple(dict.fromkeys([*component.in_ports, *component.out_ports, *services]))
+
+
+def _kinds(component: Component, port: str) -> str:
+    kinds = {
+        "InPort": port in component.in_ports,
+        "OutPort": port in component.out_ports,
+        "service port": bool(ServicePort(component, port)),
+    }
+    return " and ".join(kind for kind, is_there in kinds.items() if is_there)

@@ -1,0 +1,178 @@
+"""The component base: ports, reasons of failures, and the weight of the runtime."""
+
+from __future__ import annotations
+
+import logging
+import subprocess
+import sys
+from pathlib import Path
+from typing import ClassVar
+
+import pytest
+from runtime_samples import MS, SECOND, Actor, TimedLong, activated
+
+from rtgen import runtime
+from rtgen.runtime import (
+    BAD_PARAMETER,
+    RTC_ERROR,
+    RTC_OK,
+    Component,
+    ComponentProfile,
+    DuplicatePortError,
+    ReturnCode_t,
+    System,
+)
+from rtgen.runtime.errors import RtcError
+
+
+class Named(Component):
+    profile: ClassVar[ComponentProfile] = ComponentProfile("Named")
+
+
+def test_names_and_folder() -> None:
+    assert Named().instance_name == "Named0"
+    assert Named("n7").instance_name == "n7"
+    assert Named().folder == Path()
+    assert repr(Named()) == "<Named Named0>"
+
+
+def test_ports_of_one_name_and_kind_are_refused() -> None:
+    component = Named()
+    port = component.add_in_port("status", TimedLong)
+    component.add_out_port("status", TimedLong)
+    assert component.in_ports == {"status": port}
+    with pytest.raises(
+        DuplicatePortError, match=r"Named0 has a port Named0.status already"
+    ):
+        component.add_in_port("status", TimedLong)
+    with pytest.raises(DuplicatePortError):
+        component.add_out_port("status", TimedLong)
+    assert repr(port) == "<InPort Named0.status: TimedLong>"
+
+
+def failing_by(execute: object) -> str:
+    actor = Actor("a", execute)  # type: ignore[arg-type]
+    actor.on_execute = lambda ec_id: actor.execute()  # type: ignore
+    system = activated(System(), actor)
+    system.run(until_ns=2 * MS)
+    return system.statistics("a").reason
+
+
+def raising(error: Exception) -> object:
+    def execute() -> None:
+        raise error
+
+    return execute
+
+
+def test_the_reason_of_a_failure() -> None:
+    assert failing_by(lambda: RTC_ERROR) == "on_execute: returned RTC_ERROR"
+    assert failing_by(lambda: BAD_PARAMETER) == "on_execute: returned BAD_PARAMETER"
+    assert failing_by(lambda: None) == "on_execute: returned None"
+    assert failing_by(lambda: 7) == "on_execute: returned 7"
+    assert failing_by(raising(ValueError("odd"))) == "on_execute: ValueError: odd"
+    assert failing_by(raising(KeyError())) == "on_execute: KeyError"
+    assert failing_by(lambda: 0) == ""
+
+
+def test_a_told_reason_is_kept_until_the_reset() -> None:
+    actor = Actor("a")
+    actor.execute = lambda: actor.fail("the goal is reached")
+    system = activated(System(), actor)
+    system.run(until_ns=3 * MS)
+    assert system.statistics("a").reason == "the goal is reached"
+    system.reset("a")
+    system.run(until_ns=4 * MS)
+    assert system.statistics("a").reason == ""
+
+
+def test_what_fails_in_error_does_not_hide_the_reason() -> None:
+    class Hopeless(Actor):
+        def on_aborting(self, ec_id: int) -> ReturnCode_t:
+            return RTC_ERROR
+
+        def on_error(self, ec_id: int) -> ReturnCode_t:
+            return self.fail("still broken")
+
+    system = activated(System(), Hopeless("a", lambda: RTC_ERROR))
+    system.run(until_ns=5 * MS)
+    assert system.statistics("a").reason == "on_execute: returned RTC_ERROR"
+
+
+def test_an_exception_after_a_told_reason_is_the_reason() -> None:
+    actor = Actor("a")
+
+    def execute() -> ReturnCode_t:
+        actor.fail("told")
+        raise ValueError("raised")
+
+    actor.execute = execute
+    system = activated(System(), actor)
+    system.run(until_ns=MS)
+    assert system.statistics("a").reason == "on_execute: ValueError: raised"
+
+
+def test_failures_are_logged_and_the_traceback_for_debugging_only(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    class Stuck(Actor):
+        def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+            raise ValueError("stuck")
+
+    system = activated(System(), Stuck("a"))
+    system.run(until_ns=MS)
+    system.deactivate("a")
+    with caplog.at_level(logging.DEBUG, "rtgen.runtime"):
+        system.run(until_ns=2 * MS)
+    warnings = [r.getMessage() for r in caplog.records if r.levelno == logging.WARNING]
+    assert warnings == ["a: on_deactivated: ValueError: stuck"]
+    assert [r for r in caplog.records if r.levelno == logging.DEBUG and r.exc_info]
+
+
+def test_an_interrupt_is_no_failure() -> None:
+    def interrupt() -> None:
+        raise KeyboardInterrupt
+
+    system = activated(System(), Actor("a", interrupt))
+    with pytest.raises(KeyboardInterrupt):
+        system.run(until_ns=MS)
+
+
+def test_a_component_outside_of_a_context() -> None:
+    component = Named()
+    assert component.exit() is not RTC_OK
+    assert component.initialize() is RTC_OK
+    assert component.is_alive()
+    assert component.get_context(0) is None
+    assert component.detach_context(3) is BAD_PARAMETER
+    assert component.exit() is RTC_OK
+    assert not component.is_alive()
+
+
+def test_seconds_are_nanoseconds() -> None:
+    assert runtime.SECOND == SECOND
+
+
+def test_every_error_has_one_base() -> None:
+    names = [
+        name
+        for name in runtime.__all__
+        if name.endswith("Error") and name != "ServiceError"
+    ]
+    assert len(names) > 15
+    for name in names:
+        error = getattr(runtime, name)
+        assert issubclass(error, RtcError)
+        assert error.__doc__
+
+
+def test_importing_the_runtime_is_light() -> None:
+    heavy = "asyncio black click jinja2 lark lxml platformdirs rich rtgen.model rtgen.frontends"
+    code = (
+        "import sys, rtgen.runtime\n"
+        f"print([name for name in {heavy.split()} if name in sys.modules])"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == "[]"
