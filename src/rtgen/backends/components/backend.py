@@ -1,0 +1,117 @@
+"""Which files the components of a model get."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from rtgen.backends import Artifact, Emission, Options, Owner
+from rtgen.backends.components.base_module import base_module, class_names
+from rtgen.backends.components.checks import check, components_of
+from rtgen.backends.components.imports import import_from
+from rtgen.backends.components.places import (
+    components_folder,
+    heading,
+    package_folder,
+    source_of,
+)
+from rtgen.backends.components.skeleton import skeleton_module
+from rtgen.backends.python_text import (
+    docstring,
+    fit_text,
+    header_comment,
+    string_literal,
+)
+from rtgen.backends.rendering import render
+from rtgen.diagnostics import has_errors
+from rtgen.model import Component, Model, SourceFile
+from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.python_names import identifier, module_name
+
+
+@dataclass(frozen=True, slots=True)
+class _Entry:
+    """A factory: what makes an instance of the component type `name`."""
+
+    name: str
+    module: str
+    factory: str
+
+
+class ComponentsBackend:
+    """Makes a package for each component, its skeleton, and the factory entries."""
+
+    name = "components"
+
+    def emit(self, model: Model, options: Options) -> Emission:
+        """All files of all components; none where a component has errors."""
+        found = check(model)
+        components = components_of(model)
+        if has_errors(found) or not components:
+            return Emission((), found)
+        names = PythonNames(model, options.package)
+        artifacts = list(_common(model, components, options))
+        for component in components:
+            artifacts += _of_component(model, names, component, options)
+        return Emission(artifacts, found)
+
+
+BACKEND = ComponentsBackend()
+
+
+def _common(
+    model: Model, components: Sequence[Component], options: Options
+) -> Iterator[Artifact]:
+    sources = list(
+        dict.fromkeys(source_of(model, component) for component in components)
+    )
+    origin = tuple(source.key for source in sources)
+    header = _header(options, sources)
+    folder = components_folder(options)
+    package = render("components/components.py.j2", header=header)
+    yield Artifact(f"{folder}/__init__.py", package, origin)
+    entries = [
+        _Entry(name, _skeleton_module(options, name), identifier(name))
+        for name in sorted(component.name[-1] for component in components)
+    ]
+    text = render("components/entry_points.txt.j2", header=header, entries=entries)
+    yield Artifact(f"{folder}/entry_points.txt", text, origin)
+
+
+def _of_component(
+    model: Model, names: PythonNames, component: Component, options: Options
+) -> Iterator[Artifact]:
+    source = source_of(model, component)
+    origin = (source.key,)
+    folder = package_folder(options, component)
+    module = module_name(component.name[-1])
+    yield Artifact(
+        f"{folder}/__init__.py", _package(component, source, options), origin
+    )
+    base = base_module(model, names, component, options)
+    yield Artifact(f"{folder}/{module}_base.py", base, origin)
+    skeleton = skeleton_module(model, names, component, options)
+    yield Artifact(f"{module}.py", skeleton, origin, Owner.USER)
+
+
+def _package(component: Component, source: SourceFile, options: Options) -> str:
+    module = f".{module_name(component.name[-1])}_base"
+    base, configuration = class_names(component)
+    exported = [base, configuration] if component.configuration else [base]
+    text = render(
+        "components/package.py.j2",
+        header=_header(options, [source]),
+        docstring=docstring(heading(component), 0),
+        exported=import_from(module, exported),
+        names=[string_literal(name) for name in sorted(exported)],
+    )
+    return fit_text(text)
+
+
+def _header(options: Options, sources: Sequence[SourceFile]) -> str:
+    return header_comment(options.version, [(s.key, s.sha256) for s in sources])
+
+
+def _skeleton_module(options: Options, name: str) -> str:
+    """Where a component's skeleton is imported from; top-level without a package."""
+    return ".".join(filter(None, (options.skeleton_package, module_name(name))))

@@ -1,0 +1,249 @@
+"""The text of `<component>_base.py`: configuration class, profile and base class."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from rtgen.backends import Options
+from rtgen.backends.components.imports import Imports, import_from
+from rtgen.backends.components.members import Attributes, attributes_of
+from rtgen.backends.components.parameters import Parameters
+from rtgen.backends.components.places import heading, source_of, summary
+from rtgen.backends.python_text import (
+    docstring,
+    fit_text,
+    header_comment,
+    string_literal,
+)
+from rtgen.backends.rendering import render
+from rtgen.model import (
+    Component,
+    ConfigurationParameter,
+    ConstantValue,
+    Declaration,
+    EnumeratorName,
+    Model,
+    NamedType,
+    Port,
+    PortKind,
+    Primitive,
+    PrimitiveType,
+    SequenceType,
+    Type,
+)
+from rtgen.model.constraints import parse, text_of
+from rtgen.typemap.component_names import CONFIGURATION_NAMES
+from rtgen.typemap.idl_python import PythonNames
+
+_TAKEN = CONFIGURATION_NAMES | {
+    *("Component", "ComponentProfile", "ParameterProfile", "PortProfile", "ClassVar"),
+    *("annotations", "dataclass", "super", "self", "instance_name"),
+}
+_FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
+_ADD = {PortKind.INPORT: "add_in_port", PortKind.OUTPORT: "add_out_port"}
+_ADD_SERVICE = {PortKind.PROVIDER: "add_provider", PortKind.CONSUMER: "add_consumer"}
+
+
+@dataclass(frozen=True, slots=True)
+class _Statement:
+    """An assignment, unsplit, and the docstring below it."""
+
+    text: str
+    docstring: str
+
+
+def class_names(component: Component) -> tuple[str, str]:
+    """The names of the base class and of the configuration class."""
+    name = component.name[-1]
+    return f"{name}Base", f"{name}Configuration"
+
+
+def base_module(
+    model: Model, names: PythonNames, component: Component, options: Options
+) -> str:
+    """The whole module of a component without errors."""
+    return _BaseModule(model, names, component, options).text()
+
+
+class _BaseModule:
+    def __init__(
+        self, model: Model, names: PythonNames, component: Component, options: Options
+    ) -> None:
+        self._model = model
+        self._component = component
+        self._options = options
+        self._parameters = Parameters(model)
+        self._base, self._configuration = class_names(component)
+        self._names = names
+        taken = _TAKEN | {self._base, self._configuration}
+        self._imports = Imports(model, names, "...", taken)
+
+    def text(self) -> str:
+        component = self._component
+        for parameter in component.configuration:
+            self._imports.mapping.annotation(self._model.unalias(parameter.type))
+        attributes = attributes_of(component, self._imports.locals)
+        fields = [self._field(p, name) for p, name in attributes.configuration]
+        ports = [self._port(port, name) for port, name in attributes.ports]
+        source = source_of(self._model, component)
+        title = heading(component)
+        runtime = ["Component", "ComponentProfile"]
+        runtime += ["ParameterProfile"] * bool(fields) + ["PortProfile"] * bool(ports)
+        text = render(
+            "components/base.py.j2",
+            header=header_comment(self._options.version, [(source.key, source.sha256)]),
+            docstring=docstring(title, 0),
+            class_docstring=docstring(component.doc or title, 4),
+            runtime_import=import_from("rtgen.runtime", runtime),
+            imports=self._imports.lines(),
+            name=component.name[-1],
+            base=self._base,
+            configuration=self._configuration,
+            fields=fields,
+            needs_field=any("= field(" in field.text for field in fields),
+            ports=ports,
+            profile=self._profile(attributes),
+        )
+        return fit_text(text)
+
+    # The configuration class.
+
+    def _field(self, parameter: ConfigurationParameter, name: str) -> _Statement:
+        mapping = self._imports.mapping
+        type_ = self._model.unalias(parameter.type)
+        if isinstance(type_, SequenceType):
+            value = self._sequence(type_, self._parameters.default_items(parameter))
+        elif parameter.default is None:
+            value = mapping.default(type_)
+        else:
+            value = self._literal(type_, parameter.default)
+        text = f"{name}: {mapping.annotation(type_)} = {value}"
+        return _Statement(text, docstring(_with_unit(parameter.doc, parameter.unit), 4))
+
+    def _sequence(self, type_: SequenceType, texts: Sequence[str]) -> str:
+        mapping = self._imports.mapping
+        item = self._model.unalias(type_.element)
+        values = [
+            self._literal(item, self._parameters.parse_item(item, text))
+            for text in texts
+        ]
+        if mapping.is_text(type_):
+            return f"bytes([{', '.join(values)}])" if values else mapping.default(type_)
+        factory = f"lambda: [{', '.join(values)}]" if values else mapping.factory(type_)
+        return f"field(default_factory={factory})"
+
+    def _literal(self, type_: Type, value: ConstantValue) -> str:
+        match value:
+            case EnumeratorName(name):
+                enum = self._imports.mapping.annotation(type_)
+                return f"{enum}.{self._names.enumerator(name)[1]}"
+            case str():
+                return string_literal(value)
+            case int() | float() if type_ in _FLOATING:
+                return repr(float(value))
+            case _:
+                return repr(value)
+
+    # The ports.
+
+    def _port(self, port: Port, name: str) -> _Statement:
+        if port.kind in _ADD:
+            add, place = _ADD[port.kind], [port.name]
+        else:
+            add, place = _ADD_SERVICE[port.kind], [port.port, port.instance]
+        type_ = self._imports.type_name(self._declaration(port).name)
+        arguments = ", ".join((*map(string_literal, place), type_))
+        text = f"self.{name} = self.{add}({arguments})"
+        return _Statement(text, docstring(_with_unit(port.doc, port.unit), 8))
+
+    def _declaration(self, port: Port) -> Declaration:
+        type_ = self._model.unalias(port.type)
+        assert isinstance(type_, NamedType), "checked before anything is emitted"
+        return self._model.find(type_.name)
+
+    # The profile.
+
+    def _profile(self, attributes: Attributes) -> str:
+        component = self._component
+        ports = [self._port_profile(port, name) for port, name in attributes.ports]
+        parameters = [
+            self._parameter_profile(p, name) for p, name in attributes.configuration
+        ]
+        return _call(
+            "ComponentProfile",
+            type_name=string_literal(component.name[-1]),
+            kind=string_literal(component.kind),
+            category=string_literal(component.category),
+            vendor=string_literal(component.vendor),
+            version=string_literal(component.version),
+            description=string_literal(summary(component)),
+            rate=repr(float(component.rate)),
+            max_instances=str(component.max_instances),
+            activity=string_literal(component.activity),
+            execution=string_literal(component.execution),
+            ports=_tuple(ports),
+            configuration=_tuple(parameters),
+        )
+
+    def _port_profile(self, port: Port, name: str) -> str:
+        declaration = self._declaration(port)
+        is_service = port.kind in _ADD_SERVICE
+        return _call(
+            "PortProfile",
+            name=string_literal(port.name),
+            python_name=string_literal(name),
+            kind=string_literal(port.kind.value),
+            type=string_literal(declaration.scoped),
+            repository_id=string_literal(declaration.repository_id),
+            port=_optional(port.port if is_service else ""),
+            instance=_optional(port.instance if is_service else ""),
+            unit=_optional(port.unit),
+            description=_optional(_first_line(port.doc)),
+        )
+
+    def _parameter_profile(self, parameter: ConfigurationParameter, name: str) -> str:
+        constraint = parse(parameter.constraint)
+        return _call(
+            "ParameterProfile",
+            name=string_literal(parameter.name),
+            python_name=string_literal(name),
+            type=string_literal(self._parameters.canonical_type(parameter.type)),
+            default=string_literal(self._parameters.default_text(parameter)),
+            minimum=_bound(parameter.minimum),
+            maximum=_bound(parameter.maximum),
+            unit=_optional(parameter.unit),
+            constraint=_optional("" if constraint is None else text_of(constraint)),
+            widget=_optional(parameter.widget),
+            description=_optional(_first_line(parameter.doc)),
+        )
+
+
+def _call(callee: str, /, **arguments: str) -> str:
+    """A call with keyword arguments; empty ones are left to their defaults."""
+    return f"{callee}({', '.join(f'{key}={value}' for key, value in arguments.items() if value)})"
+
+
+def _tuple(items: Sequence[str]) -> str:
+    return f"({', '.join(items)},)" if items else ""
+
+
+def _optional(text: str) -> str:
+    return string_literal(text) if text else ""
+
+
+def _bound(value: ConstantValue | None) -> str:
+    return "" if value is None else str(value)
+
+
+def _first_line(doc: str) -> str:
+    return doc.strip().partition("\n")[0].strip()
+
+
+def _with_unit(doc: str, unit: str) -> str:
+    """The doc comment with the unit in its first line, before the full stop."""
+    first, newline, rest = doc.strip().partition("\n")
+    if unit:
+        stop = "." if first.endswith(".") else ""
+        first = f"{first.removesuffix('.')} [{unit}]{stop}".strip()
+    return first + newline + rest

@@ -1,0 +1,76 @@
+"""How a component's modules name what they import: types by their module, without clashes."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+
+from rtgen.model import Model, ScopedName
+from rtgen.typemap.idl_python import PythonMapping, PythonNames
+from rtgen.typemap.python_names import identifier
+
+
+class Imports:
+    """Hands out names and collects the imports for them.
+
+    Types in IDL modules are named by their Python module (`iis.TimedPose2D`), those of the global
+    scope directly. `root` is the root package as the module writes it: `...` or `refrobots`.
+    `taken` are the names that the module binds itself.
+    """
+
+    def __init__(
+        self, model: Model, names: PythonNames, root: str, taken: Collection[str]
+    ) -> None:
+        self.mapping = PythonMapping(model, self.type_name, self.spell, servants=True)
+        self._names = names
+        self._root = root
+        self._taken = set(taken)
+        self._imported: dict[tuple[str, str], str] = {}
+
+    def type_name(self, type_: ScopedName) -> str:
+        """The expression for a declared type."""
+        package, attribute = self._names.public(type_)
+        if package:
+            return f"{self.spell(self._module(package[:-1]), package[-1])}.{attribute}"
+        outer, dot, inner = attribute.partition(".")
+        return self.spell(self._module(()), outer) + dot + inner
+
+    def spell(self, module: str, name: str) -> str:
+        """The name under which `name` of a module is imported; builtins have no module."""
+        if not module:
+            return name
+        known = self._imported.get((module, name))
+        if known is None:
+            last = module.strip(".").rpartition(".")[2]
+            clashes = name in self._taken
+            known = identifier(
+                f"{last}_{name}".strip("_") if clashes else name, self._taken
+            )
+            self._taken.add(known)
+            self._imported[module, name] = known
+        return known
+
+    @property
+    def locals(self) -> frozenset[str]:
+        """The names that the imports bind."""
+        return frozenset(self._imported.values())
+
+    def lines(self, standard: bool = False) -> list[str]:
+        """The import statements, sorted: those of the standard library, or all others."""
+        modules: dict[str, list[str]] = {}
+        for (module, name), local in sorted(self._imported.items()):
+            if (module in _STANDARD) is standard:
+                item = name if name == local else f"{name} as {local}"
+                modules.setdefault(module, []).append(item)
+        return [import_from(module, items) for module, items in modules.items()]
+
+    def _module(self, package: tuple[str, ...]) -> str:
+        joint = "." if package and not self._root.endswith(".") else ""
+        return self._root + joint + ".".join(package)
+
+
+_STANDARD = ("decimal",)
+
+
+def import_from(module: str, names: Iterable[str]) -> str:
+    """`from module import names`, sorted."""
+    return f"from {module} import {', '.join(sorted(names))}"

@@ -1,0 +1,32 @@
+"""The attributes that a component's base class and configuration class get."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from rtgen.model import Component, ConfigurationParameter, Port
+from rtgen.typemap.component_names import COMPONENT_NAMES, CONFIGURATION_NAMES
+from rtgen.typemap.idl_python import distinct
+
+
+@dataclass(frozen=True, slots=True)
+class Attributes:
+    """Ports and parameters with their Python names."""
+
+    ports: tuple[tuple[Port, str], ...]
+    configuration: tuple[tuple[ConfigurationParameter, str], ...]
+
+
+def attributes_of(component: Component, imported: Collection[str] = ()) -> Attributes:
+    """The names: those of the definition, with `_` where Python or the runtime has them.
+
+    `imported` are names that the fields' own types are written with.
+    """
+    ports = distinct((p.identifier for p in component.ports), COMPONENT_NAMES)
+    own = CONFIGURATION_NAMES.union(imported)
+    fields = distinct((p.identifier for p in component.configuration), own)
+    return Attributes(
+        tuple((port, ports[port.identifier]) for port in component.ports),
+        tuple((each, fields[each.identifier]) for each in component.configuration),
+    )

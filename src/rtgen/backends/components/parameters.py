@@ -1,0 +1,292 @@
+"""Configuration parameters as text: the form in which profiles, files and tools hold them."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from math import inf, isfinite
+
+from rtgen.model import (
+    ConfigurationParameter,
+    ConstantValue,
+    Enum,
+    EnumeratorName,
+    Model,
+    NamedType,
+    Primitive,
+    PrimitiveType,
+    SequenceType,
+    StringType,
+    Type,
+)
+from rtgen.model.constraints import (
+    Constraint,
+    ConstraintError,
+    Operator,
+    allows,
+    enumeration,
+    interval,
+    literals,
+    parse,
+)
+
+_INTEGERS = {
+    Primitive.OCTET: (0, 2**8 - 1),
+    Primitive.INT8: (-(2**7), 2**7 - 1),
+    Primitive.UINT8: (0, 2**8 - 1),
+    Primitive.SHORT: (-(2**15), 2**15 - 1),
+    Primitive.UNSIGNED_SHORT: (0, 2**16 - 1),
+    Primitive.LONG: (-(2**31), 2**31 - 1),
+    Primitive.UNSIGNED_LONG: (0, 2**32 - 1),
+    Primitive.LONG_LONG: (-(2**63), 2**63 - 1),
+    Primitive.UNSIGNED_LONG_LONG: (0, 2**64 - 1),
+}
+_FLOATS = {Primitive.FLOAT: (2 - 2.0**-23) * 2.0**127, Primitive.DOUBLE: inf}
+
+_WORDS = {
+    Primitive.OCTET: "unsigned short int",
+    Primitive.INT8: "short",
+    Primitive.UINT8: "unsigned short int",
+    Primitive.SHORT: "short",
+    Primitive.UNSIGNED_SHORT: "unsigned short int",
+    Primitive.LONG: "int",
+    Primitive.UNSIGNED_LONG: "unsigned int",
+    Primitive.LONG_LONG: "long long",
+    Primitive.UNSIGNED_LONG_LONG: "unsigned long long",
+    Primitive.FLOAT: "float",
+    Primitive.DOUBLE: "double",
+    Primitive.BOOLEAN: "bool",
+}
+
+
+class ValueMismatchError(ValueError):
+    """A value that is none of the type; the text says why."""
+
+
+class Parameters:
+    """The parameters of a model's components, their typedefs and enums resolved."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+
+    def is_supported(self, type_: Type) -> bool:
+        """Whether values of the type can be a parameter: see the rule RTC0302."""
+        item = self.item_type(type_)
+        match item:
+            case PrimitiveType(kind):
+                return kind in _WORDS
+            case StringType():
+                return True
+            case _:
+                return item == self._model.unalias(type_) and bool(
+                    self.enumerators(item)
+                )
+
+    def profile_type(self, type_: Type) -> str:
+        """The word of `rtc:type` in an RtcProfile: C++'s, as RTCBuilder writes it."""
+        type_ = self._model.unalias(type_)
+        match type_:
+            case SequenceType(element):
+                word = self.profile_type(element)
+                return f"std::vector<{'std::string' if word == 'string' else word}>"
+            case PrimitiveType(kind):
+                return _WORDS[kind]
+            case _:
+                return "string"
+
+    def canonical_type(self, type_: Type) -> str:
+        """IDL's spelling with typedefs resolved; an enum keeps its scoped name."""
+        type_ = self._model.unalias(type_)
+        if isinstance(type_, SequenceType):
+            bound = "" if type_.bound is None else f",{type_.bound}"
+            return f"sequence<{self.canonical_type(type_.element)}{bound}>"
+        return str(type_)
+
+    def default_text(self, parameter: ConfigurationParameter) -> str:
+        """The default as text; without one, that of the type's zero value."""
+        if parameter.default is not None:
+            return value_text(parameter.default)
+        type_ = self._model.unalias(parameter.type)
+        match type_:
+            case PrimitiveType(kind):
+                return "0.0" if kind in _FLOATS else "0"
+            case NamedType():
+                return self.enumerators(type_)[0]
+            case _:
+                return ""
+
+    def enumerators(self, type_: Type) -> tuple[str, ...]:
+        """The names of an enum's members; empty for every other type."""
+        type_ = self._model.unalias(type_)
+        if isinstance(type_, NamedType):
+            declaration = self._model.find(type_.name)
+            if isinstance(declaration, Enum):
+                return tuple(member.name for member in declaration.members)
+        return ()
+
+    def default_items(self, parameter: ConfigurationParameter) -> list[str]:
+        """The items of the default: one for a scalar, any number for a sequence."""
+        text = self.default_text(parameter)
+        if isinstance(self._model.unalias(parameter.type), SequenceType):
+            return split_items(text)
+        return [text]
+
+    def constraint(self, parameter: ConfigurationParameter) -> Constraint | None:
+        """The constraint as written, else by the bounds, else by the enum's members.
+
+        Raises ConstraintError where the text cannot be read or compares what is no number.
+        """
+        written = parse(parameter.constraint)
+        if written is not None:
+            self._check_literals(parameter.type, written)
+            return written
+        names = self.enumerators(self.item_type(parameter.type))
+        return self.bounds(parameter) or (enumeration(names) if names else None)
+
+    def bounds(self, parameter: ConfigurationParameter) -> Constraint | None:
+        """The constraint that `@min` and `@max` make; None without either."""
+        ends = (parameter.minimum, parameter.maximum)
+        lower, upper = (None if end is None else value_text(end) for end in ends)
+        return interval(lower, upper)
+
+    def is_default_allowed(
+        self, parameter: ConfigurationParameter, limit: Constraint
+    ) -> bool:
+        """Whether the default (of the right type) meets the constraint."""
+        return allows(limit, self.default_items(parameter))
+
+    def item_type(self, type_: Type) -> Type:
+        """The type of a sequence's elements, or the type itself; typedefs resolved."""
+        type_ = self._model.unalias(type_)
+        return (
+            self._model.unalias(type_.element)
+            if isinstance(type_, SequenceType)
+            else type_
+        )
+
+    def is_number(self, type_: Type) -> bool:
+        """Whether a value, or an item of it, is a number (and not a truth value)."""
+        item = self.item_type(type_)
+        return isinstance(item, PrimitiveType) and (
+            item.kind in _INTEGERS or item.kind in _FLOATS
+        )
+
+    def check_value(self, type_: Type, value: ConstantValue) -> None:
+        """Raises ValueMismatchError if the value is none of that type."""
+        type_ = self._model.unalias(type_)
+        match type_:
+            case PrimitiveType(Primitive.BOOLEAN):
+                if not isinstance(value, bool):
+                    raise ValueMismatchError(
+                        f"{_shown(value)} is neither TRUE nor FALSE"
+                    )
+            case PrimitiveType(kind) if kind in _INTEGERS:
+                _check_integer(kind, value)
+            case PrimitiveType(kind):
+                _check_float(kind, value)
+            case StringType(bound=bound):
+                if not isinstance(value, str):
+                    raise ValueMismatchError(f"{_shown(value)} is not a string")
+                if bound is not None and len(value) > bound:
+                    raise ValueMismatchError(
+                        f"{_shown(value)} is longer than {bound} characters"
+                    )
+            case SequenceType(element, bound):
+                self._check_items(element, bound, value)
+            case _:
+                names = self.enumerators(type_)
+                if not isinstance(value, EnumeratorName) or value.name[-1] not in names:
+                    raise ValueMismatchError(
+                        f"{_shown(value)} is not one of {', '.join(names)}"
+                    )
+
+    def parse_item(self, type_: Type, text: str) -> ConstantValue:
+        """A sequence's item from its text. Raises ValueMismatchError."""
+        type_ = self._model.unalias(type_)
+        try:
+            match type_:
+                case PrimitiveType(Primitive.BOOLEAN):
+                    return _TRUTH[text.lower()]
+                case PrimitiveType(kind):
+                    return int(text, 10) if kind in _INTEGERS else float(text)
+                case StringType():
+                    return text
+                case _:
+                    return EnumeratorName((text,))
+        except (ValueError, KeyError):
+            raise ValueMismatchError(f"{text!r} is not a value of {type_}") from None
+
+    def _check_items(
+        self, element: Type, bound: int | None, value: ConstantValue
+    ) -> None:
+        if not isinstance(value, str):
+            raise ValueMismatchError(
+                f"{_shown(value)} is not a text with commas between the items"
+            )
+        items = split_items(value)
+        if bound is not None and len(items) > bound:
+            raise ValueMismatchError(f"{len(items)} items are more than {bound}")
+        for item in items:
+            self.check_value(element, self.parse_item(element, item))
+
+    def _check_literals(self, type_: Type, constraint: Constraint) -> None:
+        for operator, literal in literals(constraint):
+            if operator is not Operator.EQUAL and not self.is_number(type_):
+                raise ConstraintError(f"{self.canonical_type(type_)} has no order")
+            try:
+                item_type = self.item_type(type_)
+                if self.is_number(item_type):
+                    _check_float(Primitive.DOUBLE, float(literal))
+                else:
+                    self.check_value(item_type, self.parse_item(item_type, literal))
+            except ValueError as reason:
+                raise ConstraintError(str(reason)) from None
+
+
+_TRUTH = {"true": True, "1": True, "false": False, "0": False}
+
+
+def split_items(text: str) -> list[str]:
+    """The items of a sequence in text: between commas, trimmed; none in a blank text."""
+    return [item.strip() for item in text.split(",")] if text.strip() else []
+
+
+def value_text(value: ConstantValue) -> str:
+    """A value as profiles write it; truth values are 1 and 0, which every target converts."""
+    match value:
+        case bool():
+            return str(int(value))
+        case EnumeratorName(name):
+            return name[-1]
+        case _:
+            return str(value)
+
+
+def _shown(value: ConstantValue) -> str:
+    match value:
+        case bool():
+            return str(value).upper()
+        case str():
+            return f'"{value}"'
+        case _:
+            return value_text(value)
+
+
+def _check_integer(kind: Primitive, value: ConstantValue) -> None:
+    low, high = _INTEGERS[kind]
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ValueMismatchError(f"{_shown(value)} is not a whole number")
+    if not low <= value <= high:
+        raise ValueMismatchError(f"{value} is not in {low} to {high}")
+
+
+def _check_float(kind: Primitive, value: ConstantValue) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float | Decimal):
+        raise ValueMismatchError(f"{_shown(value)} is not a number")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = inf
+    if not isfinite(number):
+        raise ValueMismatchError(f"{_shown(value)} is not finite as a {kind}")
+    if abs(number) > _FLOATS[kind]:
+        raise ValueMismatchError(f"{value} is beyond the range of {kind}")

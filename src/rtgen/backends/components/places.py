@@ -1,0 +1,37 @@
+"""Where a component's files go, and what they say about where they came from."""
+
+from __future__ import annotations
+
+from rtgen.backends import Options
+from rtgen.model import Component, Model, SourceFile
+from rtgen.typemap.python_names import module_name
+
+
+def package_folder(options: Options, component: Component) -> str:
+    """The folder of a component's package, below the output folder."""
+    return f"{components_folder(options)}/{module_name(component.name[-1])}"
+
+
+def components_folder(options: Options) -> str:
+    """The folder of all components' packages, below the output folder."""
+    return f"{options.package.replace('.', '/')}/components"
+
+
+def source_of(model: Model, component: Component) -> SourceFile:
+    """The file that a component is defined in."""
+    return next(file for file in model.files if file.name == component.file)
+
+
+def summary(component: Component) -> str:
+    """What the component is, in one line; may be empty."""
+    return component.description or component.doc.strip().partition("\n")[0].strip()
+
+
+def heading(component: Component) -> str:
+    """Name and summary in one line, for docstrings."""
+    title = summary(component)
+    return (
+        f"{component.name[-1]}: {title}"
+        if title
+        else f"The component {component.name[-1]}."
+    )

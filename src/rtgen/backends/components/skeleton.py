@@ -1,0 +1,165 @@
+"""The text of the skeleton that a user fills in: callbacks and servants, created once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from rtgen.backends import Options, Owner
+from rtgen.backends.components.base_module import class_names
+from rtgen.backends.components.imports import Imports, import_from
+from rtgen.backends.components.members import attributes_of
+from rtgen.backends.components.places import heading, source_of
+from rtgen.backends.python_text import docstring, fit_text, header_comment
+from rtgen.backends.rendering import render
+from rtgen.model import (
+    VOID,
+    Attribute,
+    Component,
+    Direction,
+    Interface,
+    Model,
+    NamedType,
+    Operation,
+    Port,
+    PortKind,
+)
+from rtgen.typemap.component_actions import ACTIONS
+from rtgen.typemap.idl_python import PythonNames, distinct
+from rtgen.typemap.python_names import identifier, module_name
+
+_TAKEN = frozenset(
+    {"RTC_OK", "ReturnCode_t", "NotImplementedError", "annotations", "property", "self"}
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Attribute:
+    name: str
+    type: str
+    readonly: bool
+    docstring: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Operation:
+    name: str
+    parameters: tuple[str, ...]
+    result: str
+    docstring: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Servant:
+    """The class that carries out the calls to a provider; `attribute` is the provider's."""
+
+    name: str
+    interface: str
+    facet: str
+    attribute: str
+    attributes: tuple[_Attribute, ...]
+    operations: tuple[_Operation, ...]
+
+
+def skeleton_module(
+    model: Model, names: PythonNames, component: Component, options: Options
+) -> str:
+    """The whole module of a component without errors."""
+    source = source_of(model, component)
+    name = identifier(component.name[-1])
+    base, _ = class_names(component)
+    taken = {*_TAKEN, name, base}
+    providers: list[tuple[Port, str, str]] = []
+    for port, attribute in attributes_of(component).ports:
+        if port.kind is PortKind.PROVIDER:
+            class_name = identifier(_servant_name(attribute), taken)
+            taken.add(class_name)
+            providers.append((port, attribute, class_name))
+    imports = Imports(model, names, options.package, taken)
+    servants = [_servant(model, imports, *provider) for provider in providers]
+    package = f"{options.package}.components.{module_name(component.name[-1])}"
+    text = render(
+        "components/skeleton.py.j2",
+        header=header_comment(
+            options.version, [(source.key, source.sha256)], Owner.USER
+        ),
+        docstring=docstring(heading(component), 0),
+        standard_imports=imports.lines(standard=True),
+        imports=sorted(
+            [
+                *imports.lines(),
+                import_from(package, [base]),
+                import_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"]),
+            ]
+        ),
+        servants=servants,
+        name=name,
+        base=base,
+        class_docstring=docstring(component.doc or heading(component), 4),
+        actions=[action for action in ACTIONS if action.implemented],
+    )
+    return fit_text(text)
+
+
+def _servant_name(attribute: str) -> str:
+    """`left_brake` to `LeftBrakeServant`."""
+    words = (f"{word[:1].upper()}{word[1:]}" for word in attribute.split("_"))
+    return f"{''.join(words)}Servant"
+
+
+def _servant(
+    model: Model, imports: Imports, port: Port, attribute: str, name: str
+) -> _Servant:
+    type_ = model.unalias(port.type)
+    assert isinstance(type_, NamedType), "checked before anything is emitted"
+    interfaces = list(_with_bases(model, model.find(type_.name)))
+    attributes = {a.name: a for each in interfaces for a in each.attributes}
+    operations = {o.name: o for each in interfaces for o in each.operations}
+    return _Servant(
+        name=name,
+        interface=imports.type_name(type_.name),
+        facet=port.name,
+        attribute=attribute,
+        attributes=tuple(_attribute(imports, each) for each in attributes.values()),
+        operations=tuple(_operation(imports, each) for each in operations.values()),
+    )
+
+
+def _with_bases(model: Model, interface: object) -> Iterator[Interface]:
+    """The interface after all that it inherits from; a shared base may come again."""
+    assert isinstance(interface, Interface), "checked before anything is emitted"
+    for base in interface.bases:
+        yield from _with_bases(model, model.find(base))
+    yield interface
+
+
+def _attribute(imports: Imports, attribute: Attribute) -> _Attribute:
+    return _Attribute(
+        name=identifier(attribute.name),
+        type=imports.mapping.annotation(attribute.type),
+        readonly=attribute.readonly,
+        docstring=docstring(attribute.doc, 8),
+    )
+
+
+def _operation(imports: Imports, operation: Operation) -> _Operation:
+    annotation = imports.mapping.annotation
+    names = distinct((p.name for p in operation.parameters), {"self"})
+    results = [] if operation.returns == VOID else [annotation(operation.returns)]
+    results += [
+        annotation(p.type) for p in operation.parameters if p.direction != Direction.IN
+    ]
+    given = (p for p in operation.parameters if p.direction != Direction.OUT)
+    return _Operation(
+        name=identifier(operation.name),
+        parameters=("self", *(f"{names[p.name]}: {annotation(p.type)}" for p in given)),
+        result=_result(results),
+        docstring=docstring(operation.doc, 8),
+    )
+
+
+def _result(results: Sequence[str]) -> str:
+    """What an operation gives: nothing, its one result, or a tuple of all."""
+    if len(results) > 1:
+        return f"tuple[{', '.join(results)}]"
+    return results[0] if results else "None"

@@ -1,0 +1,252 @@
+"""Back end for RTCBuilder: `RTC.xml`, the RtcProfile of a component, format version 0.3.
+
+Element and attribute order are those of the schema; everything, dates too, comes from the
+definition, so the same input gives the same bytes.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+
+from rtgen.backends import Artifact, Emission, Options
+from rtgen.backends.components.checks import check, components_of
+from rtgen.backends.components.parameters import Parameters
+from rtgen.backends.components.places import package_folder, source_of, summary
+from rtgen.backends.python_text import header
+from rtgen.backends.rendering import render_xml
+from rtgen.diagnostics import has_errors
+from rtgen.model import (
+    Component,
+    ConfigurationParameter,
+    Model,
+    NamedType,
+    Port,
+    PortKind,
+)
+from rtgen.model.constraints import (
+    AllOf,
+    AnyOf,
+    Between,
+    Comparison,
+    Constraint,
+    ItemConstraints,
+    KeyConstraints,
+    Operator,
+    text_of,
+)
+from rtgen.typemap.component_actions import ACTIONS
+
+_DATA_PORTS = {
+    PortKind.INPORT: ("DataInPort", "LEFT"),
+    PortKind.OUTPORT: ("DataOutPort", "RIGHT"),
+}
+_DOUBLE_HYPHEN = re.compile("-(?=-)")
+_POLARITIES = {PortKind.PROVIDER: "Provided", PortKind.CONSUMER: "Required"}
+_COMPARISONS = {
+    Operator.EQUAL: "propertyIsEqualTo",
+    Operator.LESS: "propertyIsLessThan",
+    Operator.GREATER: "propertyIsGreaterThan",
+    Operator.LESS_OR_EQUAL: "propertyIsLessThanOrEqualTo",
+    Operator.GREATER_OR_EQUAL: "propertyIsGreaterThanOrEqualTo",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class _Node:
+    """A constraint as the profile nests it; a leaf has texts, the rest children."""
+
+    kind: str
+    texts: tuple[str, ...] = ()
+    children: tuple[_Node, ...] = ()
+    key: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Parameter:
+    name: str
+    identifier: str
+    type: str
+    default: str
+    unit: str
+    doc: str
+    widget: str
+    constraint: _Node | None
+    constraint_text: str
+
+
+@dataclass(frozen=True, slots=True)
+class _DataPort:
+    kind: str
+    position: str
+    name: str
+    identifier: str
+    type: str
+    idl_file: str
+    unit: str
+    doc: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Interface:
+    name: str
+    identifier: str
+    direction: str
+    instance: str
+    type: str
+    idl_file: str
+    doc: str
+
+
+@dataclass(frozen=True, slots=True)
+class _ServicePort:
+    name: str
+    position: str
+    interfaces: tuple[_Interface, ...]
+
+
+class RtcProfileBackend:
+    """Makes the `RTC.xml` of each component."""
+
+    name = "rtc-profile"
+
+    def emit(self, model: Model, options: Options) -> Emission:
+        """One profile in each component's package; none where a component has errors."""
+        found = check(model)
+        if has_errors(found):
+            return Emission((), found)
+        artifacts = [
+            Artifact(
+                path=f"{package_folder(options, component)}/RTC.xml",
+                text=profile_text(model, component, options),
+                origin=(source_of(model, component).key,),
+            )
+            for component in components_of(model)
+        ]
+        return Emission(artifacts, found)
+
+
+BACKEND = RtcProfileBackend()
+
+
+def profile_text(model: Model, component: Component, options: Options) -> str:
+    """The profile of a component without errors, as XML text."""
+    parameters = Parameters(model)
+    source = source_of(model, component)
+    comment = header(options.version, [(source.key, source.sha256)])
+    return render_xml(
+        "rtc_profile/RTC.xml.j2",
+        header=[_DOUBLE_HYPHEN.sub("- ", line) for line in comment],
+        component=component,
+        id=profile_id(component),
+        name=component.name[-1],
+        description=summary(component),
+        doc=_lines(component.doc),
+        actions=ACTIONS,
+        configuration=[_parameter(parameters, p) for p in component.configuration],
+        data_ports=[
+            _data_port(model, p) for p in component.ports if p.kind in _DATA_PORTS
+        ],
+        service_ports=_service_ports(model, component),
+    )
+
+
+def profile_id(component: Component) -> str:
+    """The id in profiles of the component and of systems, in the form with colons."""
+    parts = (
+        component.vendor,
+        component.category,
+        component.name[-1],
+        component.version,
+    )
+    return ":".join(("RTC", *parts))
+
+
+def _parameter(parameters: Parameters, parameter: ConfigurationParameter) -> _Parameter:
+    constraint = parameters.constraint(parameter)
+    return _Parameter(
+        name=parameter.name,
+        identifier=parameter.identifier,
+        type=parameters.profile_type(parameter.type),
+        default=parameters.default_text(parameter),
+        unit=parameter.unit,
+        doc=_lines(parameter.doc),
+        widget=parameter.widget or "text",
+        constraint=None if constraint is None else _node(constraint),
+        constraint_text="" if constraint is None else text_of(constraint),
+    )
+
+
+def _node(constraint: Constraint, key: str = "") -> _Node:
+    match constraint:
+        case Comparison(operator, literal):
+            return _Node(_COMPARISONS[operator], (literal,), key=key)
+        case Between(lower, upper):
+            return _Node("Between", (lower, upper), key=key)
+        case AllOf(items):
+            return _Node("And", children=tuple(map(_node, items)), key=key)
+        case AnyOf(items):
+            return _Node("Or", children=tuple(map(_node, items)), key=key)
+        case ItemConstraints(units):
+            return _Node("ConstraintListType", children=tuple(map(_node, units)))
+        case KeyConstraints(pairs):
+            nodes = tuple(_node(unit, name) for name, unit in pairs)
+            return _Node("ConstraintHashType", children=nodes)
+
+
+def _data_port(model: Model, port: Port) -> _DataPort:
+    kind, position = _DATA_PORTS[port.kind]
+    return _DataPort(
+        kind=kind,
+        position=position,
+        name=port.name,
+        identifier=port.identifier,
+        type=str(port.type),
+        idl_file=_idl_file(model, port),
+        unit=port.unit,
+        doc=_lines(port.doc),
+    )
+
+
+def _service_ports(model: Model, component: Component) -> list[_ServicePort]:
+    """Interfaces by the service port that they share, in the order of their first ones."""
+    grouped: dict[str, list[Port]] = {}
+    for port in component.ports:
+        if port.kind in _POLARITIES:
+            grouped.setdefault(port.port, []).append(port)
+    return [
+        _ServicePort(
+            name=name,
+            position=(
+                "LEFT" if any(p.kind is PortKind.PROVIDER for p in ports) else "RIGHT"
+            ),
+            interfaces=tuple(_interface(model, port) for port in ports),
+        )
+        for name, ports in grouped.items()
+    ]
+
+
+def _interface(model: Model, port: Port) -> _Interface:
+    return _Interface(
+        name=port.instance,
+        identifier=port.identifier,
+        direction=_POLARITIES[port.kind],
+        instance=port.instance,
+        type=str(port.type),
+        idl_file=_idl_file(model, port),
+        doc=_lines(port.doc),
+    )
+
+
+def _idl_file(model: Model, port: Port) -> str:
+    """The base name of the file that declares the port's type."""
+    if not isinstance(port.type, NamedType):
+        return ""
+    declared_in = model.find(port.type.name).file
+    return PurePosixPath(declared_in).name
+
+
+def _lines(doc: str) -> str:
+    """A text of several lines as RTCBuilder keeps it in an attribute."""
+    return "<br/>".join(doc.splitlines())

@@ -1,0 +1,8 @@
+"""Back end for wiring diagrams: a system of components as SVG, without any other program."""
+
+from __future__ import annotations
+
+from rtgen.backends.wiring.diagram import ComponentView, PortView, view_of
+from rtgen.backends.wiring.drawing import render
+
+__all__ = ["ComponentView", "PortView", "render", "view_of"]

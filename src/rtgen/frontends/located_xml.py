@@ -1,0 +1,219 @@
+"""XML with places: elements and attributes that know where in the user's text they stand.
+
+Built on expat, which knows line and column of each tag; an lxml element knows a line alone.
+Document type declarations are refused, so no entity is ever expanded and nothing is fetched.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import NoReturn
+from xml.parsers import expat
+
+from rtgen.diagnostics import InputError, Rule, Severity, Span
+
+_MALFORMED = """\
+The file is not well-formed XML: a tag is not closed, an attribute is not quoted, a prefix is not
+declared. The place is where the reader noticed, which may be after the mistake.
+"""
+
+_DOCTYPE = """\
+Profiles have no document type declaration. It is refused since entities declared there can fetch
+files and blow up memory. Delete the `<!DOCTYPE ...>`.
+"""
+
+_ENCODING = """\
+The bytes of the file do not agree with the encoding of its XML declaration (UTF-8 without one).
+Save it as UTF-8.
+"""
+
+_DEPTH = """\
+Elements are nested deeper than any profile is. Profiles use fewer than ten levels.
+"""
+
+_UNREADABLE = """\
+The file cannot be opened: it is missing, it is a folder, or access is denied.
+"""
+
+MALFORMED = Rule("RTC0501", "not well-formed XML", Severity.ERROR, _MALFORMED)
+DOCTYPE = Rule("RTC0502", "document type declaration", Severity.ERROR, _DOCTYPE)
+ENCODING = Rule("RTC0503", "bytes do not fit the encoding", Severity.ERROR, _ENCODING)
+DEPTH = Rule("RTC0504", "elements nested too deep", Severity.ERROR, _DEPTH)
+UNREADABLE = Rule("RTC0505", "profile cannot be opened", Severity.ERROR, _UNREADABLE)
+
+RULES = (MALFORMED, DOCTYPE, ENCODING, DEPTH, UNREADABLE)
+
+_MAX_DEPTH = 100
+_DECLARED = re.compile(rb"""<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z][\w.-]*)["']""")
+_ATTRIBUTE = re.compile(r"""([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
+_BYTE_ORDER_MARKS = {
+    b"\xef\xbb\xbf": "utf-8-sig",
+    b"\xff\xfe": "utf-16",
+    b"\xfe\xff": "utf-16",
+}
+
+
+@dataclass(slots=True, eq=False)
+class Element:
+    """An element without its text; names, of attributes too, are `(namespace, local name)`.
+
+    `span` is that of the tag's name, `_places` holds those of the attributes' values.
+    """
+
+    name: tuple[str, str]
+    attributes: Mapping[tuple[str, str], str]
+    span: Span
+    children: list[Element] = field(default_factory=list)
+    _places: Mapping[str, Span] = field(default_factory=dict)
+
+    def place(self, local_name: str) -> Span:
+        """Where the value of an attribute stands, or the tag's name if it is not written."""
+        return self._places.get(local_name, self.span)
+
+    def get(self, namespace: str, local_name: str, default: str = "") -> str:
+        """An attribute's value, or the default."""
+        return self.attributes.get((namespace, local_name), default)
+
+    def all(self, namespace: str, local_name: str) -> Iterator[Element]:
+        """The children of that name, in order."""
+        return (
+            child for child in self.children if child.name == (namespace, local_name)
+        )
+
+    def first(self, namespace: str, local_name: str) -> Element | None:
+        """The first child of that name."""
+        return next(self.all(namespace, local_name), None)
+
+
+def decode(data: bytes, file: str) -> str:
+    """The text of an XML file by its byte-order mark or declaration. Raises InputError."""
+    mark = next(
+        (name for start, name in _BYTE_ORDER_MARKS.items() if data.startswith(start)),
+        None,
+    )
+    declared = _DECLARED.match(data[:200])
+    encoding = mark or (declared[1].decode("ascii") if declared else "utf-8")
+    nowhere = Span(file, 1, 1, 1, 1)
+    try:
+        return data.decode(encoding)
+    except LookupError:
+        raise InputError(
+            [ENCODING.at(nowhere, f"unknown encoding {encoding!r}")]
+        ) from None
+    except UnicodeError as reason:
+        place = nowhere
+        if isinstance(reason, UnicodeDecodeError):
+            before = data[: reason.start].decode(encoding, errors="replace")
+            line, column = (
+                before.count("\n") + 1,
+                len(before) - (before.rfind("\n") + 1) + 1,
+            )
+            place = Span(file, line, column, line, column + 1)
+        message = f"these bytes are not {encoding.upper()}"
+        raise InputError(
+            [ENCODING.at(place, message, hint="save the file as UTF-8")]
+        ) from None
+
+
+def parse(text: str, file: str) -> Element:
+    """The root element of an XML text. Raises InputError with one located finding."""
+    return _Builder(text, file).run()
+
+
+class _Builder:
+    """Makes the tree from expat's events."""
+
+    def __init__(self, text: str, file: str) -> None:
+        self._text = text
+        self._file = file
+        self._data = text.encode("utf-8", errors="replace")
+        self._line_starts = [0]
+        self._line_starts += [m.end() for m in re.finditer(r"\r\n?|\n", text)]
+        self._open: list[Element] = []
+        self._root: Element | None = None
+        parser = expat.ParserCreate(encoding="utf-8", namespace_separator=" ")
+        parser.StartElementHandler = self._start
+        parser.EndElementHandler = self._end
+        parser.StartDoctypeDeclHandler = self._doctype
+        self._parser = parser
+
+    def run(self) -> Element:
+        try:
+            self._parser.Parse(self._data, True)
+        except expat.ExpatError as error:
+            message = expat.ErrorString(error.code)
+            place = self._span(self._offset(error.lineno, error.offset), 1)
+            raise InputError(
+                [MALFORMED.at(place, f"not well-formed XML: {message}")]
+            ) from None
+        assert self._root is not None, "expat accepts no document without an element"
+        return self._root
+
+    def _offset(self, line: int, column: int) -> int:
+        start = self._line_starts[min(line, len(self._line_starts)) - 1]
+        return min(start + column, len(self._text))
+
+    def _span(self, offset: int, length: int) -> Span:
+        start, start_column = self._position(offset)
+        end, end_column = self._position(min(offset + length, len(self._text)))
+        return Span(self._file, start, start_column, end, end_column)
+
+    def _position(self, offset: int) -> tuple[int, int]:
+        line = bisect_right(self._line_starts, offset)
+        return line, offset - self._line_starts[line - 1] + 1
+
+    def _here(self) -> int:
+        return self._offset(
+            self._parser.CurrentLineNumber, self._parser.CurrentColumnNumber
+        )
+
+    def _refuse(self, rule: Rule, message: str, length: int) -> NoReturn:
+        raise InputError([rule.at(self._span(self._here(), length), message)])
+
+    def _doctype(self, *_: object) -> None:
+        message = "a profile has no document type declaration"
+        self._refuse(DOCTYPE, message, len("<!DOCTYPE"))
+
+    def _start(self, name: str, attributes: dict[str, str]) -> None:
+        if len(self._open) >= _MAX_DEPTH:
+            self._refuse(DEPTH, f"elements are nested more than {_MAX_DEPTH} deep", 1)
+        offset = self._here() + 1
+        written = re.compile(r"[^\s/>]*").match(self._text, offset)
+        length = len(written[0]) if written else 1
+        element = Element(
+            name=_split(name),
+            attributes={_split(key): value for key, value in attributes.items()},
+            span=self._span(offset, length),
+        )
+        if attributes:
+            element._places = self._attribute_places(offset + length)
+        if self._open:
+            self._open[-1].children.append(element)
+        else:
+            self._root = element
+        self._open.append(element)
+
+    def _attribute_places(self, offset: int) -> dict[str, Span]:
+        places: dict[str, Span] = {}
+        while True:
+            while offset < len(self._text) and self._text[offset].isspace():
+                offset += 1
+            found = _ATTRIBUTE.match(self._text, offset)
+            if found is None:
+                return places
+            key = found[1].rpartition(":")[2]
+            places.setdefault(
+                key, self._span(found.start(2) + 1, max(len(found[2]) - 2, 1))
+            )
+            offset = found.end()
+
+    def _end(self, _: str) -> None:
+        self._open.pop()
+
+
+def _split(name: str) -> tuple[str, str]:
+    namespace, _, local = name.rpartition(" ")
+    return namespace, local

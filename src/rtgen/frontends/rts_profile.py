@@ -1,0 +1,449 @@
+"""Front end for systems: RtsProfile XML, the files of RTSystemEditor and rtshell.
+
+Format 0.2. Names are bound by namespace; what is not known is ignored, and what real files leave
+out is not asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from math import isfinite
+from pathlib import Path
+from typing import NamedTuple
+
+from rtgen.diagnostics import (
+    Diagnostic,
+    InputError,
+    Related,
+    Rule,
+    Severity,
+    Span,
+    has_errors,
+)
+from rtgen.frontends import located_xml
+from rtgen.frontends.located_xml import Element
+from rtgen.model import Activation, Connection, PortReference, System, SystemComponent
+
+RTS = "http://www.openrtp.org/namespaces/rts"
+RTS_EXT = "http://www.openrtp.org/namespaces/rts_ext"
+
+_NOT_A_SYSTEM = """\
+The root element is not `RtsProfile` of the namespace `http://www.openrtp.org/namespaces/rts`. A
+file whose root is `RtcProfile` describes one component, not a system.
+"""
+
+_MISSING = """\
+An attribute without which the element means nothing is not there, or is empty. Attributes of a
+profile are namespace-qualified: `rts:instanceName`, not `instanceName`.
+"""
+
+_SAME_INSTANCE = """\
+Connectors, activation and configuration name components by instance name, which must be unique
+in a system.
+"""
+
+_UNKNOWN_INSTANCE = """\
+A connector, a start condition or a start target names a component that the system does not have.
+"""
+
+_NO_END = """\
+A data connector has exactly one `rts:sourceDataPort` and one `rts:targetDataPort`, a service
+connector one `rts:sourceServicePort` and one `rts:targetServicePort`.
+"""
+
+_NUMBER = """\
+Rates and intervals are numbers in Hz above zero; waiting times are whole milliseconds; sequence
+numbers and the parts of a location are whole numbers.
+"""
+
+_CYCLE = """\
+The `rts:Preceding` conditions of the activation wait for each other in a ring, so none could ever
+be first.
+"""
+
+_ID = """\
+The id of a component is `RTC:vendor:category:type:version` (older files:
+`RTC:vendor.category.type:version`); the type in it tells which component is meant.
+"""
+
+_OTHER_ID = """\
+An end of a connector, or a target of the activation, names an instance with another id than the
+instance has. rtshell compares both and would not find the component.
+"""
+
+_TWICE = """\
+The same two ports are joined by two connectors. OpenRTM refuses the second one, unless
+`dataport.allow_dup_connection` is set.
+"""
+
+NOT_A_SYSTEM = Rule("RTC0510", "not an RtsProfile", Severity.ERROR, _NOT_A_SYSTEM)
+MISSING = Rule("RTC0511", "attribute missing", Severity.ERROR, _MISSING)
+SAME_INSTANCE = Rule(
+    "RTC0512", "two components of one name", Severity.ERROR, _SAME_INSTANCE
+)
+UNKNOWN_INSTANCE = Rule(
+    "RTC0513", "unknown instance", Severity.ERROR, _UNKNOWN_INSTANCE
+)
+NO_END = Rule("RTC0514", "connector without its two ends", Severity.ERROR, _NO_END)
+NUMBER = Rule("RTC0515", "bad number", Severity.ERROR, _NUMBER)
+CYCLE = Rule("RTC0516", "activation waits for itself", Severity.ERROR, _CYCLE)
+ID = Rule("RTC0517", "id without a component type", Severity.ERROR, _ID)
+OTHER_ID = Rule(
+    "RTC0518", "id is not that of the instance", Severity.WARNING, _OTHER_ID
+)
+TWICE = Rule("RTC0519", "ports joined twice", Severity.WARNING, _TWICE)
+
+RULES = (
+    *located_xml.RULES,
+    NOT_A_SYSTEM,
+    MISSING,
+    SAME_INSTANCE,
+    UNKNOWN_INSTANCE,
+    NO_END,
+    NUMBER,
+    CYCLE,
+    ID,
+    OTHER_ID,
+    TWICE,
+)
+
+_CONNECTOR_ATTRIBUTES = (
+    ("dataflowType", "dataport.dataflow_type"),
+    ("interfaceType", "dataport.interface_type"),
+    ("subscriptionType", "dataport.subscription_type"),
+    ("dataType", "dataport.data_type"),
+)
+_DROPPED = frozenset(
+    f"dataport.corba_cdr.{end}_{form}"
+    for end in ("inport", "outport")
+    for form in ("ior", "ref")
+)
+
+
+class SystemResult(NamedTuple):
+    """What `load` gives: no system if there are errors; `sources` maps displayed path to text."""
+
+    system: System | None
+    diagnostics: tuple[Diagnostic, ...]
+    sources: Mapping[str, str]
+
+
+def load(path: Path, *, display: str | None = None) -> SystemResult:
+    """Read a system. Never raises for what a user can have done.
+
+    `display` is the path for messages, by default `path` as given.
+    """
+    file = display if display is not None else path.as_posix()
+    try:
+        data = path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else str(error)
+        finding = located_xml.UNREADABLE.at(None, f"cannot open {file}: {reason}")
+        return SystemResult(None, (finding,), {})
+    return load_bytes(data, file)
+
+
+def load_bytes(data: bytes, file: str) -> SystemResult:
+    """Read a system from the bytes of a file; `file` is the path for messages."""
+    try:
+        text = located_xml.decode(data, file)
+    except InputError as error:
+        sources = {file: data.decode("utf-8", errors="replace")}
+        return SystemResult(None, error.diagnostics, sources)
+    try:
+        root = located_xml.parse(text, file)
+    except InputError as error:
+        return SystemResult(None, error.diagnostics, {file: text})
+    reader = _Reader(file)
+    system = reader.system(root)
+    found = tuple(reader.diagnostics)
+    return SystemResult(None if has_errors(found) else system, found, {file: text})
+
+
+class _Reader:
+    """Makes the model from the tree and notes what is wrong on the way."""
+
+    def __init__(self, file: str) -> None:
+        self.diagnostics: list[Diagnostic] = []
+        self._file = file
+        self._components: dict[str, SystemComponent] = {}
+
+    def system(self, root: Element) -> System | None:
+        if root.name != (RTS, "RtsProfile"):
+            message = f"the root element is `{root.name[1]}`, not `RtsProfile` of {RTS}"
+            self._note(NOT_A_SYSTEM, root.span, message)
+            return None
+        for element in root.all(RTS, "Components"):
+            self._add_component(element)
+        id_ = root.get(RTS, "id")
+        return System(
+            name=_part_of_id(id_, "RTSystem", 1) or Path(self._file).stem,
+            id=id_,
+            file=self._file,
+            abstract=root.get(RTS, "abstract"),
+            components=tuple(self._components.values()),
+            connections=tuple(self._connections(root)),
+            activation=self._activation(root.first(RTS, "Activation")),
+            properties=_properties(root),
+        )
+
+    def _note(
+        self, rule: Rule, span: Span, message: str, hint: str | None = None
+    ) -> None:
+        self.diagnostics.append(rule.at(span, message, hint=hint))
+
+    def _required(self, element: Element, name: str) -> str | None:
+        value = element.get(RTS, name)
+        if value:
+            return value
+        span = element.place(name)
+        if name in {local for _, local in element.attributes} and value == "":
+            message = f"`rts:{name}` of `{element.name[1]}` is empty or not qualified by `rts:`"
+        else:
+            message = f"`{element.name[1]}` has no `rts:{name}`"
+        self._note(MISSING, span, message)
+        return None
+
+    def _add_component(self, element: Element) -> None:
+        instance = self._required(element, "instanceName")
+        id_ = self._required(element, "id")
+        if instance is None or id_ is None:
+            return
+        type_ = _part_of_id(id_, "RTC", 2)
+        if not type_:
+            message = f"id {id_!r} of {instance!r} names no component type"
+            hint = "RTC:vendor:category:type:version"
+            self._note(ID, element.place("id"), message, hint=hint)
+            return
+        span = element.place("instanceName")
+        earlier = self._components.get(instance)
+        if earlier is not None:
+            related = [Related(earlier.span, "the other component")]
+            message = f"two components are called {instance!r}"
+            self.diagnostics.append(SAME_INSTANCE.at(span, message, related=related))
+            return
+        self._components[instance] = SystemComponent(
+            instance=instance,
+            type=type_,
+            id=id_,
+            path_uri=element.get(RTS, "pathUri"),
+            span=span,
+            rate=self._rate(element),
+            active_set=element.get(RTS, "activeConfigurationSet") or "default",
+            configuration=tuple(self._configuration(element)),
+            location=self._location(element),
+            required=element.get(RTS, "isRequired", "true").lower() in ("true", "1"),
+        )
+
+    def _rate(self, element: Element) -> float | None:
+        context = element.first(RTS, "ExecutionContexts")
+        text = context.get(RTS, "rate") if context is not None else ""
+        if context is None or not text:
+            return None
+        try:
+            rate = float(text)
+        except ValueError:
+            rate = 0.0
+        if isfinite(rate) and rate > 0:
+            return rate
+        self._note(
+            NUMBER,
+            context.place("rate"),
+            f"rate {text!r} is not a frequency above 0 Hz",
+        )
+        return None
+
+    def _configuration(
+        self, element: Element
+    ) -> Iterator[tuple[str, tuple[tuple[str, str], ...]]]:
+        for values in element.all(RTS, "ConfigurationSets"):
+            set_id = self._required(values, "id")
+            pairs = [
+                (name, item.get(RTS, "data"))
+                for item in values.all(RTS, "ConfigurationData")
+                if (name := self._required(item, "name")) is not None
+            ]
+            if set_id is not None:
+                yield set_id, tuple(pairs)
+
+    def _location(self, element: Element) -> tuple[int, int, int, int] | None:
+        location = element.first(RTS_EXT, "Location")
+        if location is None:
+            return None
+        parts = [
+            self._integer(location, RTS_EXT, name, 0 if name in "xy" else -1)
+            for name in ("x", "y", "width", "height")
+        ]
+        return (parts[0], parts[1], parts[2], parts[3])
+
+    def _integer(
+        self, element: Element, namespace: str, name: str, default: int
+    ) -> int:
+        text = element.get(namespace, name)
+        if not text.strip():
+            return default
+        try:
+            return int(text)
+        except ValueError:
+            message = f"`{name}` of `{element.name[1]}` is {text!r}, no whole number"
+            self._note(NUMBER, element.place(name), message)
+            return default
+
+    def _instance(self, element: Element) -> str | None:
+        """The instance that an element refers to; None, with a finding, where there is none."""
+        instance = self._required(element, "instanceName")
+        if instance is None:
+            return None
+        component = self._components.get(instance)
+        if component is None:
+            hint = f"the system has {', '.join(self._components) or 'no components'}"
+            message = f"no component is called {instance!r}"
+            self._note(
+                UNKNOWN_INSTANCE, element.place("instanceName"), message, hint=hint
+            )
+            return None
+        id_ = element.get(RTS, "componentId")
+        if id_ and id_ != component.id:
+            message = f"{instance!r} has the id {component.id!r}, not {id_!r}"
+            self._note(OTHER_ID, element.place("componentId"), message)
+        return instance
+
+    def _connections(self, root: Element) -> Iterator[Connection]:
+        joined: dict[tuple[bool, PortReference, PortReference], Span] = {}
+        for element in root.children:
+            if element.name == (RTS, "DataPortConnectors"):
+                service = False
+            elif element.name == (RTS, "ServicePortConnectors"):
+                service = True
+            else:
+                continue
+            connection = self._connection(element, service)
+            if connection is None:
+                continue
+            key = (service, connection.source, connection.target)
+            earlier = joined.setdefault(key, connection.span)
+            if earlier is not connection.span:
+                message = (
+                    f"{connection.source} and {connection.target} are joined twice"
+                )
+                related = [Related(earlier, "the first connector")]
+                self.diagnostics.append(
+                    TWICE.at(connection.span, message, related=related)
+                )
+            yield connection
+
+    def _connection(self, element: Element, service: bool) -> Connection | None:
+        kind = "Service" if service else "Data"
+        source = self._end(element, f"source{kind}Port")
+        target = self._end(element, f"target{kind}Port")
+        if source is None or target is None:
+            return None
+        properties: dict[str, str] = {}
+        if not service:
+            for attribute, key in _CONNECTOR_ATTRIBUTES:
+                value = element.get(RTS, attribute)
+                if value:
+                    properties[key] = value
+            properties.update(p for p in _properties(element) if p[0] not in _DROPPED)
+        name = element.get(RTS, "name") or element.get(RTS, "connectorId")
+        return Connection(
+            name=name or f"{source}_{target}",
+            source=source,
+            target=target,
+            service=service,
+            span=element.span,
+            properties=tuple(properties.items()),
+        )
+
+    def _end(self, element: Element, name: str) -> PortReference | None:
+        ends = list(element.all(RTS, name))
+        if len(ends) != 1:
+            message = (
+                f"a connector has one `rts:{name}`; this one has {len(ends) or 'none'}"
+            )
+            self._note(NO_END, element.span, message)
+            return None
+        instance = self._instance(ends[0])
+        port = self._required(ends[0], "portName")
+        if instance is None or port is None:
+            return None
+        return PortReference(instance=instance, port=port.removeprefix(f"{instance}."))
+
+    def _activation(self, element: Element | None) -> tuple[Activation, ...]:
+        if element is None:
+            required = [c for c in self._components.values() if c.required]
+            others = [c for c in self._components.values() if not c.required]
+            return tuple(
+                Activation(instance=component.instance, sequence=number)
+                for number, component in enumerate(required + others, 1)
+            )
+        steps = [self._step(target) for target in element.all(RTS, "targets")]
+        ordered = sorted(
+            (step for step in steps if step is not None), key=lambda s: s.sequence
+        )
+        return self._resolved(ordered, element.span)
+
+    def _step(self, target: Element) -> Activation | None:
+        component = target.first(RTS, "TargetComponent")
+        if component is None:
+            self._note(MISSING, target.span, "`targets` has no `rts:TargetComponent`")
+            return None
+        instance = self._instance(component)
+        sequence = self._integer(target, RTS, "sequence", 0)
+        wait = target.first(RTS, "WaitTime")
+        wait_ms = self._integer(wait, RTS, "waitTime", 0) if wait is not None else 0
+        if wait is not None and wait_ms < 0:
+            self._note(
+                NUMBER,
+                wait.place("waitTime"),
+                f"waiting time {wait_ms} ms is below zero",
+            )
+        after = [
+            self._instance(preceding)
+            for condition in target.all(RTS, "Preceding")
+            for preceding in condition.all(RTS, "PrecedingComponents")
+        ]
+        if instance is None or None in after:
+            return None
+        return Activation(
+            instance=instance,
+            sequence=sequence,
+            wait_ms=wait_ms,
+            after=tuple(name for name in after if name is not None),
+        )
+
+    def _resolved(self, steps: list[Activation], span: Span) -> tuple[Activation, ...]:
+        """The steps by sequence, but none before those that it waits for."""
+        started: list[Activation] = []
+        waiting = steps
+        while waiting:
+            pending = {step.instance for step in waiting}
+            ready = next(
+                (s for s in waiting if not pending.intersection(s.after)), None
+            )
+            if ready is None:
+                names = ", ".join(step.instance for step in waiting)
+                self._note(CYCLE, span, f"{names} wait for each other")
+                return ()
+            started.append(ready)
+            waiting = [step for step in waiting if step is not ready]
+        return tuple(started)
+
+
+def _part_of_id(id_: str, prefix: str, index: int) -> str:
+    """A part of a profile's id, `prefix:part0:part1...:version`, or with dots for the colons."""
+    head, _, rest = id_.partition(":")
+    body, _, _ = rest.rpartition(":")
+    parts = body.split(":") if ":" in body else body.split(".")
+    if head != prefix or len(parts) <= index:
+        return ""
+    return ":".join(parts[index:]) if ":" in body else parts[-1]
+
+
+def _properties(element: Element) -> tuple[tuple[str, str], ...]:
+    found = {
+        name: item.get(RTS_EXT, "value")
+        for item in element.all(RTS_EXT, "Properties")
+        if (name := item.get(RTS_EXT, "name"))
+    }
+    return tuple(found.items())

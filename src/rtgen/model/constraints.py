@@ -1,0 +1,295 @@
+"""Constraints of configuration parameters: the tree of an RtcProfile and its text form.
+
+The text form is that of `conf.__constraints__.<name>` in a component of OpenRTM-aist:
+`100`, `x>=5`, `0<=x<=10`, `(a,b,c)`, `x<1,x>=2` (one for each item), `{k1:0<x<1,k2:x>=3}`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+from math import isfinite, nan
+from typing import TypeAlias
+
+
+class Operator(StrEnum):
+    """How a value is compared with a literal."""
+
+    EQUAL = "=="
+    LESS = "<"
+    GREATER = ">"
+    LESS_OR_EQUAL = "<="
+    GREATER_OR_EQUAL = ">="
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """`x < 5`; equality is between texts, the rest between numbers."""
+
+    operator: Operator
+    literal: str
+
+
+@dataclass(frozen=True, slots=True)
+class Between:
+    """`lower <= x <= upper`."""
+
+    lower: str
+    upper: str
+
+
+@dataclass(frozen=True, slots=True)
+class AllOf:
+    """Both bounds of an interval that is open at one end or at both."""
+
+    items: tuple[Comparison, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class AnyOf:
+    """An enumeration: two or more values."""
+
+    items: tuple[Comparison, ...]
+
+
+Unit: TypeAlias = Comparison | Between | AllOf | AnyOf
+"""A constraint on one value."""
+
+
+@dataclass(frozen=True, slots=True)
+class ItemConstraints:
+    """One constraint for each item of a list value."""
+
+    items: tuple[Unit, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class KeyConstraints:
+    """One constraint for each key of a hash value."""
+
+    items: tuple[tuple[str, Unit], ...]
+
+
+Constraint: TypeAlias = Unit | ItemConstraints | KeyConstraints
+
+
+class ConstraintError(ValueError):
+    """A constraint text that cannot be read."""
+
+
+_MIRRORED = {
+    "<": Operator.GREATER,
+    ">": Operator.LESS,
+    "<=": Operator.GREATER_OR_EQUAL,
+    ">=": Operator.LESS_OR_EQUAL,
+}
+_SPACE = re.compile(r"\s+")
+_RELATION = re.compile(r"(<=|>=|<|>)")
+_NOT_IN_LITERALS = re.compile(r"[<>(){}]")
+_LOWER_BOUNDS = (Operator.GREATER, Operator.GREATER_OR_EQUAL)
+_INCLUSIVE = (Operator.GREATER_OR_EQUAL, Operator.LESS_OR_EQUAL)
+
+
+def parse(text: str) -> Constraint | None:
+    """The tree of a constraint text; None for an empty one. Raises ConstraintError."""
+    text = _SPACE.sub("", text)
+    if not text:
+        return None
+    if text.startswith("{"):
+        if not text.endswith("}"):
+            raise ConstraintError("the brace is not closed")
+        return KeyConstraints(tuple(_keyed(item) for item in _split(text[1:-1])))
+    items = [_unit(item) for item in _split(text)]
+    return items[0] if len(items) == 1 else ItemConstraints(tuple(items))
+
+
+def interval(lower: str | None, upper: str | None) -> Unit | None:
+    """The inclusive interval between two numbers, either of which may be missing."""
+    if lower is not None and upper is not None:
+        return Between(lower, upper)
+    if lower is not None:
+        return Comparison(Operator.GREATER_OR_EQUAL, lower)
+    if upper is not None:
+        return Comparison(Operator.LESS_OR_EQUAL, upper)
+    return None
+
+
+def enumeration(values: Sequence[str]) -> Unit:
+    """One of the values."""
+    items = tuple(Comparison(Operator.EQUAL, value) for value in values)
+    return items[0] if len(items) == 1 else AnyOf(items)
+
+
+def text_of(constraint: Constraint) -> str:
+    """The text form; `parse` gives the same tree again."""
+    match constraint:
+        case Comparison(Operator.EQUAL, literal):
+            return literal
+        case Comparison(operator, literal):
+            return f"x{operator}{literal}"
+        case Between(lower, upper):
+            return f"{lower}<=x<={upper}"
+        case AllOf((low, high)):
+            mirrored = str(low.operator).replace(">", "<")
+            return f"{low.literal}{mirrored}x{high.operator}{high.literal}"
+        case AnyOf(items) | AllOf(items):
+            return f"({','.join(item.literal for item in items)})"
+        case ItemConstraints(units):
+            return ",".join(map(text_of, units))
+        case KeyConstraints(pairs):
+            return "{" + ",".join(f"{key}:{text_of(unit)}" for key, unit in pairs) + "}"
+
+
+def is_enumeration(constraint: Constraint | None) -> bool:
+    """Whether the constraint names the values that are allowed."""
+    match constraint:
+        case AnyOf() | Comparison(Operator.EQUAL):
+            return True
+        case ItemConstraints(units):
+            return all(map(is_enumeration, units))
+        case _:
+            return False
+
+
+def is_range(constraint: Constraint | None) -> bool:
+    """Whether the constraint bounds a value at both ends."""
+    match constraint:
+        case Between() | AllOf():
+            return True
+        case ItemConstraints(units):
+            return all(map(is_range, units))
+        case _:
+            return False
+
+
+def literals(constraint: Constraint) -> list[tuple[Operator | None, str]]:
+    """Every literal with its operator, in order; None marks the ends of a closed interval."""
+    match constraint:
+        case Comparison(operator, literal):
+            return [(operator, literal)]
+        case Between(lower, upper):
+            return [(None, lower), (None, upper)]
+        case AllOf(comparisons) | AnyOf(comparisons):
+            return [(item.operator, item.literal) for item in comparisons]
+        case ItemConstraints(units):
+            return [found for unit in units for found in literals(unit)]
+        case KeyConstraints(pairs):
+            return [found for _, unit in pairs for found in literals(unit)]
+
+
+def allows(constraint: Constraint, items: Sequence[str]) -> bool:
+    """Whether a value meets the constraint; `items` are its items as text, one for a scalar.
+
+    A unit holds for each item; of a list of constraints each holds for the item at its place.
+    Keyed constraints belong to structured values, which have no text here: they are met.
+    """
+    match constraint:
+        case KeyConstraints():
+            return True
+        case ItemConstraints(units):
+            return all(
+                _meets(unit, item) for unit, item in zip(units, items, strict=False)
+            )
+        case _:
+            return all(_meets(constraint, item) for item in items)
+
+
+def _meets(unit: Unit, item: str) -> bool:
+    match unit:
+        case Between(lower, upper):
+            return float(lower) <= float(item) <= float(upper)
+        case AllOf(items):
+            return all(_meets(each, item) for each in items)
+        case AnyOf(items):
+            return any(_meets(each, item) for each in items)
+        case Comparison(Operator.EQUAL, literal):
+            return _equal(literal, item)
+        case Comparison(Operator.LESS, literal):
+            return float(item) < float(literal)
+        case Comparison(Operator.GREATER, literal):
+            return float(item) > float(literal)
+        case Comparison(Operator.LESS_OR_EQUAL, literal):
+            return float(item) <= float(literal)
+        case Comparison(_, literal):
+            return float(item) >= float(literal)
+
+
+def _equal(literal: str, item: str) -> bool:
+    try:
+        return float(literal) == float(item)
+    except ValueError:
+        return _SPACE.sub("", item) == literal
+
+
+def _split(text: str) -> list[str]:
+    """The parts between commas that stand outside brackets."""
+    parts = [""]
+    depth = 0
+    for character in text:
+        depth += {"(": 1, ")": -1}.get(character, 0)
+        if depth not in (0, 1):
+            raise ConstraintError("the brackets do not match")
+        if character == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += character
+    if depth:
+        raise ConstraintError("the bracket is not closed")
+    return parts
+
+
+def _keyed(item: str) -> tuple[str, Unit]:
+    key, colon, unit = item.partition(":")
+    if not colon or not key:
+        raise ConstraintError(f"{item!r} is not `key:constraint`")
+    return key, _unit(unit)
+
+
+def _unit(text: str) -> Unit:
+    if text.startswith("(") and text.endswith(")"):
+        return enumeration([_literal(value) for value in text[1:-1].split(",")])
+    parts = _RELATION.split(text)
+    match parts:
+        case [literal]:
+            return Comparison(Operator.EQUAL, _literal(literal))
+        case ["x", operator, literal]:
+            return Comparison(Operator(operator), _number(literal))
+        case [literal, operator, "x"]:
+            return Comparison(_MIRRORED[operator], _number(literal))
+        case [first, one, "x", other, second] if one[0] == other[0]:
+            bounds = (
+                Comparison(_MIRRORED[one], _number(first)),
+                Comparison(Operator(other), _number(second)),
+            )
+            low, high = (
+                bounds if bounds[0].operator in _LOWER_BOUNDS else reversed(bounds)
+            )
+            if float(low.literal) > float(high.literal):
+                raise ConstraintError(f"no value lies in {text!r}")
+            if low.operator in _INCLUSIVE and high.operator in _INCLUSIVE:
+                return Between(low.literal, high.literal)
+            return AllOf((low, high))
+        case _:
+            raise ConstraintError(
+                f"{text!r} is neither a comparison with x nor a value"
+            )
+
+
+def _literal(text: str) -> str:
+    if not text or _NOT_IN_LITERALS.search(text):
+        raise ConstraintError(
+            f"{text!r} is not a value" if text else "a value is missing"
+        )
+    return text
+
+
+def _number(text: str) -> str:
+    try:
+        number = nan if "_" in text else float(text)
+    except ValueError:
+        number = nan
+    if not isfinite(number):
+        raise ConstraintError(f"{text!r} is not a number")
+    return text

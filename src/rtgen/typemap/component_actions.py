@@ -1,0 +1,45 @@
+"""The callbacks of a component (OMG RTC 1.0, 5.2.2.4 ComponentAction and its data-flow kin)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """A callback: its element in an RtcProfile, its method, and when it is called.
+
+    `implemented` says that a skeleton which rtgen creates has the method; `parameters` are those
+    after `self`, as Python writes them.
+    """
+
+    element: str
+    method: str
+    description: str
+    implemented: bool = False
+    parameters: str = ", ec_id: int"
+
+
+ACTIONS = (
+    Action(
+        "OnInitialize", "on_initialize", "Called once, when it is created.", True, ""
+    ),
+    Action(
+        "OnFinalize", "on_finalize", "Called once, before it is destroyed.", False, ""
+    ),
+    Action("OnStartup", "on_startup", "Called when its execution context starts."),
+    Action("OnShutdown", "on_shutdown", "Called when its execution context stops."),
+    Action("OnActivated", "on_activated", "Called when it is activated.", True),
+    Action("OnDeactivated", "on_deactivated", "Called when it is deactivated.", True),
+    Action("OnAborting", "on_aborting", "Called when it enters the error state."),
+    Action("OnError", "on_error", "Called in every cycle of the error state."),
+    Action("OnReset", "on_reset", "Called when it is reset out of the error state."),
+    Action(
+        "OnExecute", "on_execute", "Called in every cycle while it is active.", True
+    ),
+    Action(
+        "OnStateUpdate", "on_state_update", "Called in every cycle, after on_execute."
+    ),
+    Action("OnRateChanged", "on_rate_changed", "Called when the rate has changed."),
+)
+"""In the order of the profile's schema (RtcProfile 0.3, `rtc:Actions`)."""

@@ -1,0 +1,57 @@
+"""Names that a component's ports cannot have as Python attributes: the runtime's own ones."""
+
+from __future__ import annotations
+
+COMPONENT_NAMES = frozenset(
+    {
+        "add_configuration",
+        "add_consumer",
+        "add_in_port",
+        "add_out_port",
+        "add_provider",
+        "attach_context",
+        "config",
+        "configuration_sets",
+        "consumers",
+        "detach_context",
+        "exit",
+        "fail",
+        "finalize",
+        "folder",
+        "get_context",
+        "get_context_handle",
+        "get_owned_contexts",
+        "get_participating_contexts",
+        "in_ports",
+        "initialize",
+        "instance_name",
+        "is_active",
+        "is_alive",
+        "lost",
+        "now",
+        "observables",
+        "on_aborting",
+        "on_activated",
+        "on_deactivated",
+        "on_error",
+        "on_execute",
+        "on_finalize",
+        "on_initialize",
+        "on_rate_changed",
+        "on_reset",
+        "on_shutdown",
+        "on_startup",
+        "on_state_update",
+        "out_ports",
+        "profile",
+        "providers",
+        "reason",
+        "stamp",
+    }
+)
+"""The public attributes of `rtgen.runtime.Component`, and `config` of the generated bases."""
+
+CONFIGURATION_NAMES = frozenset(
+    {"bool", "bytes", "field", "float", "int", "list", "str"}
+)
+"""What the fields of a configuration class are declared with, so none of them can be called so."""

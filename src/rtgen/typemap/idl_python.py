@@ -1,0 +1,513 @@
+"""IDL to Python: how each type is written, what its initial value is, what each name becomes.
+
+The table follows the OMG IDL to Python mapping 1.3 where Python has a choice (sequences of octets
+are `bytes`, of characters `str`, enums and structs classes), with dataclasses, `IntEnum` and type
+hints in place of its dynamic types.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import PurePosixPath
+from typing import TypeAlias
+
+from rtgen.model import (
+    ArrayType,
+    Bitmask,
+    Bitset,
+    Case,
+    Declaration,
+    Enum,
+    ExceptionDecl,
+    FixedType,
+    Home,
+    Interface,
+    MapType,
+    Member,
+    Model,
+    NamedType,
+    Native,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Union,
+    ValueBox,
+    Valuetype,
+)
+from rtgen.model.components import Component
+from rtgen.typemap.python_names import identifier, module_name, scope_modules
+
+
+@dataclass(frozen=True, slots=True)
+class PythonType:
+    """How a type is written as an annotation, and the expression of its initial value.
+
+    `imports` are the names that both need, as (module, name); builtins have an empty module.
+    """
+
+    annotation: str
+    default: str
+    imports: tuple[tuple[str, str], ...] = ()
+
+
+_INT = PythonType("int", "0", (("", "int"),))
+_FLOAT = PythonType("float", "0.0", (("", "float"),))
+_CHAR = PythonType("str", r'"\x00"', (("", "str"),))
+
+PRIMITIVES: dict[Primitive, PythonType] = {
+    Primitive.SHORT: _INT,
+    Primitive.UNSIGNED_SHORT: _INT,
+    Primitive.LONG: _INT,
+    Primitive.UNSIGNED_LONG: _INT,
+    Primitive.LONG_LONG: _INT,
+    Primitive.UNSIGNED_LONG_LONG: _INT,
+    Primitive.INT8: _INT,
+    Primitive.UINT8: _INT,
+    Primitive.OCTET: _INT,
+    Primitive.FLOAT: _FLOAT,
+    Primitive.DOUBLE: _FLOAT,
+    Primitive.LONG_DOUBLE: _FLOAT,
+    Primitive.CHAR: _CHAR,
+    Primitive.WCHAR: _CHAR,
+    Primitive.BOOLEAN: PythonType("bool", "False", (("", "bool"),)),
+    Primitive.VOID: PythonType("None", "None"),
+    Primitive.ANY: PythonType("object", "None", (("", "object"),)),
+    Primitive.OBJECT: PythonType(
+        "ObjectReference | None", "None", (("rtgen.runtime.cdr_values", "ObjectReference"),)
+    ),
+    Primitive.VALUE_BASE: PythonType("object", "None", (("", "object"),)),
+}
+"""The basic types (OMG IDL to Python 1.3, table 1; CORBA 3.3 part 1, 7.11.1)."""
+
+BYTES_ELEMENTS = (Primitive.OCTET, Primitive.UINT8)
+"""Elements whose sequences and one-dimensional arrays are `bytes`."""
+
+STR_ELEMENTS = (Primitive.CHAR,)
+"""Elements whose sequences and one-dimensional arrays are `str`."""
+
+CODEC = frozenset({"to_cdr", "from_cdr"})
+"""The public methods of everything with a codec; IDL names that clash get a trailing `_`."""
+
+OWN_NAMES: dict[type[Declaration], frozenset[str]] = {
+    Struct: CODEC,
+    ExceptionDecl: CODEC | {"args", "with_traceback", "add_note"},
+    Union: CODEC | {"discriminator", "value"},
+    Enum: CODEC
+    | {
+        "name",
+        "value",
+        "mro",
+        "as_integer_ratio",
+        "bit_count",
+        "bit_length",
+        "conjugate",
+        "denominator",
+        "from_bytes",
+        "imag",
+        "is_integer",
+        "numerator",
+        "real",
+        "to_bytes",
+    },
+}
+"""What the Python class of a declaration has by itself, so that no member can have the name."""
+OWN_NAMES[Bitmask] = OWN_NAMES[Enum]
+
+_PACKAGES = frozenset({"components"})
+"""The packages that rtgen itself makes below the root."""
+
+_PACKAGES = frozenset({"components"})
+"""The packages that rtgen itself makes below the root."""
+
+NameOf: TypeAlias = Callable[[ScopedName], str]
+"""How a declared type is written where the text stands."""
+
+
+class PythonMapping:
+    """The Python side of type expressions; `spell` gives a name that a text needs imported.
+
+    `spell(module, name)` returns how the name is written there (it may have to be aliased).
+    An object of an interface is a reference in data, and with `servants` the abstract servant.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        name_of: NameOf,
+        spell: Callable[[str, str], str] = lambda module, name: name,
+        servants: bool = False,
+    ) -> None:
+        self._model = model
+        self._servants = servants
+        self._name_of = name_of
+        self._spell = spell
+
+    def annotation(self, type_: Type) -> str:
+        """The annotation of a value of the type, on one line."""
+        match type_:
+            case PrimitiveType(kind):
+                return self._basic(PRIMITIVES[kind])
+            case StringType():
+                return self._spell("", "str")
+            case FixedType():
+                return self._spell("decimal", "Decimal")
+            case SequenceType(element) | ArrayType(element):
+                text = self._text_type(type_)
+                if text is not None:
+                    return self._spell("", text)
+                inner = self.annotation(element)
+                depth = len(type_.dimensions) if isinstance(type_, ArrayType) else 1
+                for _ in range(depth):
+                    inner = f"{self._spell('', 'list')}[{inner}]"
+                return inner
+            case MapType(key, value):
+                pair = f"{self.annotation(key)}, {self.annotation(value)}"
+                return f"{self._spell('', 'dict')}[{pair}]"
+            case NamedType(name):
+                return self._named(name)
+
+    def default(self, type_: Type) -> str:
+        """An expression for the initial value: zero, false, empty, the first enumerator."""
+        type_ = self._model.unalias(type_)
+        match type_:
+            case PrimitiveType(kind):
+                return PRIMITIVES[kind].default
+            case StringType():
+                return '""'
+            case FixedType():
+                return f'{self._spell("decimal", "Decimal")}("0")'
+            case SequenceType():
+                return {None: "[]", "bytes": 'b""', "str": '""'}[self._text_type(type_)]
+            case MapType():
+                return "{}"
+            case ArrayType():
+                return self._array_default(type_)
+            case NamedType(name):
+                declaration = self._model.find(name)
+                match declaration:
+                    case Enum(members=members):
+                        first = identifier(members[0].name, OWN_NAMES[Enum])
+                        return f"{self._name_of(name)}.{first}"
+                    case Bitmask():
+                        return f"{self._name_of(name)}(0)"
+                    case Struct() | Union() | ExceptionDecl() | Bitset():
+                        return f"{self._name_of(name)}()"
+                return "None"
+
+    def immutable(self, type_: Type) -> bool:
+        """Whether values of the type can be shared, as a default or between copies."""
+        type_ = self._model.unalias(type_)
+        match type_:
+            case SequenceType() | ArrayType():
+                return self._text_type(type_) is not None
+            case MapType():
+                return False
+            case NamedType(name):
+                declaration = self._model.find(name)
+                return not isinstance(declaration, Struct | Union | ExceptionDecl | Bitset)
+        return True
+
+    def factory(self, type_: Type) -> str:
+        """A callable that makes the initial value of a mutable type."""
+        plain = self._model.unalias(type_)
+        match plain:
+            case SequenceType():
+                return self._spell("", "list")
+            case MapType():
+                return self._spell("", "dict")
+            case NamedType(name):
+                return self._name_of(name)
+        return f"lambda: {self.default(type_)}"
+
+    def is_text(self, type_: Type) -> bool:
+        """Whether a sequence or array is `bytes` or `str` in Python."""
+        return self._text_type(type_) is not None
+
+    def _text_type(self, type_: Type) -> str | None:
+        if isinstance(type_, ArrayType) and len(type_.dimensions) != 1:
+            return None
+        if not isinstance(type_, SequenceType | ArrayType):
+            return None
+        element = self._model.unalias(type_.element)
+        if isinstance(element, PrimitiveType):
+            if element.kind in BYTES_ELEMENTS:
+                return "bytes"
+            if element.kind in STR_ELEMENTS:
+                return "str"
+        return None
+
+    def _basic(self, basic: PythonType) -> str:
+        text = basic.annotation
+        for module, name in basic.imports:
+            text = text.replace(name, self._spell(module, name), 1)
+        return text
+
+    def _named(self, name: ScopedName) -> str:
+        declaration = self._model.find(name)
+        if isinstance(declaration, Interface) and self._servants:
+            return f"{self._name_of(name)} | None"
+        if isinstance(declaration, Interface):
+            reference = self._spell("rtgen.runtime.cdr_values", "ObjectReference")
+            return f"{reference} | None"
+        if isinstance(declaration, Native | Valuetype | ValueBox):
+            return self._spell("", "object")
+        return self._name_of(name)
+
+    def _array_default(self, type_: ArrayType) -> str:
+        *outer, last = type_.dimensions
+        text = self._text_type(type_)
+        if text == "bytes":
+            return f"{self._spell('', 'bytes')}({last})"
+        if text == "str":
+            return rf'"\x00" * {last}'
+        element = self.default(type_.element)
+        if self.immutable(type_.element):
+            expression = f"[{element}] * {last}"
+        else:
+            expression = f"[{element} for _ in range({last})]"
+        for size in reversed(outer):
+            expression = f"[{expression} for _ in range({size})]"
+        return expression
+
+
+class PythonNames:
+    """Where each declaration of a model stands in the package that is made for it.
+
+    One implementation module for each IDL file, `_idl.<file>`; one package for each IDL module,
+    which re-exports. `support` are the names that generated text uses itself in class scope.
+    """
+
+    def __init__(self, model: Model, package: str) -> None:
+        self.package = package
+        self._model = model
+        self._modules = self._name_modules()
+        self._classes: dict[ScopedName, str] = {}
+        for module in dict.fromkeys(self._modules.values()):
+            self._name_classes(module)
+
+    def module(self, file: str) -> str:
+        """The implementation module of a source file, by its displayed path."""
+        return self._modules[file]
+
+    def declarations(self, module: str) -> list[Declaration]:
+        """What stands in an implementation module, in order of declaration."""
+        return [d for d in self._emitted if self._modules[d.file] == module]
+
+    @property
+    def modules(self) -> list[str]:
+        """All implementation modules that hold something, in order of the files."""
+        used = {self._modules[d.file] for d in self._emitted}
+        return [m for m in dict.fromkeys(self._modules.values()) if m in used]
+
+    def implementation(self, name: ScopedName) -> tuple[str, str]:
+        """(`_idl.<module>`, class name) of a declaration."""
+        declaration = self._model.find(name)
+        return f"_idl.{self._modules[declaration.file]}", self._classes[name]
+
+    def public(self, name: ScopedName) -> tuple[tuple[str, ...], str]:
+        """(package path below the root, attribute there) of a declaration.
+
+        `("IIS", "TimedPose2D")` gives `(("iis",), "TimedPose2D")`, what stands in the global scope
+        `((), "RefHard")`, a type of an interface `((), "RefHard.Mode")`.
+        """
+        inner = self._depth(name)
+        attribute = ".".join(self._attribute(name[: i + 1]) for i in range(inner, len(name)))
+        return package_path(name[:inner]), attribute
+
+    def attribute(self, name: ScopedName) -> str:
+        """The name of a declaration or enumerator in the scope that holds it."""
+        return self._attribute(name)
+
+    def companion(self, name: ScopedName, suffix: str) -> str:
+        """What stands beside the class of a declaration: `RefHardStub`, `RangeListCodec`."""
+        declaration = self._model.find(name)
+        taken = {self._classes[d.name] for d in self.declarations(self._modules[declaration.file])}
+        return _free(self._classes[name] + suffix, taken)
+
+    def public_companion(self, name: ScopedName, suffix: str) -> str:
+        """Its name in the package of the declaration's IDL module."""
+        scope = {d.name[-1] for d in self._model.declarations if d.name[:-1] == name[:-1]}
+        return _free(self._attribute(name) + suffix, scope)
+
+    def is_nested(self, name: ScopedName) -> bool:
+        """Whether it is declared inside of an interface, struct or the like."""
+        return self._depth(name) < len(name) - 1
+
+    def enumerator(self, name: ScopedName) -> tuple[ScopedName, str]:
+        """The enum that has the enumerator of that scoped name, and its Python name there."""
+        enum = self._model.find(self._enumerators[name])
+        assert isinstance(enum, Enum | Bitmask)
+        return enum.name, self.enumerators(enum)[name[-1]]
+
+    def enumerators(self, declaration: Enum | Bitmask) -> dict[str, str]:
+        """The Python names of the members of an enum or bitmask."""
+        return distinct((m.name for m in declaration.members), OWN_NAMES[Enum])
+
+    def enumerators_of(self, name: ScopedName) -> list[str]:
+        """The same for the enum of that name, in order."""
+        declaration = self._model.find(name)
+        assert isinstance(declaration, Enum)
+        return list(self.enumerators(declaration).values())
+
+    def members(self, declaration: Struct | ExceptionDecl | Union) -> dict[str, str]:
+        """The Python names of the members of a struct or exception, or branches of a union."""
+        inherited: list[str] = []
+        entries: Sequence[Member | Case]
+        if isinstance(declaration, Union):
+            entries = declaration.cases
+        else:
+            entries = declaration.members
+            if isinstance(declaration, Struct) and declaration.base is not None:
+                base = self._model.find(declaration.base)
+                assert isinstance(base, Struct)
+                inherited = list(self.members(base).values())
+        own = OWN_NAMES[type(declaration)]
+        return distinct((e.name for e in entries), own.union(inherited))
+
+    def attribute_names(self, module: str) -> frozenset[str]:
+        """The attributes that classes of an implementation module have in class scope."""
+        found: set[str] = set()
+        for declaration in self.declarations(module):
+            match declaration:
+                case Struct() | ExceptionDecl() | Union():
+                    found.update(self.members(declaration).values())
+                case Interface(attributes=attributes, operations=operations):
+                    found.update(identifier(a.name) for a in attributes)
+                    found.update(identifier(o.name) for o in operations)
+            if self.is_nested(declaration.name):
+                found.add(self._attribute(declaration.name))
+        return frozenset(found)
+
+    def _depth(self, name: ScopedName) -> int:
+        """How many leading parts are IDL modules."""
+        for i in range(len(name)):
+            if name[: i + 1] in self._names:
+                return i
+        return len(name) - 1
+
+    def _attribute(self, name: ScopedName) -> str:
+        return identifier(name[-1], _PACKAGES if len(name) == 1 else ())
+
+    @cached_property
+    def _names(self) -> frozenset[ScopedName]:
+        return frozenset(d.name for d in self._model.declarations)
+
+    @cached_property
+    def _emitted(self) -> list[Declaration]:
+        """In order, but what is declared inside of a declaration comes before it."""
+        inside: dict[ScopedName, list[Declaration]] = {}
+        for declaration in self._model.declarations:
+            if is_emitted(declaration) and self.is_nested(declaration.name):
+                inside.setdefault(declaration.name[:-1], []).append(declaration)
+
+        def with_inner(declaration: Declaration) -> Iterator[Declaration]:
+            for inner in inside.get(declaration.name, ()):
+                yield from with_inner(inner)
+            if is_emitted(declaration):
+                yield declaration
+
+        return [
+            found
+            for declaration in self._model.declarations
+            if not self.is_nested(declaration.name)
+            for found in with_inner(declaration)
+        ]
+
+    @cached_property
+    def _enumerators(self) -> dict[ScopedName, ScopedName]:
+        return {
+            (*d.name[:-1], e.name): d.name
+            for d in self._model.declarations
+            if isinstance(d, Enum | Bitmask)
+            for e in d.members
+        }
+
+    def _name_modules(self) -> dict[str, str]:
+        """Displayed path to module name; a file included inside a scope goes with its includer."""
+        modules: dict[str, str] = {}
+        taken: set[str] = set()
+        for file in sorted(self._model.files, key=lambda f: f.belongs_to is not None):
+            if file.belongs_to is not None:
+                continue
+            stem = module_name(PurePosixPath(file.key).stem)
+            name, number = stem, 1
+            while name in taken:
+                number += 1
+                name = f"{stem}_{number}"
+            taken.add(name)
+            modules[file.name] = name
+        owners = {f.name: f.belongs_to for f in self._model.files}
+        for file in self._model.files:
+            owner = file.name
+            while (above := owners.get(owner)) is not None:
+                owner = above
+            modules[file.name] = modules[owner]
+        return {f.name: modules[f.name] for f in self._model.files}
+
+    def _name_classes(self, module: str) -> None:
+        declarations = self.declarations(module)
+        attributes = self.attribute_names(module)
+        short = {d.name: "_".join(d.name[self._depth(d.name) :]) for d in declarations}
+        count = Counter(short.values())
+        wanted = {
+            name: text if count[text] == 1 else "_".join(name) for name, text in short.items()
+        }
+        reserved = attributes | SUPPORT
+        free = {identifier(text, reserved) for text in wanted.values()}
+        taken: set[str] = set()
+        for name, text in wanted.items():
+            chosen = identifier(text, reserved)
+            while chosen in taken or (chosen != text and chosen in free - {identifier(text)}):
+                chosen += "_"
+            taken.add(chosen)
+            self._classes[name] = chosen
+
+
+def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:
+    """Python names of the members of one scope: none of them reserved, no two the same."""
+    wanted = list(names)
+    taken = {n for n in wanted if identifier(n, reserved) == n}.union(reserved)
+    result: dict[str, str] = {}
+    for name in wanted:
+        chosen = identifier(name, reserved)
+        if chosen != name:
+            while chosen in taken:
+                chosen += "_"
+            taken.add(chosen)
+        result[name] = chosen
+    return result
+
+
+def _free(name: str, taken: Collection[str]) -> str:
+    while name in taken:
+        name += "_"
+    return name
+
+
+def is_emitted(declaration: Declaration) -> bool:
+    """Whether the types back end makes something for it."""
+    return not isinstance(declaration, Component | Home | Native | Valuetype | ValueBox)
+
+
+def package_path(scope: ScopedName) -> tuple[str, ...]:
+    """The package path below the root for an IDL module; rtgen's own packages keep theirs."""
+    path = scope_modules(scope)
+    return (identifier(path[0], _PACKAGES), *path[1:]) if path else path
+
+
+SUPPORT = frozenset(
+    "Any ArrayDescriptor Buffer ClassVar Decimal EnumDescriptor Enumeration Final"
+    " FixedDescriptor Flags InterfaceDescriptor MapDescriptor ObjectReference"
+    " PrimitiveDescriptor SequenceDescriptor Servant Skeleton StringDescriptor"
+    " StructDescriptor Stub TypeAlias UnionDescriptor UserException"
+    " abstractmethod bool bytes classmethod dataclass dict field float int len list map object"
+    " property range staticmethod str super tuple type".split()
+)
+"""Names that generated modules import or take from the builtins: no class may have them there."""
