@@ -1,0 +1,1 @@
+"""The behaviours of the reference application, by hand on generated base classes."""

@@ -1,0 +1,75 @@
+"""Odometry: the pose of the base from the angles of its wheels."""
+
+from __future__ import annotations
+
+from refnav.geometry import Pose, advance, wrap
+from refrobots import iis, rtc
+from refrobots.components.odometry import OdometryBase
+from rtgen.runtime import RTC_OK, ReturnCode_t
+
+
+class DeadReckoning:
+    """Adds up the way of a base with two driven wheels.
+
+    Radii and axle in m; `left` and `right` are the indices of the wheels in the angles.
+    """
+
+    def __init__(
+        self,
+        start: Pose,
+        radii: tuple[float, float],
+        axle: float,
+        wheels: tuple[int, int] = (0, 1),
+    ) -> None:
+        self.pose = Pose(start.x, start.y, wrap(start.theta))
+        self._left_radius, self._right_radius = radii
+        self._axle = axle
+        self._left, self._right = wheels
+        self._angles: tuple[float, float] | None = None
+
+    def update(self, angles: list[float]) -> Pose:
+        """The pose after the wheels have turned to new absolute angles [rad].
+
+        The first angles only tell where to count from. Raises IndexError if a wheel is missing.
+        """
+        left, right = angles[self._left], angles[self._right]
+        if self._angles is not None:
+            left_way = (left - self._angles[0]) * self._left_radius
+            right_way = (right - self._angles[1]) * self._right_radius
+            way = 0.5 * (left_way + right_way)
+            turn = (right_way - left_way) / self._axle
+            self.pose = Pose(*advance(*self.pose, way, turn))
+        self._angles = (left, right)
+        return self.pose
+
+
+class Odometry(OdometryBase):
+    """Estimates the pose from the newest wheel angles, which are absolute."""
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Take the parameters, and start from the initial pose."""
+        config = self.config
+        self._reckoning = DeadReckoning(
+            Pose(config.initialPose_x, config.initialPose_y, config.initialPose_theta),
+            (config.radiusOfLeftWheel, config.radiusOfRightWheel),
+            config.lengthOfAxle,
+            (config.leftWheelID, config.rightWheelID),
+        )
+        self._stamp = (-1, 0)
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Send the pose for new wheel angles; angles that are not newer are refused."""
+        sample = self.CurrentWheelAngle.read_newest()
+        if sample is None or (sample.tm.sec, sample.tm.nsec) <= self._stamp:
+            return RTC_OK
+        self._stamp = (sample.tm.sec, sample.tm.nsec)
+        try:
+            pose = self._reckoning.update(sample.data)
+        except IndexError:
+            return self.fail(
+                f"CurrentWheelAngle: {len(sample.data)} angles, a wheel is missing"
+            )
+        data = rtc.Pose2D(rtc.Point2D(pose.x, pose.y), pose.theta)
+        self.OdometryPosition.write(iis.TimedPose2D(sample.tm, [], data, []))
+        return RTC_OK

@@ -1,0 +1,117 @@
+"""PathFollower: gives the base the velocity that makes it follow the waypoint."""
+
+from __future__ import annotations
+
+from refnav.geometry import Pose
+from refnav.limiter import limited
+from refnav.line_following import (
+    CircleFollow,
+    Constant,
+    LineFollow,
+    Motion,
+    Spin,
+    ToPoint,
+)
+from refrobots import iis
+from refrobots.components.path_follower import PathFollowerBase
+from rtgen.runtime import RTC_OK, ReturnCode_t
+
+STOP = Constant(0.0, 0.0)
+
+
+def motion(path: iis.Path) -> Motion:
+    """The way to travel that a waypoint asks for.
+
+    RUN_FREE and RUN_WHEEL_VEL cannot be told by a velocity of the base, which comes to rest, as
+    in RUN_STOP. Raises ValueError for a mode that does not exist and for a circle of radius 0.
+    """
+    match iis.TravelMode(path.type):
+        case iis.TravelMode.RUN_LINEFOLLOW:
+            return LineFollow(path.x, path.y, path.theta, path.v)
+        case iis.TravelMode.RUN_SPIN:
+            return Spin(path.theta, path.w)
+        case iis.TravelMode.RUN_TO_POINT:
+            return ToPoint(path.x, path.y, path.theta, path.v)
+        case iis.TravelMode.RUN_CIRCLEFOLLOW:
+            if path.r == 0.0:
+                raise ValueError("a circle of radius 0")
+            return CircleFollow(path.x, path.y, path.r, path.v)
+        case iis.TravelMode.RUN_VEL:
+            return Constant(path.v, path.w)
+        case _:
+            return STOP
+
+
+class PathFollower(PathFollowerBase):
+    """Follows one waypoint after the other, and rests until the first one comes."""
+
+    _v: float
+    _w: float
+    _pose: Pose | None
+    _motion: Motion
+    _target: Motion
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Make the message that is sent again and again."""
+        self._command = iis.TimedVelocity2D()
+        self._rest()
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Start at rest, with neither pose nor waypoint."""
+        self._rest()
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Do not leave the base running."""
+        self._halt()
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Do not leave the base running."""
+        self._halt()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Take one waypoint and the newest pose, and send the next velocity."""
+        config = self.config
+        if self.target_path.is_new() and (path := self.target_path.read()) is not None:
+            try:
+                self._target = motion(path)
+            except ValueError as error:
+                return self.fail(f"target_path: {error}")
+            if self._pose is not None:
+                self._target.observe(self._pose)
+                self._motion = self._target
+        if (
+            self.position.is_new()
+            and (sample := self.position.read_newest()) is not None
+        ):
+            data = sample.data
+            self._pose = Pose(data.position.x, data.position.y, data.heading)
+            self._target.observe(self._pose)
+            self._motion = self._target
+        v, w = self._motion.reference(self._v, self._w, config)
+        self._v = v = limited(self._v, v, config.max_v, config.max_acc_v)
+        self._w = w = limited(self._w, w, config.max_w, config.max_acc_w)
+        self._send(v, w)
+        return RTC_OK
+
+    def _send(self, v: float, w: float) -> None:
+        command = self._command
+        command.data.vx = v
+        command.data.va = w
+        self.stamp(command)
+        self.velocity.write(command)
+
+    def _rest(self) -> None:
+        self._v = 0.0
+        self._w = 0.0
+        self._pose = None
+        # Without a pose the target waits and the base rests.
+        self._motion = STOP
+        self._target = STOP
+
+    def _halt(self) -> None:
+        self._rest()
+        self._send(0.0, 0.0)

@@ -1,0 +1,93 @@
+"""The reference systems, assembled as `rtgen run` does it, for tests in simulated time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from refnav.geometry import Pose
+from rtgen import model
+from rtgen.cli.assembly import assemble
+from rtgen.cli.factories import Factories
+from rtgen.compiler import read_system
+from rtgen.project import load
+from rtgen.runtime import (
+    ERROR_STATE,
+    SECOND,
+    Record,
+    SampleRecord,
+    SimulatedClock,
+    System,
+)
+from rtgen.timeline import assignment
+
+NAVIGATION = Path(__file__).parents[2] / "specs" / "navigation"
+GOAL = NAVIGATION / "rh3_goal.xml"
+PATH = NAVIGATION / "rh3_path.xml"
+LONGEST = 600 * SECOND
+
+
+def profile(file: Path = GOAL) -> model.System:
+    """A system as its file tells it."""
+    system, diagnostics, _ = read_system(file)
+    assert system is not None, diagnostics
+    assert not diagnostics
+    return system
+
+
+def goal(x: float, y: float, theta: float) -> list[str]:
+    """The settings for one goal from the parameters."""
+    values = {"input": "parameters", "01_x": x, "01_y": y, "01_th": theta}
+    return [f"PositionInput0.{name}={value}" for name, value in values.items()]
+
+
+def build(system: model.System, settings: Iterable[str] = ()) -> System:
+    """The system in simulated time, its components INACTIVE."""
+    values = [assignment(text, system) for text in settings]
+    return assemble(system, Factories(load()), SimulatedClock(), values, [])
+
+
+def at_end(system: System) -> bool:
+    """Whether the last command is carried out."""
+    return system.state("PositionInput0") is ERROR_STATE
+
+
+def truth(system: System) -> Pose:
+    """The true pose of the base."""
+    return Pose(*system.observable("RefHardRh30.truth"))
+
+
+@dataclass
+class Recording:
+    """A whole run: all samples, and every 10 ms the true pose."""
+
+    system: System
+    records: list[Record] = field(default_factory=list)
+    trajectory: list[tuple[int, Pose]] = field(default_factory=list)
+
+    def samples(self, instance: str, port: str) -> list[tuple[int, Any]]:
+        """Time [ns] and value of everything that an OutPort has sent."""
+        return [
+            (record.time, record.value)
+            for record in self.records
+            if isinstance(record, SampleRecord)
+            and (record.instance, record.port) == (instance, port)
+        ]
+
+    def between(self, begin: int, end: int) -> list[Pose]:
+        """True poses from one time to another [ns]."""
+        return [pose for time, pose in self.trajectory if begin <= time <= end]
+
+
+def record(file: Path, settings: Sequence[str] = ()) -> Recording:
+    """Runs a system until its last command is carried out."""
+    run = Recording(build(profile(file), settings))
+    run.system.add_listener(run.records.append)
+    run.system.every(
+        SECOND // 100,
+        lambda: run.trajectory.append((run.system.time, truth(run.system))),
+    )
+    assert run.system.run(LONGEST, at_end)
+    return run

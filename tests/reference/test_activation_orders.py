@@ -1,0 +1,59 @@
+"""The pipeline comes up in whatever order its components are activated."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from itertools import permutations
+from math import hypot
+from multiprocessing import get_context
+
+import pytest
+from pipeline import LONGEST, at_end, build, goal, profile, truth
+
+from refnav.geometry import Pose, wrap
+from rtgen.model import Activation
+
+TARGET = (0.3, 0.0, 0.5)
+
+
+def end_of(order: tuple[str, ...]) -> Pose:
+    """Where the base ends if one component is activated every 50 ms, in this order."""
+    steps = [
+        Activation(instance=name, sequence=number, wait_ms=50 if number else 0)
+        for number, name in enumerate(order)
+    ]
+    with build(replace(profile(), activation=tuple(steps)), goal(*TARGET)) as system:
+        assert system.run(LONGEST, at_end), order
+        return truth(system)
+
+
+def spread(ends: list[Pose]) -> tuple[float, float]:
+    """How far the ends are apart at most, by a box round them [m] and by heading [rad]."""
+    xs, ys, _ = zip(*ends, strict=True)
+    turns = [wrap(end.theta - ends[0].theta) for end in ends]
+    return hypot(max(xs) - min(xs), max(ys) - min(ys)), max(turns) - min(turns)
+
+
+def test_forward_and_backward_orders() -> None:
+    names = tuple(c.instance for c in profile().components)
+    ends = [end_of(order) for order in (names, names[::-1])]
+    apart, turned = spread(ends)
+    assert apart < 0.01
+    assert turned < 0.01
+
+
+@pytest.mark.slow
+def test_all_orders_end_in_one_place() -> None:
+    orders = list(permutations(c.instance for c in profile().components))
+    assert len(orders) == 720
+    # Not by fork: the tests run in a process that has threads.
+    with ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
+        ends = list(pool.map(end_of, orders, chunksize=20))
+    apart, turned = spread(ends)
+    assert apart < 0.01
+    assert turned < 0.01
+    x, y, theta = TARGET
+    assert all(hypot(end.x - x, end.y - y) < 0.05 for end in ends)
+    assert all(abs(wrap(end.theta - theta)) < 0.03 for end in ends)
