@@ -17,7 +17,9 @@ def find(version: str) -> str | None:
     """The path of a working interpreter of that version, on the path or of pyenv, or None."""
     pyenv = Path(os.environ.get("PYENV_ROOT") or Path.home() / ".pyenv")
     candidates = [shutil.which(f"python{version}")]
-    candidates += map(str, sorted(pyenv.glob(f"versions/{version}.*/bin/python{version}")))
+    candidates += map(
+        str, sorted(pyenv.glob(f"versions/{version}.*/bin/python{version}"))
+    )
     code = "import sys, venv, ensurepip; print('%d.%d' % sys.version_info[:2])"
     for candidate in filter(None, candidates):
         answer = subprocess.run(
@@ -40,10 +42,31 @@ def try_on(interpreter: str, wheel: Path, folder: Path) -> int:
     """The exit code of the fast tests on the wheel in an environment of its own."""
     subprocess.run([interpreter, "-m", "venv", str(folder)], check=True)
     python = folder / "bin" / "python"
-    install = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    install = [
+        str(python),
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--disable-pip-version-check",
+    ]
     subprocess.run([*install, f"{wheel}[plot,test]"], check=True)
-    tests = [str(python), "-m", "pytest", "-q", "-n", "2", "-m", "not slow", "-p", "no:cacheprovider"]
-    environment = {**os.environ, "PATH": f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}"}
+    tests = [
+        str(python),
+        "-m",
+        "pytest",
+        "-q",
+        "-n",
+        "2",
+        "-m",
+        "not slow",
+        "-p",
+        "no:cacheprovider",
+    ]
+    environment = {
+        **os.environ,
+        "PATH": f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}",
+    }
     return subprocess.run(tests, cwd=ROOT, env=environment, check=False).returncode
 
 

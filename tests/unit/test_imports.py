@@ -1,0 +1,41 @@
+"""What importing a package loads: the runtime is light, the commands are lazy."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+COMPILER_LIBRARIES = ("lark", "jinja2", "black", "click", "rich", "lxml", "matplotlib")
+
+
+def loaded_by(code: str) -> set[str]:
+    """The top-level modules that are loaded after running the code in a new interpreter."""
+    probe = (
+        f"{code}\nimport sys\nprint(*sorted({{m.split('.')[0] for m in sys.modules}}))"
+    )
+    command = [sys.executable, "-c", probe]
+    return set(
+        subprocess.run(
+            command, check=True, capture_output=True, text=True
+        ).stdout.split()
+    )
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import rtgen.runtime",
+        "import refrobots.iis, refrobots.rtc",
+        "import refrobots.components.path_follower",
+        "import refnav.path_follower",
+    ],
+)
+def test_running_components_needs_no_compiler(code: str) -> None:
+    assert not loaded_by(code) & set(COMPILER_LIBRARIES)
+
+
+def test_the_command_line_loads_no_heavy_library_by_itself() -> None:
+    heavy = {"lark", "jinja2", "black", "rich", "lxml", "matplotlib"}
+    assert not loaded_by("import rtgen.cli") & heavy
