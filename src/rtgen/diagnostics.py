@@ -85,6 +85,18 @@ class InputError(Exception):
         return (InputError, (self.diagnostics,))
 
 
+class ToolError(Exception):
+    """What the input is not to blame for (disk, port, missing extra): exit code 3."""
+
+    def __init__(self, message: str, hint: str | None = None) -> None:
+        self.message = message
+        self.hint = hint
+        super().__init__(message)
+
+    def __reduce__(self) -> tuple[type[ToolError], tuple[str, str | None]]:
+        return (ToolError, (self.message, self.hint))
+
+
 def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:
     """Whether any of the findings is an error."""
     return any(d.severity is Severity.ERROR for d in diagnostics)

@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from rtgen.diagnostics import Diagnostic
-from rtgen.model import Model
+
+if TYPE_CHECKING:  # a run from the cache makes artifacts without the model
+    from rtgen.model import Model
 
 
 class Owner(StrEnum):

@@ -1,0 +1,85 @@
+"""How much faster than real time the navigation pipeline runs in simulated time.
+
+Three figures: the system as specified; the same system with behaviours that do nothing (ports,
+rates and connections as they are), which is the runtime's share; and the difference, which is
+that of the behaviours with their ports' traffic.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from rtgen import compiler, runtime
+from rtgen.cli.assembly import assemble
+from rtgen.cli.factories import Factories
+from rtgen.model import System
+from rtgen.project import load
+from rtgen.runtime import RTC_OK, Component, ReturnCode_t
+
+ROOT = Path(__file__).resolve().parent.parent
+SYSTEM = Path("specs/navigation/rh3_goal.xml")
+GOAL = 100.0
+ROUNDS = 5
+SECONDS = 10
+"""Simulated time of a round; the robot is under way all the while."""
+
+
+class IdleFactories(Factories):
+    """The same components with callbacks that do nothing."""
+
+    def __getitem__(self, type_name: str) -> Callable[[str], Component]:
+        kind = super().__getitem__(type_name)
+        assert isinstance(kind, type)
+        body = {name: _nothing for name in vars(Component) if name.startswith("on_")}
+        return type(type_name, (kind,), {**body, "on_initialize": lambda self: RTC_OK})
+
+
+def _nothing(self: Component, ec_id: int) -> ReturnCode_t:
+    return RTC_OK
+
+
+def ratio(profile: System, factories: Factories) -> float:
+    """Simulated over real time of one run."""
+    with assemble(profile, factories, runtime.SimulatedClock(), (), ()) as system:
+        begun = time.perf_counter()
+        system.run(SECONDS * runtime.SECOND)
+        return SECONDS / (time.perf_counter() - begun)
+
+
+def main() -> None:
+    """Prints the ratios and shares."""
+    os.chdir(ROOT)
+    profile, diagnostics, _ = compiler.read_system(SYSTEM)
+    if profile is None:
+        raise SystemExit("\n".join(d.message for d in diagnostics))
+    project = load()
+    kinds = {
+        "as specified": Factories(project),
+        "idle behaviours": IdleFactories(project),
+    }
+    ratios: dict[str, list[float]] = {name: [] for name in kinds}
+    for _ in range(ROUNDS):
+        for name, factories in kinds.items():
+            ratios[name].append(ratio(profile, factories))
+    whole, idle = (statistics.median(values) for values in ratios.values())
+    rates = ", ".join(
+        f"{c.instance} {c.rate:g} Hz" for c in profile.components if c.rate
+    )
+    print(
+        f"Python {sys.version.split()[0]}, median of {ROUNDS} runs of {SECONDS} s: {rates}"
+    )
+    print(f"as specified     {whole:8.1f} x real time  (goal {GOAL:g}, bound 50)")
+    print(f"idle behaviours  {idle:8.1f} x real time")
+    share = whole / idle
+    print(
+        f"share            runtime {share:.0%}, behaviours and their traffic {1 - share:.0%}"
+    )
+
+
+if __name__ == "__main__":
+    main()

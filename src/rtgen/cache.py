@@ -1,0 +1,191 @@
+"""The cache of whole runs: artifacts by what they were made from.
+
+The key tells the tool and the options; an entry tells every file that the run read or looked for,
+which must all be as they were. An entry is one JSON text after a line with its hash: whatever is
+damaged is as good as not there.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from hashlib import sha256
+from importlib import metadata
+from importlib.util import find_spec
+from pathlib import Path
+
+from rtgen.backends import Artifact, Owner
+from rtgen.compiler import Compilation
+from rtgen.diagnostics import Diagnostic, Related, Severity, Span
+from rtgen.project import Project
+
+_FORMAT = "rtgen-run/1"
+_LIBRARIES = ("jinja2", "lark")
+_MOST_ENTRIES = 128
+_MOST_BYTES = 64 * 1024 * 1024
+_PACKAGE = Path(__file__).parent
+_NOT_COMPILER = frozenset({"__pycache__", "cli", "runtime"})
+
+
+class Cache:
+    """Entries in one folder, of bounded number and size; runs at the same time may share it."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def key(self, project: Project, plugins: Sequence[metadata.EntryPoint]) -> str:
+        """The hash of everything but the definitions that decides what a run makes."""
+        content = [
+            _FORMAT,
+            sys.version_info[:3],
+            _hash_of_files(_compiler_files()),
+            [(name, metadata.version(name)) for name in _LIBRARIES],
+            [(e.name, e.value, _hash_of_files(_plugin_files(e))) for e in plugins],
+            str(Path.cwd()),
+            str(project.root),
+            list(map(str, project.sources)),
+            list(map(str, project.include)),
+            project.define,
+            [project.package, project.skeleton_package, project.target],
+        ]
+        return sha256(json.dumps(content).encode()).hexdigest()
+
+    def load(self, key: str) -> Compilation | None:
+        """The entry of that key, if there is one and what it depends on has not changed."""
+        file = self._file(key)
+        try:
+            digest, _, payload = file.read_bytes().partition(b"\n")
+            if digest != sha256(payload).hexdigest().encode():
+                return None
+            entry = json.loads(payload)
+        except (OSError, ValueError):
+            return None
+        dependencies: dict[str, str | None] = entry["dependencies"]
+        if any(_hash_of(Path(path)) != digest for path, digest in dependencies.items()):
+            return None
+        with contextlib.suppress(OSError):
+            os.utime(file)  # the entries used last are kept
+        return Compilation(
+            artifacts=tuple(
+                Artifact(path, text, tuple(origin), Owner(owner))
+                for path, text, origin, owner in entry["artifacts"]
+            ),
+            inputs=entry["inputs"],
+            diagnostics=tuple(map(_diagnostic, entry["diagnostics"])),
+            dependencies=dependencies,
+        )
+
+    def store(self, key: str, run: Compilation) -> None:
+        """Keeps a run without errors. A folder that cannot be written is passed over."""
+        entry = {
+            "artifacts": [[a.path, a.text, a.origin, a.owner] for a in run.artifacts],
+            "inputs": dict(run.inputs),
+            "diagnostics": [_diagnostic_entry(d) for d in run.diagnostics],
+            "dependencies": dict(run.dependencies),
+        }
+        payload = json.dumps(entry).encode()
+        file = self._file(key)
+        temporary = file.with_name(f"{key}.{os.getpid()}.tmp")
+        with contextlib.suppress(OSError):
+            self._folder.mkdir(parents=True, exist_ok=True)
+            temporary.write_bytes(
+                sha256(payload).hexdigest().encode() + b"\n" + payload
+            )
+            temporary.replace(file)
+            self._trim()
+
+    def _file(self, key: str) -> Path:
+        return self._folder / f"{key}.json"
+
+    def _trim(self) -> None:
+        """Removes the entries that were used longest ago, and what killed runs left."""
+        found = []
+        for file in self._folder.iterdir():
+            with contextlib.suppress(FileNotFoundError):
+                status = file.stat()
+                found.append((status.st_mtime_ns, status.st_size, file))
+        size = 0
+        for number, (_, bytes_, file) in enumerate(sorted(found, reverse=True)):
+            size += bytes_
+            if number >= _MOST_ENTRIES or size > _MOST_BYTES:
+                file.unlink(missing_ok=True)
+
+
+def default() -> Cache:
+    """The user's cache: in `RTGEN_CACHE_DIR`, else in the system's folder for caches."""
+    folder = os.environ.get("RTGEN_CACHE_DIR")
+    if not folder:
+        from platformdirs import user_cache_dir
+
+        folder = user_cache_dir("rtgen", appauthor=False)
+    return Cache(Path(folder).absolute() / "runs")
+
+
+def _hash_of(path: Path) -> str | None:
+    try:
+        return sha256(path.read_bytes()).hexdigest()
+    except OSError:
+        return None
+
+
+def _hash_of_files(files: Iterator[Path]) -> str:
+    digest = sha256()
+    for file in files:
+        data = file.read_bytes()
+        digest.update(f"{file.name}\0{len(data)}\0".encode())
+        digest.update(data)
+    return digest.hexdigest()
+
+
+def _compiler_files() -> Iterator[Path]:
+    """rtgen's own files that decide what it makes."""
+    yield from _files_below(_PACKAGE, skip=_NOT_COMPILER)
+    beside = _PACKAGE.parent.parent / "grammars"
+    if not (_PACKAGE / "grammars").is_dir() and beside.is_dir():
+        yield from _files_below(beside)
+
+
+def _plugin_files(entry: metadata.EntryPoint) -> Iterator[Path]:
+    """The files of the package that holds a plug-in."""
+    spec = find_spec(entry.module.partition(".")[0])
+    if spec is not None:
+        for folder in spec.submodule_search_locations or ():
+            yield from _files_below(Path(folder), skip=frozenset({"__pycache__"}))
+        if spec.origin and not spec.submodule_search_locations:
+            yield Path(spec.origin)
+
+
+def _files_below(folder: Path, skip: frozenset[str] = frozenset()) -> Iterator[Path]:
+    for parent, folders, files in os.walk(folder):
+        folders[:] = sorted(f for f in folders if f not in skip)
+        yield from (Path(parent, name) for name in sorted(files))
+
+
+def _diagnostic_entry(d: Diagnostic) -> list[object]:
+    related = [[_span_entry(r.span), r.label] for r in d.related]
+    return [d.code, d.severity, d.message, _span_entry(d.span), related, d.hint]
+
+
+def _diagnostic(entry: list[object]) -> Diagnostic:
+    code, severity, message, span, related, hint = entry
+    assert isinstance(span, list | None)
+    assert isinstance(related, list)
+    return Diagnostic(
+        str(code),
+        Severity(str(severity)),
+        str(message),
+        None if span is None else Span(*span),
+        tuple(Related(Span(*place), label) for place, label in related),
+        None if hint is None else str(hint),
+    )
+
+
+def _span_entry(span: Span | None) -> list[object] | None:
+    return (
+        None
+        if span is None
+        else [span.file, span.line, span.column, span.end_line, span.end_column]
+    )

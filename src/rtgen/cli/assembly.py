@@ -1,0 +1,195 @@
+"""A system of the model made into one that runs: components, values, connections, start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
+
+from rtgen import runtime
+from rtgen.cli.factories import Factories
+from rtgen.diagnostics import Diagnostic, InputError, Rule, Span, has_errors
+from rtgen.model import System, SystemComponent
+from rtgen.runtime.conf_file import read as read_conf
+from rtgen.system_rules import (
+    CONNECTION,
+    NO_COMPONENT,
+    PARAMETER,
+    TIMELINE,
+    UNKNOWN_TYPE,
+)
+from rtgen.timeline import Activate, Connect, Deactivate, Disconnect, SetParameter, Step
+
+_MILLISECOND = 1_000_000
+
+
+def assemble(
+    profile: System,
+    factories: Factories,
+    clock: runtime.Clock,
+    settings: Sequence[SetParameter],
+    steps: Sequence[Step],
+) -> runtime.System:
+    """The system, its components INACTIVE, with its start and the steps on its timeline.
+
+    Raises InputError with everything that does not fit together, ToolError if a factory
+    cannot be loaded.
+    """
+    findings = [
+        UNKNOWN_TYPE.at(
+            c.span,
+            f"no factory for the type {c.type!r} of {c.instance}",
+            hint=factories.hint(c.type),
+        )
+        for c in profile.components
+        if c.type not in factories
+    ]
+    _raise_if_any(findings)
+    system = runtime.System(clock)
+    folder = Path(profile.file).absolute().parent
+    for c in profile.components:
+        findings += _add(
+            system,
+            c,
+            factories,
+            folder,
+            [s for s in settings if s.instance == c.instance],
+        )
+    _raise_if_any(findings)
+    for connection in profile.connections:
+        action = Connect(
+            connection.name,
+            connection.source,
+            connection.target,
+            dict(connection.properties),
+        )
+        findings += _findings(CONNECTION, connection.span, _performing(system, action))
+    for step in steps:
+        if isinstance(step.action, SetParameter):
+            findings += _findings(PARAMETER, step.span, _checking(system, step.action))
+    _raise_if_any(findings)
+    for time, instance in _start(profile):
+        system.at(time, _performing(system, Activate(instance)))
+    for step in steps:
+        system.at(step.time, _at_its_place(step, _performing(system, step.action)))
+    return system
+
+
+def _raise_if_any(findings: Sequence[Diagnostic]) -> None:
+    if has_errors(findings):
+        raise InputError(findings)
+
+
+def _findings(
+    rule: Rule, span: Span | None, action: Callable[[], object]
+) -> Iterator[Diagnostic]:
+    """What the runtime says against an action."""
+    try:
+        action()
+    except runtime.RtcError as error:
+        yield rule.at(span, str(error))
+
+
+def _add(
+    system: runtime.System,
+    c: SystemComponent,
+    factories: Factories,
+    folder: Path,
+    settings: Iterable[SetParameter],
+) -> Iterator[Diagnostic]:
+    factory = factories[c.type]
+    try:
+        component = factory(c.instance)
+    except Exception as error:
+        message = f"the factory of {c.type} raised {type(error).__name__}: {error}"
+        yield NO_COMPONENT.at(c.span, message)
+        return
+    if not isinstance(component, runtime.Component):
+        yield NO_COMPONENT.at(c.span, f"the factory of {c.type} gives no component")
+        return
+    component.folder = folder
+    findings = [*_configure(component, c, folder, settings)]
+    yield from findings
+    if not findings:
+        yield from _findings(
+            NO_COMPONENT, c.span, partial(system.add, component, c.rate)
+        )
+
+
+def _configure(
+    component: runtime.Component,
+    c: SystemComponent,
+    folder: Path,
+    settings: Iterable[SetParameter],
+) -> Iterator[Diagnostic]:
+    """Gives the component its values, each source over the one before."""
+    sets = component.configuration_sets
+    values = [(s, p, t) for s, pairs in c.configuration for p, t in pairs]
+    for name in dict.fromkeys((c.type, c.instance)):
+        file = folder / f"{name}.conf"
+        if file.is_file():
+            yield from _findings(PARAMETER, None, partial(_load_conf, sets, file))
+    for set_id, parameter, text in values:
+        yield from _findings(
+            PARAMETER, c.span, partial(sets.set, parameter, text, set_id)
+        )
+    if values:
+        yield from _findings(PARAMETER, c.span, partial(sets.activate, c.active_set))
+    for setting in settings:
+        change = partial(sets.set, setting.parameter, setting.text, sets.active)
+        yield from _findings(PARAMETER, None, change)
+
+
+def _load_conf(sets: runtime.ConfigurationSets, file: Path) -> None:
+    sets.load(read_conf(file))
+
+
+def _start(profile: System) -> Iterator[tuple[int, str]]:
+    """When each component is activated, in ns: all at once, unless the system says otherwise."""
+    if not profile.activation:
+        yield from ((0, c.instance) for c in profile.components)
+        return
+    time = 0
+    for step in profile.activation:
+        time += step.wait_ms * _MILLISECOND
+        yield time, step.instance
+
+
+def _checking(system: runtime.System, action: SetParameter) -> Callable[[], object]:
+    sets = system.component(action.instance).configuration_sets
+    return partial(sets.check, action.parameter, action.text)
+
+
+def _performing(
+    system: runtime.System,
+    action: Activate | Deactivate | Connect | Disconnect | SetParameter,
+) -> Callable[[], None]:
+    def perform() -> None:
+        match action:
+            case Activate():
+                system.activate(action.instance)
+            case Deactivate():
+                system.deactivate(action.instance)
+            case Connect(name, source, target, properties):
+                ends = (source.instance, source.port), (target.instance, target.port)
+                system.connect(*ends, properties, name)
+            case Disconnect():
+                system.disconnect(action.name)
+            case SetParameter():
+                sets = system.component(action.instance).configuration_sets
+                system.configure(
+                    action.instance, action.parameter, action.text, sets.active
+                )
+
+    return perform
+
+
+def _at_its_place(step: Step, action: Callable[[], None]) -> Callable[[], None]:
+    """The action, with what the runtime says against it turned into a finding."""
+
+    def perform() -> None:
+        findings = [*_findings(TIMELINE, step.span, action)]
+        if findings:
+            raise InputError(findings)
+
+    return perform

@@ -1,0 +1,60 @@
+"""`rtgen check`."""
+
+from __future__ import annotations
+
+import click
+
+from rtgen import cache, compiler
+from rtgen import output as writer
+from rtgen.cli.common import (
+    BAD_INPUT,
+    NO,
+    OK,
+    Console,
+    project_of,
+    with_console,
+    with_definitions,
+    with_output,
+    write_out,
+)
+from rtgen.project import shown
+
+
+@click.command()
+@with_definitions
+@with_output
+@with_console
+def check(
+    console: Console,
+    paths: tuple[str, ...],
+    include: tuple[str, ...],
+    define: list[tuple[str, str]],
+    output: str | None,
+    no_cache: bool,
+) -> int:
+    """Compare the tree with what generate would make.
+
+    Exit code 0: the same; 1: files are changed, missing, no longer made, or not rtgen's; a
+    unified diff is printed. Files that a user owns are not looked into. Nothing is written.
+    """
+    project = project_of(paths, include, define, output)
+    run = compiler.build(project, None if no_cache else cache.default())
+    console.findings(run.diagnostics, run.sources)
+    if run.failed:
+        return BAD_INPUT
+    planned = writer.plan(project, run.artifacts, run.inputs)
+    strays = (*planned.strays, *planned.leftovers)
+    if not planned.changes and not strays:
+        return OK
+    from rtgen.cli.diffs import diff
+
+    write_out(
+        diff(planned.changes)
+        + "".join(f"Only in the tree: {shown(s)}\n" for s in strays)
+    )
+    differing = len(planned.changes) + len(strays)
+    console.say(
+        f"{shown(project.output)}: {differing} file{'s' * (differing > 1)} differ"
+        f"{'s' * (differing == 1)} from the definitions; run rtgen generate"
+    )
+    return NO

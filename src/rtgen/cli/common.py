@@ -1,0 +1,181 @@
+"""What the commands share: options, and the console that findings and messages go to."""
+
+from __future__ import annotations
+
+import functools
+import os
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Concatenate, ParamSpec
+
+import click
+
+from rtgen.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.project import Project, load, require_sources, with_arguments
+
+P = ParamSpec("P")
+
+OK, NO, BAD_INPUT, FAILED = range(4)
+"""Exit codes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Console:
+    """Standard error, as the options want it: its form for findings, colour, and quiet."""
+
+    form: str
+    colour: bool
+    quiet: bool
+
+    def findings(
+        self,
+        diagnostics: Sequence[Diagnostic],
+        sources: Mapping[str, str] | None = None,
+    ) -> None:
+        """Prints findings; a form for machines is printed even if there are none."""
+        if not diagnostics and self.form in ("text", "github"):
+            return
+        from rtgen.report import report, summary
+
+        text = report(diagnostics, sources or {}, self.form, colour=self.colour)
+        sys.stderr.write(text)
+        if self.form == "text" and not self.quiet:
+            sys.stderr.write(f"{summary(diagnostics)}\n")
+
+    def say(self, text: str) -> None:
+        """Prints a line for people: not if quiet, nor beside findings for machines."""
+        if not self.quiet and self.form == "text":
+            sys.stderr.write(f"{text}\n")
+
+
+def write_out(text: str) -> None:
+    """Writes text to standard output, in UTF-8 whatever the locale.
+
+    A reader that has left is no reason to end otherwise.
+    """
+    try:
+        sys.stdout.flush()
+        sys.stdout.buffer.write(text.encode("utf-8", "backslashreplace"))
+        sys.stdout.buffer.flush()
+    except BrokenPipeError:
+        # What is still buffered must not raise again at exit.
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, sys.stdout.fileno())
+        os.close(nowhere)
+
+
+def with_console(
+    function: Callable[Concatenate[Console, P], int],
+) -> Callable[..., int]:
+    """Adds the options of the console, and turns failures into findings and exit codes."""
+
+    @click.option(
+        "--diagnostics",
+        "form",
+        type=click.Choice(["text", "json", "sarif", "github"]),
+        default="text",
+        show_default=True,
+        help="Form of the findings on standard error.",
+    )
+    @click.option("-q", "--quiet", is_flag=True, help="Print findings only.")
+    @click.option(
+        "--color",
+        type=click.Choice(["auto", "always", "never"]),
+        default="auto",
+        show_default=True,
+        help="Colour in findings.",
+    )
+    @functools.wraps(function)
+    def wrapped(
+        form: str, quiet: bool, color: str, *args: P.args, **kwargs: P.kwargs
+    ) -> int:
+        console = Console(form, _in_colour(color), quiet)
+        try:
+            return function(console, *args, **kwargs)
+        except InputError as error:
+            console.findings(error.diagnostics)
+            return BAD_INPUT
+        except ToolError as error:
+            if os.environ.get("RTGEN_DEBUG") == "1":
+                raise
+            from rtgen.project_rules import ENVIRONMENT
+
+            console.findings([ENVIRONMENT.at(None, error.message, hint=error.hint)])
+            return FAILED
+
+    return wrapped
+
+
+def with_definitions(function: Callable[P, int]) -> Callable[P, int]:
+    """Adds PATH, -I and -D; the function gets `paths`, `include` and `define`."""
+    for decorate in (
+        click.option(
+            "-D",
+            "define",
+            multiple=True,
+            metavar="NAME[=VALUE]",
+            callback=_macros,
+            help="Define a macro of the preprocessor.",
+        ),
+        click.option(
+            "-I",
+            "include",
+            multiple=True,
+            metavar="DIR",
+            help="Look for included files there.",
+        ),
+        click.argument("paths", nargs=-1, metavar="[PATH]..."),
+    ):
+        function = decorate(function)
+    return function
+
+
+def with_output(function: Callable[P, int]) -> Callable[P, int]:
+    """Adds -o and --no-cache; the function gets `output` and `no_cache`."""
+    for decorate in (
+        click.option(
+            "--no-cache", is_flag=True, help="Neither read nor write the cache."
+        ),
+        click.option(
+            "-o",
+            "output",
+            metavar="DIR",
+            help="Write below DIR/generated and DIR/src instead.",
+        ),
+    ):
+        function = decorate(function)
+    return function
+
+
+def project_of(
+    paths: Sequence[str],
+    include: Sequence[str],
+    define: Sequence[tuple[str, str]],
+    output: str | None = None,
+) -> Project:
+    """The project around the working folder, as the command line changes it, with sources."""
+    project = with_arguments(
+        load(), paths=paths, include=include, define=define, output=output
+    )
+    require_sources(project)
+    return project
+
+
+def _macros(
+    context: click.Context, parameter: click.Parameter, values: Sequence[str]
+) -> list[tuple[str, str]]:
+    macros = []
+    for text in values:
+        name, equals, value = text.partition("=")
+        if not (name.isascii() and name.isidentifier()):
+            raise click.BadParameter(f"{name!r} is no identifier", context, parameter)
+        macros.append((name, value if equals else "1"))
+    return macros
+
+
+def _in_colour(choice: str) -> bool:
+    if choice != "auto":
+        return choice == "always"
+    plain: Any = os.environ.get("NO_COLOR") or os.environ.get("TERM") == "dumb"
+    return sys.stderr.isatty() and not plain

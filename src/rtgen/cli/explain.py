@@ -1,0 +1,41 @@
+"""`rtgen explain`."""
+
+from __future__ import annotations
+
+import sys
+
+import click
+
+from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
+
+
+@click.command()
+@click.argument("code", required=False)
+@with_console
+def explain(console: Console, code: str | None) -> int:
+    """Tell what a diagnostic means; without CODE, list all codes."""
+    from rtgen.explain import rules, similar, story
+
+    known = rules()
+    if code is None:
+        for rule in known.values():
+            write_out(f"{rule.code}  {rule.severity.value:<7}  {rule.title}\n")
+        return OK
+    found = known.get(code.upper())
+    if found is None:
+        close = similar(code)
+        hint = (
+            f"; did you mean {', '.join(close)}?"
+            if close
+            else "; `rtgen explain` lists all"
+        )
+        click.echo(f"unknown code {code!r}{hint}", err=True)
+        return BAD_INPUT
+    if sys.stdout.isatty():
+        from rich.console import Console as Terminal
+        from rich.markdown import Markdown
+
+        Terminal().print(Markdown(story(found)))
+    else:
+        write_out(story(found))
+    return OK

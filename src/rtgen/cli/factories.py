@@ -1,0 +1,84 @@
+"""Where components come from: the project, then what is installed."""
+
+from __future__ import annotations
+
+import configparser
+import sys
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from importlib import import_module, metadata
+from pathlib import Path
+
+from rtgen.diagnostics import ToolError
+from rtgen.project import Project
+from rtgen.runtime import Component
+
+GROUP = "rtgen.components"
+
+Factory = Callable[[str], Component]
+
+
+class Factories:
+    """The factories of component types by name. What stands first wins: `[components]` of
+    rtgen.toml, the project's generated entry points, the installed entry points."""
+
+    def __init__(self, project: Project) -> None:
+        self._targets: dict[str, str] = {
+            **{e.name: e.value for e in metadata.entry_points(group=GROUP)},
+            **_generated(project),
+            **dict(project.components),
+        }
+        for folder in reversed(project.import_folders):
+            if folder.is_dir() and str(folder) not in sys.path:
+                sys.path.insert(0, str(folder))
+
+    @property
+    def types(self) -> Mapping[str, str]:
+        """Every known type with its `module:attribute`."""
+        return self._targets
+
+    def hint(self, type_name: str) -> str:
+        """What helps someone who asked for an unknown type."""
+        close = get_close_matches(type_name, self._targets, n=1)
+        if close:
+            return f"did you mean {close[0]!r}?"
+        return "name its factory in [components] of rtgen.toml, or install its package"
+
+    def __contains__(self, type_name: str) -> bool:
+        return type_name in self._targets
+
+    def __getitem__(self, type_name: str) -> Factory:
+        """The factory of a known type; ToolError if it cannot be imported."""
+        target = self._targets[type_name]
+        module, _, attribute = target.partition(":")
+        try:
+            factory: object = import_module(module)
+            for part in attribute.split("."):
+                factory = getattr(factory, part)
+        except Exception as error:
+            raise ToolError(
+                f"the factory {target} of {type_name} cannot be loaded: "
+                f"{type(error).__name__}: {error}",
+                hint="is its package installed, and `rtgen generate` done?",
+            ) from error
+        if not callable(factory):
+            raise ToolError(f"the factory {target} of {type_name} cannot be called")
+        return factory
+
+
+class _EntryPoints(configparser.ConfigParser):
+    def optionxform(self, optionstr: str) -> str:
+        return optionstr
+
+
+def _generated(project: Project) -> Mapping[str, str]:
+    """What the entry_points.txt of the project's generated package says."""
+    file: Path = project.output / project.package / "components" / "entry_points.txt"
+    parser = _EntryPoints(delimiters=("=",), interpolation=None)
+    try:
+        parser.read_string(file.read_text(encoding="utf-8"))
+        return dict(parser[GROUP])
+    except (FileNotFoundError, KeyError):
+        return {}
+    except (OSError, UnicodeDecodeError, configparser.Error) as error:
+        raise ToolError(f"cannot read {file}: {error}") from error

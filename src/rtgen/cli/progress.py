@@ -1,0 +1,83 @@
+"""How a run is shown while it goes on: a bar on a terminal, plain lines elsewhere."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import ExitStack
+from typing import Protocol
+
+from rtgen.timeline import SECOND
+
+_LINE_EVERY = 10 * SECOND
+
+
+class Progress(Protocol):
+    """Told of the time in ns since the start, and of every change of a state."""
+
+    def at(self, time: int) -> None:
+        """Time has gone on."""
+
+    def state(self, time: int, instance: str, state: str) -> None:
+        """A component has changed its state."""
+
+
+class Silence:
+    """Shows nothing."""
+
+    def at(self, time: int) -> None:
+        """Nothing."""
+
+    def state(self, time: int, instance: str, state: str) -> None:
+        """Nothing."""
+
+
+class Lines:
+    """A line for every change of a state, and for every ten seconds."""
+
+    def __init__(self) -> None:
+        self._next = _LINE_EVERY
+
+    def at(self, time: int) -> None:
+        """A line, if ten seconds have passed."""
+        if time >= self._next:
+            self._next += _LINE_EVERY
+            sys.stderr.write(f"{time / SECOND:.0f} s\n")
+
+    def state(self, time: int, instance: str, state: str) -> None:
+        """A line."""
+        sys.stderr.write(f"{time / SECOND:.3f} s: {instance} {state}\n")
+
+
+class Bar:
+    """A bar of the time, with the latest change of a state."""
+
+    def __init__(self, files: ExitStack, limit: int | None) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
+
+        columns = (
+            SpinnerColumn(),
+            BarColumn(),
+            TextColumn("{task.fields[time]:8.1f} s"),
+            TextColumn("{task.description}"),
+        )
+        bar = Progress(*columns, console=Console(stderr=True), transient=True)
+        self._progress = files.enter_context(bar)
+        self._limit = limit
+        total = None if limit is None else limit / SECOND
+        self._task = self._progress.add_task("", total=total, time=0.0)
+
+    def at(self, time: int) -> None:
+        """Moves the bar on."""
+        self._progress.update(self._task, completed=time / SECOND, time=time / SECOND)
+
+    def state(self, time: int, instance: str, state: str) -> None:
+        """Tells the change beside the bar."""
+        self._progress.update(self._task, description=f"{instance} {state}")
+
+
+def progress(files: ExitStack, limit: int | None, *, quiet: bool) -> Progress:
+    """What suits standard error; `files` ends it."""
+    if quiet:
+        return Silence()
+    return Bar(files, limit) if sys.stderr.isatty() else Lines()

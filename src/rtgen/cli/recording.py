@@ -1,0 +1,135 @@
+"""What a run leaves behind: the trajectory as CSV and as a picture."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TextIO, TypeAlias
+
+from rtgen.diagnostics import ToolError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Pose: TypeAlias = tuple[float, float, float]
+"""x [m], y [m], heading [rad]."""
+
+CSV_HEADER = ("t", "x", "y", "theta", "goal_x", "goal_y", "goal_theta")
+PICTURES = (".svg", ".png", ".pdf")
+_NO_POSE = ("", "", "")
+_ARROW = 0.06
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """Where the robot was, and where it was to go, `t` seconds after the start."""
+
+    t: float
+    pose: Pose
+    goal: Pose | None
+
+
+def opened(files: ExitStack, path: str | None) -> TextIO | None:
+    """The file, opened for writing before a run begins and closed with `files`.
+
+    ToolError if it cannot be.
+    """
+    if path is None:
+        return None
+    try:
+        return files.enter_context(Path(path).open("w", encoding="utf-8", newline=""))
+    except OSError as error:
+        raise ToolError(f"cannot write {path}: {error.strerror}") from error
+
+
+def check_picture(path: str | None) -> None:
+    """ToolError if a picture could not be written there, or not at all."""
+    if path is None:
+        return
+    file = Path(path)
+    if file.suffix.lower() not in PICTURES:
+        raise ToolError(
+            f"cannot draw {path}: unknown kind of picture",
+            hint=f"one of {', '.join(PICTURES)}",
+        )
+    if find_spec("matplotlib") is None:
+        raise ToolError(
+            "--plot needs matplotlib, which is not installed",
+            hint="pip install 'rtgen[plot]'",
+        )
+    try:
+        with file.open("ab"):
+            pass
+    except OSError as error:
+        raise ToolError(f"cannot write {path}: {error.strerror}") from error
+
+
+def write_csv(stream: TextIO, samples: Sequence[Sample]) -> None:
+    """One line for each sample, after a header; the goal's columns are empty before the first."""
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(CSV_HEADER)
+    writer.writerows((s.t, *s.pose, *(s.goal or _NO_POSE)) for s in samples)
+
+
+def draw(path: str, title: str, samples: Sequence[Sample]) -> None:
+    """The trajectory with its start and goals, heading arrows, and equal axes."""
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    goals = list(dict.fromkeys(s.goal for s in samples if s.goal is not None))
+    poses = [s.pose for s in samples]
+    with rc_context({"svg.hashsalt": "rtgen", "font.family": "DejaVu Sans"}):
+        figure = Figure(figsize=(7.0, 7.0), layout="constrained")
+        axes = figure.add_subplot()
+        axes.plot(
+            [p[0] for p in poses],
+            [p[1] for p in poses],
+            color="tab:blue",
+            label="robot",
+        )
+        scale = _ARROW * max(_extent([*poses, *goals]), 0.5)
+        if poses:
+            _mark(axes, poses[:1], "tab:green", "start", scale)
+            _mark(axes, poses[-1:], "tab:blue", "end", scale)
+        if goals:
+            _mark(axes, goals, "tab:red", "goal", scale)
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.set_xlabel("x [m]")
+        axes.set_ylabel("y [m]")
+        axes.set_title(title)
+        axes.grid(visible=True, alpha=0.3)
+        axes.legend(loc="best")
+        kind = Path(path).suffix.lower()[1:]
+        undated: dict[str, Any] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
+        try:
+            figure.savefig(path, format=kind, metadata=undated.get(kind))
+        except OSError as error:
+            raise ToolError(f"cannot write {path}: {error.strerror}") from error
+
+
+def _extent(poses: Sequence[Pose]) -> float:
+    spans = [max(values) - min(values) for values in list(zip(*poses, strict=True))[:2]]
+    return max(spans, default=0.0)
+
+
+def _mark(
+    axes: Axes, poses: Sequence[Pose], colour: str, label: str, scale: float
+) -> None:
+    xs, ys = [p[0] for p in poses], [p[1] for p in poses]
+    axes.plot(xs, ys, "o", color=colour, label=label)
+    axes.quiver(
+        xs,
+        ys,
+        [scale * math.cos(p[2]) for p in poses],
+        [scale * math.sin(p[2]) for p in poses],
+        angles="xy",
+        scale_units="xy",
+        scale=1.0,
+        color=colour,
+        width=0.005,
+    )

@@ -1,0 +1,235 @@
+"""`rtgen run`."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import click
+
+from rtgen import compiler, runtime, timeline
+from rtgen.cli.assembly import assemble
+from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
+from rtgen.cli.factories import Factories
+from rtgen.cli.progress import Progress, progress
+from rtgen.cli.recording import (
+    Pose,
+    Sample,
+    check_picture,
+    draw,
+    opened,
+    write_csv,
+)
+from rtgen.cli.summary import Outcome, Row, summary
+from rtgen.diagnostics import InputError, ToolError, has_errors
+from rtgen.model import System
+from rtgen.project import load
+from rtgen.runtime.recording import JsonLinesRecorder
+from rtgen.system_rules import CONDITION, OBSERVABLE
+from rtgen.timeline import SECOND, Condition, Step
+
+_LONGEST = 600 * SECOND
+"""Where a run in simulated time ends that waits for a state only."""
+_SAMPLE_PERIOD = SECOND // 50
+_LOOK_PERIOD = SECOND // 10
+
+
+@click.command()
+@click.argument("system", metavar="SYSTEM")
+@click.option(
+    "--clock",
+    type=click.Choice(["sim", "real"]),
+    default="sim",
+    show_default=True,
+    help="Simulated time, as fast as the machine allows, or real time.",
+)
+@click.option("--until", metavar="SECONDS|INSTANCE=STATE", help="When the run ends.")
+@click.option(
+    "--set",
+    "settings",
+    multiple=True,
+    metavar="INSTANCE.PARAMETER=VALUE",
+    help="Give a configuration parameter another value.",
+)
+@click.option("--csv", "csv_file", metavar="FILE", help="Write the trajectory as CSV.")
+@click.option("--plot", metavar="FILE", help="Draw the trajectory (.svg, .png, .pdf).")
+@click.option(
+    "--log", metavar="FILE", help="Write state changes and samples as JSON lines."
+)
+@with_console
+def run(
+    console: Console,
+    system: str,
+    clock: str,
+    until: str | None,
+    settings: tuple[str, ...],
+    csv_file: str | None,
+    plot: str | None,
+    log: str | None,
+) -> int:
+    """Run a system on the embedded runtime.
+
+    SYSTEM is an RtsProfile, or a folder with system.xml and perhaps timeline.toml. Exit code 0:
+    the condition of --until, or of the system's property rtgen.run.until, was met; 1: the time
+    was over before. A run in simulated time that waits for a state only ends after ten minutes.
+    """
+    path = Path(system)
+    folder = path if path.is_dir() else None
+    profile, diagnostics, sources = compiler.read_system(
+        path / "system.xml" if folder else path
+    )
+    console.findings(diagnostics, sources)
+    if profile is None or has_errors(diagnostics):
+        return BAD_INPUT
+    check_picture(plot)
+    steps = _steps(folder, profile)
+    condition = _condition(until, profile)
+    if condition == Condition() and clock == "sim":
+        hint = "--until SECONDS, or --until INSTANCE=STATE"
+        raise InputError(
+            [CONDITION.at(None, "a run in simulated time needs an end", hint=hint)]
+        )
+    values = [timeline.assignment(text, profile) for text in settings]
+    factories = Factories(load())
+    watch = runtime.RealClock() if clock == "real" else runtime.SimulatedClock()
+    with (
+        ExitStack() as files,
+        assemble(profile, factories, watch, values, steps) as running,
+    ):
+        view = _View(running, profile)
+        if (csv_file or plot) and view.pose_name is None:
+            message = (
+                f"{profile.file}: no property rtgen.run.pose, so there is no trajectory"
+            )
+            raise InputError([OBSERVABLE.at(None, message)])
+        table = opened(files, csv_file)
+        if (log_stream := opened(files, log)) is not None:
+            running.add_listener(JsonLinesRecorder(log_stream))
+        samples: list[Sample] = []
+        if csv_file or plot:
+            running.every(_SAMPLE_PERIOD, lambda: samples.append(view.sample()))
+        with ExitStack() as shown:
+            quiet = console.quiet or console.form != "text"
+            _show(running, progress(shown, condition.limit, quiet=quiet))
+            met, wall = _run(running, condition, simulated=clock == "sim")
+        outcome = view.outcome(wall)
+        if table is not None:
+            write_csv(table, samples)
+    if plot is not None:
+        draw(plot, profile.name, samples)
+    write_out(summary(outcome))
+    return OK if met else NO
+
+
+def _steps(folder: Path | None, profile: System) -> Sequence[Step]:
+    file = None if folder is None else folder / "timeline.toml"
+    if file is None or not file.is_file():
+        return ()
+    try:
+        text = file.read_bytes().decode("utf-8", "replace")
+    except OSError as error:
+        raise ToolError(f"cannot read {file}: {error.strerror}") from error
+    return timeline.parse(text, file.as_posix(), profile)
+
+
+def _condition(until: str | None, profile: System) -> Condition:
+    text = dict(profile.properties).get("rtgen.run.until") if until is None else until
+    return Condition() if text is None else timeline.condition(text, profile, None)
+
+
+def _run(
+    running: runtime.System, condition: Condition, *, simulated: bool
+) -> tuple[bool, float]:
+    """Runs to the end; whether the condition was met, and the wall time in seconds.
+
+    An interrupt by the user ends a run in order.
+    """
+    limit = condition.limit
+    if limit is None and simulated:
+        limit = _LONGEST
+    until = _reached(running, condition)
+    begun = time.perf_counter()
+    try:
+        met = running.run(limit, until)
+    except KeyboardInterrupt:
+        met = condition == Condition()
+    else:
+        met = met or condition.instance is None
+    return met, time.perf_counter() - begun
+
+
+def _reached(
+    running: runtime.System, condition: Condition
+) -> Callable[[runtime.System], bool] | None:
+    if condition.instance is None:
+        return None if condition.limit is not None else lambda _: False
+    state = runtime.LifeCycleState[f"{condition.state}_STATE"]
+    # Looked at after every instant, so without asking the system by name each time.
+    [participant] = running.context(condition.instance).participants
+    return lambda _: participant.state is state
+
+
+def _show(running: runtime.System, view: Progress) -> None:
+    known = {instance: running.state(instance) for instance in running.instances}
+
+    def look() -> None:
+        now = running.time
+        view.at(now)
+        for instance, before in known.items():
+            state = running.state(instance)
+            if state is not before:
+                known[instance] = state
+                view.state(now, instance, _name(state))
+
+    running.every(_LOOK_PERIOD, look)
+
+
+def _name(state: runtime.LifeCycleState) -> str:
+    return state.name.removesuffix("_STATE")
+
+
+class _View:
+    """What the system's properties say about its report: where the robot is, where it goes."""
+
+    def __init__(self, running: runtime.System, profile: System) -> None:
+        properties = dict(profile.properties)
+        self._running = running
+        self.pose_name = self._checked(profile, properties.get("rtgen.run.pose"))
+        self._goal_name = self._checked(profile, properties.get("rtgen.run.goal"))
+
+    def _checked(self, profile: System, name: str | None) -> str | None:
+        if name is not None:
+            timeline.require_instance(name.partition(".")[0], profile, None)
+            try:
+                self._running.observable(name)
+            except runtime.RtcError as error:
+                raise InputError(
+                    [OBSERVABLE.at(None, f"{profile.file}: {error}")]
+                ) from None
+        return name
+
+    def sample(self) -> Sample:
+        """The present; only where there is a pose."""
+        pose = self._pose(self.pose_name)
+        assert pose is not None
+        return Sample(self._running.time / SECOND, pose, self._pose(self._goal_name))
+
+    def outcome(self, wall: float) -> Outcome:
+        """The end."""
+        return Outcome(
+            rows=[self._row(instance) for instance in self._running.instances],
+            goal=self._pose(self._goal_name),
+            pose=self._pose(self.pose_name),
+            simulated=self._running.time / SECOND,
+            wall=wall,
+        )
+
+    def _row(self, instance: str) -> Row:
+        s = self._running.statistics(instance)
+        return Row(instance, _name(s.state), s.ticks, s.overruns, s.lost, s.reason)
+
+    def _pose(self, name: str | None) -> Pose | None:
+        values = () if name is None else self._running.observable(name)
+        return (values[0], values[1], values[2]) if len(values) == 3 else None

@@ -1,0 +1,41 @@
+"""The rules behind all codes, collected from the modules that have them."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from functools import cache
+from importlib import import_module
+from types import MappingProxyType
+
+from rtgen.diagnostics import Rule
+
+MODULES = (
+    "rtgen.backends.components.rules",
+    "rtgen.backends.types.rules",
+    "rtgen.frontends.idl.rules",
+    "rtgen.frontends.rts_profile",
+    "rtgen.project_rules",
+    "rtgen.system_rules",
+)
+"""The modules with `RULES`."""
+
+
+@cache
+def rules() -> MappingProxyType[str, Rule]:
+    """Every rule by its code, sorted."""
+    found: dict[str, Rule] = {}
+    for name in MODULES:
+        for rule in import_module(name).RULES:
+            assert rule.code not in found, f"{rule.code} stands for two rules"
+            found[rule.code] = rule
+    return MappingProxyType(dict(sorted(found.items())))
+
+
+def similar(code: str) -> list[str]:
+    """The codes that someone who typed `code` may have meant."""
+    return get_close_matches(code.upper(), rules(), n=3)
+
+
+def story(rule: Rule) -> str:
+    """The rule as Markdown."""
+    return f"# {rule.code}: {rule.title}\n\n{rule.explanation.strip()}\n"

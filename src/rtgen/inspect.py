@@ -1,0 +1,369 @@
+"""The resolved model for a reader: as JSON (`rtgen-inspect/1`) or as a tree of text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from decimal import Decimal
+from typing import Any, TypeAlias
+
+from rtgen.backends.components.members import attributes_of
+from rtgen.diagnostics import Diagnostic
+from rtgen.model import (
+    Attribute,
+    Bitmask,
+    Bitset,
+    Case,
+    Component,
+    Const,
+    ConstantValue,
+    Declaration,
+    Documented,
+    Enum,
+    EnumeratorName,
+    ExceptionDecl,
+    Home,
+    Interface,
+    Member,
+    Model,
+    Native,
+    Operation,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    StateMember,
+    Struct,
+    System,
+    Type,
+    Typedef,
+    Union,
+    ValueBox,
+    Valuetype,
+)
+from rtgen.report import as_json
+
+FORMAT = "rtgen-inspect/1"
+
+Json: TypeAlias = dict[str, Any]
+
+
+def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
+    """The model and the findings as one JSON object."""
+    declarations = [_declaration(d, model) for d in model.declarations]
+    return {
+        "format": FORMAT,
+        "files": [f.name for f in model.files] + [s.file for s in model.systems],
+        "declarations": declarations + [_system(s) for s in model.systems],
+        "diagnostics": [as_json(d) for d in diagnostics],
+    }
+
+
+def _declaration(d: Declaration, model: Model) -> Json:
+    head = {"kind": _kind(d), "name": d.scoped, "file": d.file, "line": d.span.line}
+    return head | _body(d, model) | _documented(d)
+
+
+def _kind(d: Declaration) -> str:
+    match d:
+        case ExceptionDecl():
+            return "exception"
+        case Valuetype(eventtype=True):
+            return "eventtype"
+    return type(d).__name__.lower()
+
+
+def _body(d: Declaration, model: Model) -> Json:
+    identity = {"repository_id": d.repository_id}
+    match d:
+        case Struct():
+            return identity | {
+                "base": _scoped(d.base),
+                "members": [*map(_member, d.members)],
+            }
+        case ExceptionDecl():
+            return identity | {"base": None, "members": [*map(_member, d.members)]}
+        case Union():
+            cases = [_case(c, model.unalias(d.switch)) for c in d.cases]
+            return identity | {"switch": str(d.switch), "cases": cases}
+        case Enum():
+            return identity | {"members": [m.name for m in d.members]}
+        case Bitset():
+            return identity | {"members": [*_bitfields(d)]}
+        case Bitmask():
+            bits = [
+                {"name": m.name, "position": m.value, "type": None} for m in d.members
+            ]
+            documents = map(_documented, d.members)
+            return identity | {
+                "members": [b | text for b, text in zip(bits, documents, strict=True)]
+            }
+        case Typedef() | ValueBox():
+            return identity | {"type": str(d.type)}
+        case Const():
+            return {"type": str(d.type), "value": _value(d.value)}
+        case Valuetype():
+            return identity | _valuetype(d)
+        case Interface():
+            return identity | _interface(d) | {"local": d.local}
+        case Component():
+            return identity | _component(d)
+        case Home():
+            return identity | {"manages": _scoped(d.manages)}
+        case Native():
+            return identity
+    raise AssertionError(f"no JSON for {type(d).__name__}")
+
+
+def _member(m: Member) -> Json:
+    body: Json = {"name": m.name, "type": str(m.type)}
+    if isinstance(m, StateMember):
+        body |= {"public": m.public}
+    return body | {"optional": m.optional, "key": m.key, "id": m.id} | _documented(m)
+
+
+def _case(c: Case, switch: Type) -> Json:
+    labels = [_label(label, switch) for label in c.labels] + ["default"] * c.default
+    return {"labels": labels, "name": c.name, "type": str(c.type)} | _documented(c)
+
+
+def _bitfields(d: Bitset) -> Iterator[Json]:
+    for m in d.members:
+        type_ = None if m.type is None else str(m.type)
+        yield {"name": m.name, "bits": m.bits, "type": type_} | _documented(m)
+
+
+def _interface(d: Interface | Valuetype) -> Json:
+    return {
+        "bases": [*map(_scoped, d.bases)],
+        "abstract": d.abstract,
+        "attributes": [*map(_attribute, d.attributes)],
+        "operations": [*map(_operation, d.operations)],
+    }
+
+
+def _valuetype(d: Valuetype) -> Json:
+    return _interface(d) | {
+        "local": False,
+        "custom": d.custom,
+        "truncatable": d.truncatable,
+        "supports": [*map(_scoped, d.supports)],
+        "state": [*map(_member, d.state)],
+        "factories": [*map(_operation, d.factories)],
+    }
+
+
+def _attribute(a: Attribute) -> Json:
+    return {
+        "name": a.name,
+        "type": str(a.type),
+        "readonly": a.readonly,
+        "get_raises": [*map(_scoped, a.get_raises)],
+        "set_raises": [*map(_scoped, a.set_raises)],
+    } | _documented(a)
+
+
+def _operation(o: Operation) -> Json:
+    return {
+        "name": o.name,
+        "oneway": o.oneway,
+        "returns": str(o.returns),
+        "parameters": [
+            {"direction": p.direction.value, "name": p.name, "type": str(p.type)}
+            | _documented(p)
+            for p in o.parameters
+        ],
+        "raises": [*map(_scoped, o.raises)],
+        "context": list(o.context),
+    } | _documented(o)
+
+
+def _component(d: Component) -> Json:
+    attributes = attributes_of(d)
+    return {
+        "base": _scoped(d.base),
+        "supports": [*map(_scoped, d.supports)],
+        "ports": [
+            {
+                "kind": p.kind.value,
+                "name": p.name,
+                "type": str(p.type),
+                "python_name": python_name,
+                "port": p.port or p.name,
+            }
+            | _documented(p)
+            for p, python_name in attributes.ports
+        ],
+        "configuration": [
+            {
+                "name": c.name,
+                "type": str(c.type),
+                "default": _optional(c.default),
+                "unit": c.unit,
+                "min": _optional(c.minimum),
+                "max": _optional(c.maximum),
+                "constraint": c.constraint,
+                "python_name": python_name,
+            }
+            | _documented(c)
+            for c, python_name in attributes.configuration
+        ],
+    }
+
+
+def _system(s: System) -> Json:
+    return {
+        "kind": "system",
+        "name": s.name,
+        "file": s.file,
+        "line": 1,
+        "components": [
+            {
+                "instance": c.instance,
+                "type": c.type,
+                "configuration": {
+                    set_id: dict(values) for set_id, values in c.configuration
+                },
+            }
+            for c in s.components
+        ],
+        "connections": [
+            {
+                "from": str(c.source),
+                "to": str(c.target),
+                "properties": dict(c.properties),
+            }
+            for c in s.connections
+        ],
+        "doc": s.abstract,
+        "annotations": [],
+    }
+
+
+def _documented(d: Documented) -> Json:
+    annotations = [
+        {
+            "name": a.name,
+            "arguments": {key: _value(value) for key, value in a.arguments},
+        }
+        for a in d.annotations
+    ]
+    return {"doc": d.doc, "annotations": annotations}
+
+
+def _scoped(name: ScopedName | None) -> str | None:
+    return None if name is None else "::".join(name)
+
+
+def _optional(value: ConstantValue | None) -> Any:
+    return None if value is None else _value(value)
+
+
+def _value(value: ConstantValue) -> Any:
+    match value:
+        case EnumeratorName():
+            return _scoped(value.name)
+        case Decimal():
+            return format(value, "f")
+        case float() if not math.isfinite(value):
+            return str(value)
+    return value
+
+
+def _label(value: ConstantValue, switch: Type) -> str:
+    match value:
+        case bool():
+            return "TRUE" if value else "FALSE"
+        case EnumeratorName():
+            return "::".join(value.name)
+        case str():
+            wide = switch == PrimitiveType(Primitive.WCHAR)
+            return _character(value, wide)
+    return str(value)
+
+
+_ESCAPES = {
+    "\n": "\\n",
+    "\t": "\\t",
+    "\v": "\\v",
+    "\b": "\\b",
+    "\r": "\\r",
+    "\f": "\\f",
+    "\a": "\\a",
+    "\\": "\\\\",
+    "'": "\\'",
+}
+
+
+def _character(value: str, wide: bool) -> str:
+    """A character literal (OMG IDL 4.2, table 7-9)."""
+    if value in _ESCAPES:
+        text = _ESCAPES[value]
+    elif " " <= value <= "~":
+        text = value
+    else:
+        text = f"\\u{ord(value):04x}" if wide else f"\\x{ord(value):02x}"
+    return f"'{text}'"
+
+
+def tree(model: Model) -> str:
+    """The model for people: one line for each declaration and member, by file."""
+    lines: list[str] = []
+    for file in model.files:
+        lines.append(file.name)
+        for d in model.of_file(file.name):
+            lines += _indented(_declaration_lines(d, model))
+    for system in model.systems:
+        lines += [system.file, f"  system {system.name}"]
+        lines += [f"    {c.instance}: {c.type}" for c in system.components]
+        lines += [f"    {c.source} -> {c.target}" for c in system.connections]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _declaration_lines(d: Declaration, model: Model) -> Iterator[str]:
+    body = _declaration(d, model)
+    head = f"{body['kind']} {d.scoped}"
+    match d:
+        case Const():
+            yield f"{head}: {d.type} = {_value(d.value)}"
+        case Typedef() | ValueBox():
+            yield f"{head} = {d.type}"
+        case Union():
+            yield f"{head} switch ({d.switch})"
+        case Struct(base=base) if base is not None:
+            yield f"{head}: {_scoped(base)}"
+        case Interface(bases=bases) | Valuetype(bases=bases) if bases:
+            yield f"{head}: {', '.join('::'.join(b) for b in bases)}"
+        case _:
+            yield head
+    yield from _indented(_member_lines(d, body))
+
+
+def _member_lines(d: Declaration, body: Json) -> Iterator[str]:
+    if isinstance(d, Enum):
+        yield from (m.name for m in d.members)
+    elif isinstance(d, Bitmask):
+        yield from (f"{m.name} ({m.value})" for m in d.members)
+    elif isinstance(d, Bitset):
+        yield from (f"{m.name or '(padding)'}: {m.bits} bits" for m in d.members)
+    else:
+        for c in body.get("cases", ()):
+            yield f"{', '.join(c['labels'])}: {c['type']} {c['name']}"
+        for m in (*body.get("members", ()), *body.get("state", ())):
+            yield f"{m['name']}: {m['type']}"
+        for a in body.get("attributes", ()):
+            yield f"{'readonly ' * a['readonly']}attribute {a['name']}: {a['type']}"
+        for o in (*body.get("factories", ()), *body.get("operations", ())):
+            parameters = (
+                f"{p['direction']} {p['name']}: {p['type']}" for p in o["parameters"]
+            )
+            yield f"{'oneway ' * o['oneway']}{o['name']}({', '.join(parameters)}): {o['returns']}"
+        for p in body.get("ports", ()):
+            yield f"{p['kind']} {p['name']}: {p['type']}"
+        for c in body.get("configuration", ()):
+            default = "" if c["default"] is None else f" = {c['default']}"
+            unit = f" [{c['unit']}]" if c["unit"] else ""
+            yield f"parameter {c['name']}: {c['type']}{default}{unit}"
+
+
+def _indented(lines: Iterable[str]) -> Iterator[str]:
+    return (f"  {line}" for line in lines)

@@ -1,0 +1,262 @@
+"""The project: what `rtgen.toml` and the command line say, checked, as one value."""
+
+from __future__ import annotations
+
+import keyword
+import os
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rtgen.diagnostics import Diagnostic, InputError
+from rtgen.project_rules import PATH_OVERLAP, PROJECT_NAME, SOURCE_KIND, SOURCE_NONE
+
+if TYPE_CHECKING:
+    from rtgen import project_file
+
+FILE_NAME = "rtgen.toml"
+TARGETS = ("embedded", "openrtm", "dds")
+SUFFIXES = (".idl",)
+"""What the front ends read, in lower case."""
+
+_RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Project:
+    """What a run reads and where it writes.
+
+    `root` is the absolute folder of rtgen.toml (else the working folder), which the keys of inputs
+    are relative to. `sources` and `include` are paths as they are shown to the user. `output` and
+    `skeletons` are absolute, and neither may lead out of `base`.
+    """
+
+    root: Path
+    base: Path
+    output: Path
+    skeletons: Path
+    file: Path | None = None
+    sources: tuple[Path, ...] = ()
+    include: tuple[Path, ...] = ()
+    define: tuple[tuple[str, str], ...] = ()
+    package: str = "robots"
+    target: str = "embedded"
+    components: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def skeleton_package(self) -> str:
+        """The package that skeletons are imported from; empty for top-level modules in `src`."""
+        return "" if self.skeletons.name == "src" else self.skeletons.name
+
+    @property
+    def import_folders(self) -> tuple[Path, Path]:
+        """The folders that make the generated package and the skeletons importable."""
+        skeletons = self.skeletons.parent if self.skeleton_package else self.skeletons
+        return (self.output, skeletons)
+
+
+def load(start: Path | None = None) -> Project:
+    """The project around the folder `start` (default: the working folder).
+
+    Raises InputError if rtgen.toml is wrong. Without rtgen.toml: package `robots`, output folder
+    `generated`, skeletons in `src`, no sources.
+    """
+    folder = (start or Path()).absolute()
+    file = find(folder)
+    if file is None:
+        return Project(
+            root=folder,
+            base=folder,
+            output=folder / "generated",
+            skeletons=folder / "src",
+        )
+    from rtgen import project_file
+
+    settings = project_file.read(file, shown(file))
+    root = file.parent
+    project = Project(
+        root=root,
+        base=root,
+        output=_normal(root / settings.text("output", "dir", "generated")),
+        skeletons=_normal(root / settings.text("output", "skeletons", "src")),
+        file=file,
+        include=tuple(
+            shown_path(root / p) for p in settings.texts("sources", "include")
+        ),
+        define=tuple(sorted(settings.table("sources", "define").items())),
+        package=settings.text("output", "package", "robots"),
+        target=settings.text("output", "target", "embedded"),
+        components=tuple(sorted(settings.table("components").items())),
+    )
+    findings = [
+        *settings.check_paths(root),
+        *_check_names(project, settings),
+        *_check_folders(project, settings),
+    ]
+    if findings:
+        raise InputError(findings)
+    paths = [shown_path(root / p) for p in settings.texts("sources", "paths")]
+    return replace(project, sources=tuple(_files(paths, skip=project.output)))
+
+
+def with_arguments(
+    project: Project,
+    *,
+    paths: Sequence[str] = (),
+    include: Sequence[str] = (),
+    define: Sequence[tuple[str, str]] = (),
+    output: str | None = None,
+) -> Project:
+    """The project as the command line changes it: other sources, more includes, other folders.
+
+    Raises InputError where a path is no definition file.
+    """
+    changes = project
+    if output is not None:
+        base = _normal(Path(output).absolute())
+        skeletons = base / "src"
+        if project.skeleton_package:
+            skeletons /= project.skeleton_package
+        changes = replace(
+            changes, base=base, output=base / "generated", skeletons=skeletons
+        )
+    if paths:
+        named = [Path(p) for p in paths]
+        findings = [f for p in named if (f := _check_kind(p)) is not None]
+        if findings:
+            raise InputError(findings)
+        changes = replace(changes, sources=tuple(_files(named, skip=changes.output)))
+    return replace(
+        changes,
+        include=(*(Path(p) for p in include), *project.include),
+        define=tuple(sorted({**dict(project.define), **dict(define)}.items())),
+    )
+
+
+def require_sources(project: Project) -> None:
+    """Raises InputError if there is nothing to read."""
+    if project.sources:
+        return
+    if project.file is None:
+        message = f"no {FILE_NAME} here or in a folder above, and no PATH given"
+        hint = f"name definition files, or write a {FILE_NAME} with [sources] paths"
+    else:
+        message = f"{shown(project.file)}: no definition files below the given paths"
+        hint = "rtgen reads " + ", ".join(f"*{s}" for s in SUFFIXES)
+    raise InputError([SOURCE_NONE.at(None, message, hint=hint)])
+
+
+def find(folder: Path) -> Path | None:
+    """The nearest rtgen.toml in the absolute folder or above it."""
+    for parent in (folder, *folder.parents):
+        file = parent / FILE_NAME
+        if file.is_file():
+            return file
+    return None
+
+
+def shown_path(path: Path) -> Path:
+    """The path relative to the working folder (absolute on another drive)."""
+    try:
+        return Path(os.path.relpath(path))
+    except ValueError:
+        return path
+
+
+def shown(path: Path) -> str:
+    """The path as messages show it."""
+    return shown_path(path).as_posix()
+
+
+def _normal(path: Path) -> Path:
+    return Path(os.path.normpath(path))
+
+
+def _files(paths: Iterable[Path], skip: Path) -> Iterator[Path]:
+    """The definition files: those named, and those below the folders named, sorted, each once."""
+    seen: set[Path] = set()
+    for path in paths:
+        found = _below(path, skip) if path.is_dir() else [path]
+        for file in found:
+            key = _normal(file.absolute())
+            if key not in seen:
+                seen.add(key)
+                yield file
+
+
+def _below(folder: Path, skip: Path) -> list[Path]:
+    found = []
+    for parent, folders, files in os.walk(folder):
+        here = Path(parent)
+        folders[:] = [
+            f
+            for f in folders
+            if not f.startswith(".") and _normal((here / f).absolute()) != skip
+        ]
+        found += [
+            here / f for f in files if _is_definition(f) and not f.startswith(".")
+        ]
+    return sorted(found, key=lambda p: p.parts)
+
+
+def _is_definition(name: str) -> bool:
+    return name.lower().endswith(SUFFIXES)
+
+
+def _check_kind(path: Path) -> Diagnostic | None:
+    if path.is_dir() or _is_definition(path.name):
+        return None
+    kinds = ", ".join(f"*{s}" for s in SUFFIXES)
+    return SOURCE_KIND.at(
+        None, f"{path.as_posix()} is no definition file", hint=f"rtgen reads {kinds}"
+    )
+
+
+def _check_names(
+    project: Project, settings: project_file.Settings
+) -> Iterator[Diagnostic]:
+    package = project.package
+    where = settings.span("output", "package")
+    if not (package.isidentifier() and package.isascii()) or keyword.iskeyword(package):
+        yield PROJECT_NAME.at(where, f"package {package!r} is no Python identifier")
+    elif package in _RESERVED_PACKAGES or package in sys.stdlib_module_names:
+        yield PROJECT_NAME.at(
+            where,
+            f"a package called {package!r} would hide another one",
+            hint="choose a name of your own, such as 'robots'",
+        )
+    skeletons = project.skeleton_package
+    where = settings.span("output", "skeletons")
+    if skeletons and (not skeletons.isidentifier() or keyword.iskeyword(skeletons)):
+        yield PROJECT_NAME.at(
+            where, f"skeleton folder {skeletons!r} is no Python identifier"
+        )
+    elif skeletons == package:
+        yield PROJECT_NAME.at(
+            where,
+            f"the skeletons' package and the generated one are both called {package!r}",
+        )
+
+
+def _check_folders(
+    project: Project, settings: project_file.Settings
+) -> Iterator[Diagnostic]:
+    for key, folder in (("dir", project.output), ("skeletons", project.skeletons)):
+        if not folder.is_relative_to(project.root) or folder == project.root:
+            yield PATH_OVERLAP.at(
+                settings.span("output", key),
+                f"the folder {key!r} must lie below the folder of {FILE_NAME}",
+            )
+    sources = [_normal(project.root / p) for p in settings.texts("sources", "paths")]
+    for other, what in (
+        (project.skeletons, "skeletons"),
+        *((s, "sources") for s in sources),
+    ):
+        if other.is_relative_to(project.output):
+            yield PATH_OVERLAP.at(
+                settings.span("output", "dir"),
+                f"the output folder holds the {what}: {shown(other)}",
+                hint="rtgen owns its output folder; keep what you write outside it",
+            )

@@ -1,0 +1,235 @@
+"""`rtgen.toml`: read, checked against its schema, with the place of every key."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
+from rtgen.project_rules import FILE_UNREADABLE, PATH_MISSING, UNKNOWN_KEY, WRONG_TYPE
+
+_HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
+_KEY = re.compile(r"\s*(\"[^\"]*\"|'[^']*'|[\w-]+)\s*=")
+_TOML_PLACE = re.compile(r"\s*\(at line (\d+), column (\d+)\)$")
+_FACTORY = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*")
+_MACRO = re.compile(r"[A-Za-z_]\w*", re.ASCII)
+
+Check = Callable[[Any], str | None]
+"""What is wrong with a value, or None."""
+
+
+def is_macro(name: str) -> bool:
+    """Whether the preprocessor takes the name."""
+    return _MACRO.fullmatch(name) is not None
+
+
+def _text(value: Any) -> str | None:
+    return None if isinstance(value, str) and value else "must be a string"
+
+
+def _texts(value: Any) -> str | None:
+    fine = isinstance(value, list) and all(
+        isinstance(item, str) and item for item in value
+    )
+    return None if fine else "must be a list of strings"
+
+
+def _macros(value: Any) -> str | None:
+    if not (
+        isinstance(value, dict) and all(type(v) in (str, int) for v in value.values())
+    ):
+        return "must be a table of names to strings or integers"
+    wrong = next((name for name in value if not is_macro(name)), None)
+    return None if wrong is None else f"holds {wrong!r}, which is no identifier"
+
+
+def _target(value: Any) -> str | None:
+    known = ("embedded", "openrtm", "dds")
+    return None if value in known else "must be one of " + ", ".join(map(repr, known))
+
+
+def _factory(value: Any) -> str | None:
+    fine = isinstance(value, str) and _FACTORY.fullmatch(value)
+    return None if fine else "must be 'module:attribute'"
+
+
+def _anything(value: Any) -> str | None:
+    return None if isinstance(value, dict) else "must be a table"
+
+
+SCHEMA: dict[str, dict[str, Check] | Check] = {
+    "sources": {"paths": _texts, "include": _texts, "define": _macros},
+    "output": {"dir": _text, "skeletons": _text, "package": _text, "target": _target},
+    "components": _factory,
+    "adapter": _anything,
+    "lint": {"ignore": _texts},
+}
+"""Section to its keys, or to the check for each value of a section with free keys."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """The checked content of an rtgen.toml and its text."""
+
+    name: str
+    source: str
+    content: dict[str, Any]
+
+    def text(self, section: str, key: str, default: str) -> str:
+        """A string of the file, or the default."""
+        value: str = self.content.get(section, {}).get(key, default)
+        return value
+
+    def texts(self, section: str, key: str) -> list[str]:
+        """A list of strings of the file, or an empty one."""
+        value: list[str] = self.content.get(section, {}).get(key, [])
+        return value
+
+    def table(self, section: str, key: str | None = None) -> dict[str, str]:
+        """A table of the file, its values as text; or an empty one."""
+        value = self.content.get(section, {})
+        if key is not None:
+            value = value.get(key, {})
+        return {name: str(item) for name, item in value.items()}
+
+    def span(
+        self, section: str, key: str | None = None, item: str | None = None
+    ) -> Span:
+        """The place of a section, of a key in it, or of a string in the key's value."""
+        current = ""
+        lines = self.source.split("\n")
+        for number, line in enumerate(lines, start=1):
+            if header := _HEADER.match(line):
+                current = header[1].replace('"', "")
+                if key is None and current.split(".")[0].strip() == section:
+                    return self._span(number, header.start(1), header[1])
+                if key is not None and current == f"{section}.{key}":
+                    return self._span(number, header.start(1), header[1])
+            elif match := _KEY.match(line):
+                found = match[1].strip("\"'")
+                if (current, found) == (section, key):
+                    if item is not None:
+                        return self._item(number, item) or self._span(
+                            number, match.start(1), match[1]
+                        )
+                    return self._span(number, match.start(1), match[1])
+                if not current and found == section:
+                    return self._span(number, match.start(1), match[1])
+        return self._span(1, 0, "")
+
+    def _item(self, start: int, item: str) -> Span | None:
+        for number, line in enumerate(
+            self.source.split("\n")[start - 1 :], start=start
+        ):
+            if (
+                number > start
+                and _HEADER.match(line)
+                and "=" not in line
+                and '"' not in line
+            ):
+                return None
+            for quote in "\"'":
+                column = line.find(quote + item + quote)
+                if column >= 0:
+                    return self._span(number, column, f"'{item}'")
+        return None
+
+    def _span(self, line: int, start: int, text: str) -> Span:
+        return Span(self.name, line, start + 1, line, start + 1 + max(len(text), 1))
+
+    def check_paths(self, root: Path) -> Iterator[Diagnostic]:
+        """Findings for the paths of `[sources]` that are not there."""
+        for key in ("paths", "include"):
+            for path in self.texts("sources", key):
+                if not (root / path).exists():
+                    yield PATH_MISSING.at(
+                        self.span("sources", key, path), f"no file or folder {path!r}"
+                    )
+
+
+def read(file: Path, name: str) -> Settings:
+    """The settings in the file, shown as `name`; InputError if they are wrong."""
+    try:
+        data = file.read_bytes()
+    except OSError as error:
+        raise ToolError(f"cannot read {name}: {error.strerror}") from error
+    try:
+        source = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        before = data[: error.start]
+        line = before.count(b"\n") + 1
+        column = len(before.rpartition(b"\n")[2].decode("utf-8", "replace")) + 1
+        span = Span(name, line, column, line, column + 1)
+        raise InputError([FILE_UNREADABLE.at(span, "not UTF-8")]) from None
+    try:
+        content = tomllib.loads(source)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError([_syntax(name, source, str(error))]) from None
+    except RecursionError:
+        span = Span(name, 1, 1, 1, 2)
+        raise InputError([FILE_UNREADABLE.at(span, "nested too deeply")]) from None
+    settings = Settings(name, source, content)
+    findings = [*_check(settings)]
+    if findings:
+        raise InputError(findings)
+    return settings
+
+
+def _syntax(name: str, source: str, message: str) -> Diagnostic:
+    place = _TOML_PLACE.search(message)
+    if place:
+        line, column = int(place[1]), int(place[2])
+    else:
+        line = source.count("\n") + 1
+        column = len(source.rpartition("\n")[2]) + 1
+    text = _TOML_PLACE.sub("", message).removesuffix(" (at end of document)")
+    return FILE_UNREADABLE.at(Span(name, line, column, line, column + 1), text)
+
+
+def _check(settings: Settings) -> Iterator[Diagnostic]:
+    for section, content in settings.content.items():
+        schema = SCHEMA.get(section)
+        if schema is None:
+            yield UNKNOWN_KEY.at(
+                settings.span(section),
+                f"unknown section {section!r}",
+                hint=_did_you_mean(section, SCHEMA),
+            )
+        elif not isinstance(content, dict):
+            yield WRONG_TYPE.at(
+                settings.span(section), f"{section!r} must be a section"
+            )
+        else:
+            for key, value in content.items():
+                yield from _check_key(settings, section, key, value, schema)
+
+
+def _check_key(
+    settings: Settings,
+    section: str,
+    key: str,
+    value: Any,
+    schema: dict[str, Check] | Check,
+) -> Iterator[Diagnostic]:
+    check = schema.get(key) if isinstance(schema, dict) else schema
+    if check is None:
+        assert isinstance(schema, dict)
+        yield UNKNOWN_KEY.at(
+            settings.span(section, key),
+            f"unknown key {key!r} in [{section}]",
+            hint=_did_you_mean(key, schema),
+        )
+    elif (problem := check(value)) is not None:
+        yield WRONG_TYPE.at(
+            settings.span(section, key), f"{key!r} in [{section}] {problem}"
+        )
+
+
+def _did_you_mean(name: str, known: dict[str, Any]) -> str:
+    close = get_close_matches(name, known, n=1)
+    return f"did you mean {close[0]!r}?" if close else "known: " + ", ".join(known)

@@ -1,0 +1,294 @@
+"""Printers of findings: text with source lines, JSON, SARIF 2.1.0, a code host's annotations.
+
+A printer takes findings and the texts they speak of and returns the text to print.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TypeAlias
+from unicodedata import category, east_asian_width
+from urllib.parse import quote
+
+from rtgen import __version__
+from rtgen.diagnostics import Diagnostic, Rule, Severity, Span, in_order
+
+FORMS = ("text", "json", "sarif", "github")
+
+_TAB = 4
+_WINDOW = 100
+_COLOURS = {Severity.ERROR: "1;31", Severity.WARNING: "1;33", Severity.NOTE: "1;36"}
+_BEFORE = 40
+_SARIF_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
+
+
+def report(
+    diagnostics: Sequence[Diagnostic],
+    sources: Mapping[str, str],
+    form: str = "text",
+    *,
+    colour: bool = False,
+) -> str:
+    """The findings in one of FORMS, in order and without repetitions; ends with a line feed.
+
+    `sources` maps displayed paths to texts; what is missing there is read from the disk.
+    """
+    found = in_order(diagnostics)
+    match form:
+        case "json":
+            return json.dumps([as_json(d) for d in found], indent=2) + "\n"
+        case "sarif":
+            return json.dumps(_sarif(found), indent=2) + "\n"
+        case "github":
+            return "".join(_github(d) for d in found)
+    texts = _Texts(sources)
+    return "".join(_text(d, texts, colour) for d in found)
+
+
+def summary(diagnostics: Sequence[Diagnostic]) -> str:
+    """`2 errors, 1 warning`; empty if there is nothing to count."""
+    found = in_order(diagnostics)
+    counts = []
+    for severity in (Severity.ERROR, Severity.WARNING):
+        number = sum(d.severity is severity for d in found)
+        if number:
+            counts.append(f"{number} {severity.value}{'s' if number > 1 else ''}")
+    return ", ".join(counts)
+
+
+def as_json(d: Diagnostic) -> dict[str, object]:
+    """A finding as a JSON object."""
+    return {
+        "code": d.code,
+        "severity": d.severity.value,
+        "message": d.message,
+        **_place(d.span),
+        "related": [
+            {
+                "file": r.span.file,
+                "line": r.span.line,
+                "column": r.span.column,
+                "label": r.label,
+            }
+            for r in d.related
+        ],
+        "hint": d.hint,
+    }
+
+
+def _place(span: Span | None) -> dict[str, object]:
+    if span is None:
+        return dict.fromkeys(("file", "line", "column", "end_line", "end_column"))
+    return {
+        "file": span.file,
+        "line": span.line,
+        "column": span.column,
+        "end_line": span.end_line,
+        "end_column": span.end_column,
+    }
+
+
+_Paint: TypeAlias = Callable[[str, str], str]
+
+
+class _Texts:
+    """The lines of the files that findings speak of."""
+
+    def __init__(self, sources: Mapping[str, str]) -> None:
+        self._sources = sources
+        self._lines: dict[str, list[str]] = {}
+
+    def line(self, file: str, number: int) -> str | None:
+        """The line of that number without its end, or None."""
+        if file not in self._lines:
+            self._lines[file] = self._text(file).split("\n")
+        lines = self._lines[file]
+        return (
+            lines[number - 1].removesuffix("\r") if 0 < number <= len(lines) else None
+        )
+
+    def _text(self, file: str) -> str:
+        if file in self._sources:
+            return self._sources[file]
+        try:
+            with Path(file).open(
+                encoding="utf-8", errors="replace", newline=""
+            ) as stream:
+                return stream.read()
+        except OSError:
+            return ""
+
+
+def _text(d: Diagnostic, texts: _Texts, colour: bool) -> str:
+    paint = _painter(colour)
+    head = f"{paint(f'{d.severity.value}[{d.code}]', _COLOURS[d.severity])}: "
+    lines = [_prefix(d.span) + head + paint(_printable(d.message), "1")]
+    if d.span is not None:
+        lines += _excerpt(d.span, texts, paint, _COLOURS[d.severity])
+    for related in d.related:
+        note = paint("note", _COLOURS[Severity.NOTE])
+        lines.append(f"{_prefix(related.span)}{note}: {_printable(related.label)}")
+        lines += _excerpt(related.span, texts, paint, _COLOURS[Severity.NOTE])
+    if d.hint:
+        lines.append(f"  {paint('hint', '1;32')}: {_printable(d.hint)}")
+    return "\n".join(lines) + "\n"
+
+
+def _prefix(span: Span | None) -> str:
+    return (
+        "" if span is None else f"{_printable(span.file)}:{span.line}:{span.column}: "
+    )
+
+
+def _painter(colour: bool) -> _Paint:
+    """What puts a text into an ANSI style, or leaves it as it is."""
+    return (
+        (lambda text, style: f"\x1b[{style}m{text}\x1b[0m")
+        if colour
+        else (lambda text, _: text)
+    )
+
+
+def _excerpt(span: Span, texts: _Texts, paint: _Paint, style: str) -> list[str]:
+    """The source line of a span with a line of carets; nothing if there is no such line."""
+    line = texts.line(span.file, span.line)
+    if line is None:
+        return []
+    start = min(span.column - 1, len(line))
+    end = span.end_column - 1 if span.end_line == span.line else len(line)
+    first = max(0, start - _BEFORE) if len(line) > _WINDOW else 0
+    last = first + _WINDOW
+    head, before = _drawn(line[first:start], 1 if first else 0)
+    marked, wide = _drawn(line[start : min(end, last)], before)
+    tail, _ = _drawn(line[max(start, min(end, last)) : last], wide)
+    left = "…" if first else ""
+    right = "…" if len(line) > last else ""
+    gutter = f"{span.line:>5} | "
+    carets = "^" * max(1, wide - before)
+    return [
+        (gutter + left + head + marked + tail + right).rstrip(),
+        " " * (len(gutter) - 2) + "| " + " " * before + paint(carets, style),
+    ]
+
+
+def _drawn(text: str, column: int) -> tuple[str, int]:
+    """The text as a terminal can show it, and the column after it, beginning in `column`."""
+    drawn = []
+    for character in text:
+        if character == "\t":
+            character = " " * (_TAB - column % _TAB)
+            width = len(character)
+        elif category(character) in ("Mn", "Me"):
+            width = 0
+        else:
+            character = _printable(character)
+            width = 2 if east_asian_width(character) in "WF" else 1
+        drawn.append(character)
+        column += width
+    return "".join(drawn), column
+
+
+def _printable(text: str) -> str:
+    """The text without characters that steer a terminal."""
+    if text.isprintable():
+        return text
+    return "".join(
+        c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text
+    )
+
+
+def _github(d: Diagnostic) -> str:
+    level = "notice" if d.severity is Severity.NOTE else d.severity.value
+    properties = {"title": d.code}
+    if d.span is not None:
+        properties = {
+            "file": d.span.file,
+            "line": str(d.span.line),
+            "col": str(d.span.column),
+            "endLine": str(d.span.end_line),
+            "endColumn": str(d.span.end_column),
+            **properties,
+        }
+    text = ",".join(f"{k}={_escaped(v, ',:')}" for k, v in properties.items())
+    message = d.message if d.hint is None else f"{d.message}\n{d.hint}"
+    return f"::{level} {text}::{_escaped(message)}\n"
+
+
+def _escaped(text: str, further: str = "") -> str:
+    for character in "%\r\n" + further:
+        text = text.replace(character, f"%{ord(character):02X}")
+    return text
+
+
+def _sarif(found: Sequence[Diagnostic]) -> dict[str, object]:
+    codes = sorted({d.code for d in found})
+    rules = _rules() if found else {}
+    return {
+        "$schema": _SARIF_SCHEMA,
+        "version": "2.1.0",
+        "runs": [
+            {
+                "tool": {
+                    "driver": {
+                        "name": "rtgen",
+                        "version": __version__,
+                        "rules": [_sarif_rule(code, rules.get(code)) for code in codes],
+                    }
+                },
+                "columnKind": "unicodeCodePoints",
+                "results": [_sarif_result(d, codes.index(d.code)) for d in found],
+            }
+        ],
+    }
+
+
+def _rules() -> Mapping[str, Rule]:
+    from rtgen.explain import rules
+
+    return rules()
+
+
+def _sarif_rule(code: str, rule: Rule | None) -> dict[str, object]:
+    if rule is None:
+        return {"id": code}
+    text = rule.explanation.strip()
+    return {
+        "id": code,
+        "shortDescription": {"text": rule.title},
+        "help": {"text": text, "markdown": text},
+    }
+
+
+def _sarif_result(d: Diagnostic, rule_index: int) -> dict[str, object]:
+    text = d.message if d.hint is None else f"{d.message}\n{d.hint}"
+    result: dict[str, object] = {
+        "ruleId": d.code,
+        "ruleIndex": rule_index,
+        "level": d.severity.value,
+        "message": {"text": text},
+    }
+    if d.span is not None:
+        result["locations"] = [{"physicalLocation": _sarif_place(d.span)}]
+    if d.related:
+        result["relatedLocations"] = [
+            {"physicalLocation": _sarif_place(r.span), "message": {"text": r.label}}
+            for r in d.related
+        ]
+    return result
+
+
+def _sarif_place(span: Span) -> dict[str, object]:
+    path = Path(span.file)
+    return {
+        "artifactLocation": {
+            "uri": path.as_uri() if path.is_absolute() else quote(span.file)
+        },
+        "region": {
+            "startLine": span.line,
+            "startColumn": span.column,
+            "endLine": span.end_line,
+            "endColumn": span.end_column,
+        },
+    }

@@ -1,0 +1,132 @@
+"""The rules of running a system (codes SYS...)."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Rule, Severity
+
+UNKNOWN_TYPE = Rule(
+    "SYS0001",
+    "component type without a factory",
+    Severity.ERROR,
+    """
+A system has a component of a type that no installed package, no `[components]` of `rtgen.toml`
+and no generated `components/entry_points.txt` of the project brings.
+
+```toml
+[components]
+PathFollower = "mypackage.path_follower:PathFollower"
+```
+
+Type names are compared letter by letter. Nothing that an input file says is executed: only
+factories that the installation or the project names are called.
+""",
+)
+
+NO_COMPONENT = Rule(
+    "SYS0002",
+    "factory that makes no component",
+    Severity.ERROR,
+    """
+A factory is called with the instance name and must give an `rtgen.runtime.Component`, and the
+component's `on_initialize` must return `RTC_OK`.
+""",
+)
+
+CONNECTION = Rule(
+    "SYS0003",
+    "ports that cannot be joined",
+    Severity.ERROR,
+    """
+The two ends of a connection do not go together: a port is not there, both are of one direction,
+their types differ (the message shows both, with a mark where they differ), or a connector
+property has a value that it does not take.
+""",
+)
+
+PARAMETER = Rule(
+    "SYS0004",
+    "configuration that a component does not take",
+    Severity.ERROR,
+    """
+A parameter or a configuration set is unknown, or a value is not of its type or out of its range.
+Values come, each over the one before, from the definition, `<Type>.conf` and `<Instance>.conf`
+beside the system file, the system's configuration set, and `--set INSTANCE.PARAMETER=VALUE`.
+""",
+)
+
+UNKNOWN_INSTANCE = Rule(
+    "SYS0005",
+    "unknown instance",
+    Severity.ERROR,
+    """
+A name does not stand for a component of the system: in `--set`, `--until`, `timeline.toml`, or in
+`rtgen.run.until`, `rtgen.run.pose` or `rtgen.run.goal` of the system file.
+""",
+)
+
+CONDITION = Rule(
+    "SYS0006",
+    "no such condition",
+    Severity.ERROR,
+    """
+`--until`, or the property `rtgen.run.until` of a system, is a time in seconds, a state of a
+component, or both with a comma between: until the state, but no longer than the time.
+
+```
+--until 30
+--until PositionInput0=ERROR
+--until PositionInput0=ERROR,300
+```
+
+States: CREATED, INACTIVE, ACTIVE, ERROR. A system that runs in simulated time needs a condition.
+""",
+)
+
+TIMELINE = Rule(
+    "SYS0007",
+    "timeline that cannot be followed",
+    Severity.ERROR,
+    """
+`timeline.toml` is a list of instants, each with what is done then:
+
+```toml
+[[at]]
+t = 2.5                                  # seconds
+disconnect = "velocity"                  # a connection's name in the system
+
+[[at]]
+t = 3.0
+connect = "velocity"                     # the same connection again
+deactivate = ["Odometry0"]
+
+[[at]]
+t = 4.0
+connect = { from = "A0.out", to = "B0.in", name = "another" }
+set = "PathFollower0.max_v=0.3"
+activate = "Odometry0"
+```
+
+Each value may be a list. At one instant: disconnect, connect, set, deactivate, activate.
+""",
+)
+
+OBSERVABLE = Rule(
+    "SYS0008",
+    "unknown observable",
+    Severity.ERROR,
+    """
+`rtgen.run.pose` and `rtgen.run.goal` name a value that a component publishes for reports, as
+`INSTANCE.NAME`: x [m], y [m] and heading [rad].
+""",
+)
+
+RULES: tuple[Rule, ...] = (
+    UNKNOWN_TYPE,
+    NO_COMPONENT,
+    CONNECTION,
+    PARAMETER,
+    UNKNOWN_INSTANCE,
+    CONDITION,
+    TIMELINE,
+    OBSERVABLE,
+)

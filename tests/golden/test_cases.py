@@ -1,0 +1,77 @@
+"""Every folder below `cases` is a run of rtgen: a new test is a folder, no code.
+
+`case.toml` says what to run (`arguments`) and its `exit` code; `input/` is the folder it runs in;
+`expected/` is what it writes; `stdout.txt` and `stderr.txt` are what it prints.
+"""
+
+from __future__ import annotations
+
+import shutil
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from rtgen.cli import run
+
+CASES = Path(__file__).parent / "cases"
+
+
+def files_of(folder: Path) -> dict[str, bytes]:
+    """Relative path to content of every file below a folder."""
+    return {
+        file.relative_to(folder).as_posix(): file.read_bytes()
+        for file in sorted(folder.rglob("*"))
+        if file.is_file() and file.suffix != ".pyc"
+    }
+
+
+def renew(case: Path, written: dict[str, bytes], streams: dict[str, str]) -> None:
+    """Makes the folder of a case say what has happened."""
+    shutil.rmtree(case / "expected", ignore_errors=True)
+    for name, data in written.items():
+        file = case / "expected" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(data)
+    for name, text in streams.items():
+        (case / name).unlink(missing_ok=True)
+        if text:
+            (case / name).write_text(text, encoding="utf-8", newline="")
+
+
+@pytest.mark.parametrize(
+    "case", sorted(p.parent.name for p in CASES.glob("*/case.toml"))
+)
+def test_case(
+    case: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    update_golden: bool,
+) -> None:
+    folder = CASES / case
+    told = tomllib.loads((folder / "case.toml").read_text(encoding="utf-8"))
+    work = tmp_path / "work"
+    work.mkdir()
+    if (folder / "input").is_dir():
+        shutil.copytree(folder / "input", work, dirs_exist_ok=True)
+    before, places = files_of(work), set(work.rglob("*"))
+    monkeypatch.chdir(work)
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    code = run(told["arguments"])
+    out, err = capfd.readouterr()
+    after = files_of(work)
+    written = {name: data for name, data in after.items() if before.get(name) != data}
+    if update_golden:
+        renew(folder, written, {"stdout.txt": out, "stderr.txt": err})
+    assert code == told["exit"], err
+    for name, text in {"stdout.txt": out, "stderr.txt": err}.items():
+        file = folder / name
+        assert text == (file.read_bytes().decode() if file.exists() else ""), name
+    expected = files_of(folder / "expected") if (folder / "expected").is_dir() else {}
+    assert sorted(written) == sorted(expected)
+    for name, data in expected.items():
+        assert written[name].decode() == data.decode(), name
+    assert set(before) <= set(after) | set(told.get("removed", ()))
+    if code == 2:
+        assert set(work.rglob("*")) == places

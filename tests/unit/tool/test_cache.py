@@ -1,0 +1,162 @@
+"""The cache of whole runs."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+from small_pipeline import Pipeline
+
+from rtgen import cache, compiler
+from rtgen.compiler import Compilation, build
+from rtgen.project import Project, load, with_arguments
+
+
+def project(*paths: str) -> Project:
+    return with_arguments(load(), paths=paths or ["a.idl", "b.idl"], include=["inc"])
+
+
+def entries(tmp_path: Path) -> list[Path]:
+    return sorted((tmp_path / "cache").rglob("*.json"))
+
+
+def test_a_second_run_reads_nothing_and_gives_the_same(pipeline: Pipeline) -> None:
+    pipeline.warn = True
+    first = build(project(), cache.default())
+    second = build(project(), cache.default())
+    assert pipeline.reads == 1
+    assert replace(second, sources={}) == replace(first, sources={})
+    assert [d.hint for d in second.diagnostics] == ["so", "so"]
+
+
+def test_without_cache_everything_is_read(pipeline: Pipeline, tmp_path: Path) -> None:
+    build(project(), None)
+    build(project(), None)
+    assert pipeline.reads == 2
+    assert entries(tmp_path) == []
+
+
+def test_a_changed_input_is_read_again(pipeline: Pipeline) -> None:
+    build(project(), cache.default())
+    Path("b.idl").write_text("2")
+    changed = build(project(), cache.default())
+    assert pipeline.reads == 2
+    Path("b.idl").write_text("two\n")
+    assert build(project(), cache.default()).inputs != changed.inputs
+
+
+def test_a_file_that_appears_where_one_was_looked_for(pipeline: Pipeline) -> None:
+    build(project(), cache.default())
+    Path("inc").mkdir()
+    Path("inc/missing.idl").write_text("")
+    build(project(), cache.default())
+    assert pipeline.reads == 2
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"package": "others"},
+        {"define": (("A", "1"),)},
+        {"skeletons": Path("/elsewhere/mine")},
+        {"sources": (Path("b.idl"), Path("a.idl"))},
+        {"include": ()},
+    ],
+)
+def test_other_options_are_another_entry(
+    pipeline: Pipeline, change: dict[str, object]
+) -> None:
+    build(project(), cache.default())
+    build(replace(project(), **change), cache.default())  # type: ignore[arg-type]
+    assert pipeline.reads == 2
+
+
+def test_another_output_folder_is_the_same_entry(pipeline: Pipeline) -> None:
+    build(project(), cache.default())
+    build(with_arguments(project(), output="there"), cache.default())
+    assert pipeline.reads == 1
+
+
+def test_runs_with_errors_are_not_kept(pipeline: Pipeline, tmp_path: Path) -> None:
+    Path("a.idl").write_text("error\n")
+    assert build(project(), cache.default()).failed
+    assert entries(tmp_path) == []
+
+
+@pytest.mark.parametrize("damage", ["empty", "cut", "changed", "binary", "folder"])
+def test_a_damaged_entry_is_ignored(
+    pipeline: Pipeline, tmp_path: Path, damage: str
+) -> None:
+    first = build(project(), cache.default())
+    [entry] = entries(tmp_path)
+    data = entry.read_bytes()
+    entry.unlink()
+    match damage:
+        case "empty":
+            entry.write_bytes(b"")
+        case "cut":
+            entry.write_bytes(data[: len(data) // 2])
+        case "changed":
+            entry.write_bytes(data.replace(b"a.idl", b"c.idl", 1))
+        case "binary":
+            entry.write_bytes(bytes(range(256)))
+        case "folder":
+            entry.mkdir()
+    second = build(project(), cache.default())
+    assert pipeline.reads == 2
+    assert second.artifacts == first.artifacts
+
+
+def test_a_folder_that_cannot_be_written_is_passed_over(
+    pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "file"))
+    assert not build(project(), cache.default()).failed
+
+
+def test_the_number_of_entries_is_bounded(
+    pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cache, "_MOST_ENTRIES", 3)
+    for number in range(6):
+        build(replace(project(), package=f"p{number}"), cache.default())
+        for age, entry in enumerate(entries(tmp_path)):
+            os.utime(entry, ns=(age, age))
+    assert len(entries(tmp_path)) == 3
+
+
+def test_the_size_is_bounded(
+    pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cache, "_MOST_BYTES", 10)
+    build(project(), cache.default())
+    assert entries(tmp_path) == []
+
+
+def test_the_key_tells_plug_ins_and_their_content(
+    pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = tmp_path / "some_plugin.py"
+    module.write_text("BACKEND = None\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    plugin = metadata.EntryPoint("x", "some_plugin:BACKEND", compiler.ENTRY_POINTS)
+    known = cache.default()
+    keys = {known.key(project(), ()), known.key(project(), (plugin,))}
+    module.write_text("BACKEND = 1\n")
+    keys.add(known.key(project(), (plugin,)))
+    assert len(keys) == 3
+
+
+def test_the_users_folder_is_the_default(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delenv("RTGEN_CACHE_DIR", raising=False)
+    monkeypatch.setattr(
+        "platformdirs.user_cache_dir", lambda *a, **k: str(tmp_path / "user")
+    )
+    cache.default().store("key", Compilation((), {}, (), {}))
+    assert (tmp_path / "user" / "runs" / "key.json").is_file()

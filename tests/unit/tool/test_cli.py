@@ -1,0 +1,289 @@
+"""The command line around the pipeline: exit codes, streams, drift, failures of all kinds."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from small_pipeline import Pipeline
+
+from rtgen import __version__, compiler
+from rtgen.cli import COMMANDS, run
+
+GENERATE = ["generate", "a.idl", "b.idl"]
+CHECK = ["check", "a.idl", "b.idl"]
+
+
+def snapshot() -> dict[str, tuple[int, int, bytes]]:
+    return {
+        str(f): (f.stat().st_ino, f.stat().st_mtime_ns, f.read_bytes())
+        for f in sorted(Path().rglob("*"))
+        if f.is_file()
+    }
+
+
+def test_version_and_help(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["--version"]) == 0
+    assert capfd.readouterr().out == f"rtgen {__version__}\n"
+    assert run(["--help"]) == 0
+    shown = capfd.readouterr().out
+    assert all(name in shown for name in COMMANDS)
+    for name in COMMANDS:
+        assert run([name, "--help"]) == 0
+        assert "--diagnostics" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["generat"],
+        ["generate", "--no-such"],
+        ["check", "-D", "1x"],
+        ["run"],
+        ["inspect", "-D", "="],
+    ],
+)
+def test_wrong_usage(arguments: list[str], capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(arguments) == 2
+    assert "Error: " in capfd.readouterr().err
+
+
+def test_generate_then_check(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(CHECK) == 1
+    assert capfd.readouterr().out.count("--- /dev/null") == 3
+    assert run(GENERATE) == 0
+    assert capfd.readouterr() == ("", "generated: 3 written, 0 removed, 0 same\n")
+    before = snapshot()
+    assert run(GENERATE) == 0
+    assert capfd.readouterr() == ("", "generated: 0 written, 0 removed, 3 same\n")
+    assert run(CHECK) == 0
+    assert capfd.readouterr() == ("", "")
+    assert snapshot() == before
+
+
+def test_quiet(pipeline: Pipeline, capfd: pytest.CaptureFixture[str]) -> None:
+    assert run([*GENERATE, "--quiet"]) == 0
+    assert run([*CHECK, "-q"]) == 0
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("cached", [True, False])
+def test_one_character_anywhere_is_drift(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str], cached: bool
+) -> None:
+    check = CHECK if cached else [*CHECK, "--no-cache"]
+    assert run(GENERATE) == 0
+    for file in sorted(f for f in Path("generated").rglob("*") if f.is_file()):
+        good = file.read_bytes()
+        for position in {0, len(good) // 2, len(good) - 1}:
+            file.write_bytes(good[:position] + b"!" + good[position + 1 :])
+            capfd.readouterr()
+            assert run(check) == 1
+            out = capfd.readouterr().out
+            assert out.startswith(
+                f"--- a/{file.as_posix()}\n+++ b/{file.as_posix()}\n@@"
+            )
+        file.write_bytes(good)
+    assert run(check) == 0
+
+
+def test_a_carriage_return_is_drift(pipeline: Pipeline) -> None:
+    assert run(GENERATE) == 0
+    file = Path("generated/robots/a.idl.txt")
+    file.write_bytes(file.read_bytes().replace(b"\n", b"\r\n"))
+    assert run(CHECK) == 1
+
+
+def test_a_missing_file_is_drift(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(GENERATE) == 0
+    Path("generated/robots/a.idl.txt").unlink()
+    assert run(CHECK) == 1
+    assert "--- /dev/null\n+++ b/generated/robots/a.idl.txt\n" in capfd.readouterr().out
+
+
+def test_a_stray_file_is_drift(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(GENERATE) == 0
+    Path("generated/robots/__pycache__").mkdir()
+    Path("generated/robots/__pycache__/x.pyc").write_bytes(b"")
+    assert run(CHECK) == 0
+    Path("generated/robots/extra.py").write_text("")
+    assert run(CHECK) == 1
+    assert "Only in the tree: generated/robots/extra.py\n" in capfd.readouterr().out
+
+
+def test_a_file_no_longer_made_is_drift(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(GENERATE) == 0
+    assert run(["check", "a.idl"]) == 1
+    out = capfd.readouterr().out
+    assert "--- a/generated/robots/b.idl.txt\n+++ /dev/null\n" in out
+    assert run(["generate", "a.idl"]) == 0
+    assert not Path("generated/robots/b.idl.txt").exists()
+    assert run(["check", "a.idl"]) == 0
+
+
+def test_something_else_in_the_place_of_a_file_is_drift(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(GENERATE) == 0
+    file = Path("generated/robots/a.idl.txt")
+    file.unlink()
+    os.mkfifo(file)
+    assert run(CHECK) == 1
+    assert f"Not a regular file: {file}\n" in capfd.readouterr().out
+    assert run(GENERATE) == 0
+    assert file.is_file()
+
+
+def test_errors_leave_everything_as_it_was(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(GENERATE) == 0
+    Path("a.idl").write_text("an error\n")
+    before = snapshot()
+    capfd.readouterr()
+    for command in (GENERATE, CHECK):
+        assert run(command) == 2
+        out, err = capfd.readouterr()
+        assert out == ""
+        assert (
+            err
+            == "a.idl:1:1: error[IDL0999]: an error\n    1 | an error\n      | ^\n1 error\n"
+        )
+    assert snapshot() == before
+
+
+def test_warnings_do_not_keep_from_writing_and_are_told_from_the_cache_too(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pipeline.warn = True
+    assert run([*GENERATE, "--quiet"]) == 0
+    first = capfd.readouterr().err
+    assert first.startswith("a.idl:1:1: warning[IDL0998]: a warning\n    1 | one\n")
+    assert run([*GENERATE, "--quiet"]) == 0
+    assert capfd.readouterr().err == first
+    assert pipeline.reads == 1
+
+
+def test_diagnostics_for_machines_are_all_there_is(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run([*GENERATE, "--diagnostics", "json"]) == 0
+    assert json.loads(capfd.readouterr().err) == []
+    Path("a.idl").write_text("error\n")
+    assert run([*GENERATE, "--diagnostics", "json"]) == 2
+    [finding] = json.loads(capfd.readouterr().err)
+    assert (finding["code"], finding["file"], finding["line"]) == (
+        "IDL0999",
+        "a.idl",
+        1,
+    )
+
+
+def test_diff_shows_and_writes_nothing(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run([*GENERATE, "--diff"]) == 0
+    assert "+++ b/generated/robots/a.idl.txt\n" in capfd.readouterr().out
+    assert not Path("generated").exists()
+
+
+def test_another_folder(pipeline: Pipeline) -> None:
+    assert run([*GENERATE, "-o", "there"]) == 0
+    assert Path("there/generated/robots/a.idl.txt").is_file()
+    assert not Path("generated").exists()
+    assert run([*CHECK, "-o", "there"]) == 0
+
+
+def test_targets_to_come(pipeline: Pipeline, capfd: pytest.CaptureFixture[str]) -> None:
+    assert run([*GENERATE, "--target", "dds"]) == 3
+    assert "'dds' is not available" in capfd.readouterr().err
+    assert not Path("generated").exists()
+
+
+def test_a_folder_that_cannot_be_written(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str]
+) -> None:
+    Path("there").write_text("a file")
+    assert run([*GENERATE, "-o", "there"]) == 3
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert "error[ENV0001]: there" in err
+
+
+def test_an_unexpected_exception_is_one_line(
+    pipeline: Pipeline,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    def broken(project: object) -> None:
+        raise ValueError("first line\nsecond line")
+
+    monkeypatch.setattr(compiler, "read", broken)
+    assert run(GENERATE) == 3
+    assert capfd.readouterr().err == (
+        "rtgen: internal error: ValueError: first line second line; please report it\n"
+    )
+    monkeypatch.setenv("RTGEN_DEBUG", "1")
+    with pytest.raises(ValueError, match="first line"):
+        run(GENERATE)
+
+
+def test_an_interrupt_is_silent(
+    pipeline: Pipeline,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    def interrupted(project: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(compiler, "read", interrupted)
+    assert run(GENERATE) == 130
+    out, err = capfd.readouterr()
+    assert out + err.strip() == ""
+
+
+def test_a_reader_that_leaves_does_not_change_the_exit_code() -> None:
+    code = (
+        "from rtgen.cli.common import write_out; write_out('x' * 99999); write_out('y')"
+    )
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [sys.executable, "-c", code], stdout=write, stderr=subprocess.PIPE
+    )
+    os.close(write)
+    assert (done.returncode, done.stderr) == (0, b"")
+
+
+@pytest.mark.parametrize("choice", ["always", "never"])
+def test_colour(
+    pipeline: Pipeline, capfd: pytest.CaptureFixture[str], choice: str
+) -> None:
+    Path("a.idl").write_text("error\n")
+    assert run([*GENERATE, "--color", choice]) == 2
+    assert ("\x1b[" in capfd.readouterr().err) is (choice == "always")
+
+
+def test_what_is_not_needed_is_not_imported() -> None:
+    code = (
+        "import sys, rtgen.cli, rtgen.cli.generate, rtgen.cli.check, rtgen.cache, rtgen.output\n"
+        "heavy = {'lark', 'jinja2', 'rich', 'lxml', 'black', 'matplotlib', 'tomllib', 'difflib'}\n"
+        "parts = {'rtgen.model', 'rtgen.runtime', 'rtgen.frontends', 'rtgen.report'}\n"
+        "print(sorted((heavy | parts) & set(sys.modules)))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "[]\n"

@@ -1,0 +1,81 @@
+"""The way through front ends and back ends, and what plug-ins may do to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+from small_pipeline import Pipeline
+
+from rtgen import compiler
+from rtgen.backends import Artifact, Emission, Options
+from rtgen.diagnostics import Diagnostic, Severity, ToolError
+from rtgen.model import Model
+from rtgen.project import Project, load, with_arguments
+
+
+@dataclass
+class Plugin:
+    """A back end with one artifact and one finding."""
+
+    severity: Severity
+    name: str = "plugin"
+
+    def emit(self, model: Model, options: Options) -> Emission:
+        finding = Diagnostic("XXX0001", self.severity, "from the plug-in")
+        return Emission(
+            [Artifact("plugin.txt", options.package, ("a.idl",))], [finding]
+        )
+
+
+def project() -> Project:
+    return with_arguments(load(), paths=["a.idl", "b.idl"])
+
+
+def test_artifacts_come_from_all_back_ends_in_order(pipeline: Pipeline) -> None:
+    pipeline.backends.append(Plugin(Severity.WARNING))
+    run = compiler.compile_project(project())
+    paths = [a.path for a in run.artifacts]
+    assert paths == ["robots/a.idl.txt", "robots/b.idl.txt", "plugin.txt"]
+    assert list(run.inputs) == ["a.idl", "b.idl"]
+    assert [d.code for d in run.diagnostics] == ["XXX0001"]
+    assert all(Path(path).is_absolute() for path in run.dependencies)
+
+
+def test_an_error_of_a_back_end_leaves_no_artifacts(pipeline: Pipeline) -> None:
+    pipeline.backends.append(Plugin(Severity.ERROR))
+    run = compiler.compile_project(project())
+    assert run.failed
+    assert run.artifacts == ()
+
+
+def test_back_ends_are_not_asked_after_errors(pipeline: Pipeline) -> None:
+    Path("a.idl").write_text("error")
+    pipeline.backends.append(Plugin(Severity.ERROR))
+    assert [d.code for d in compiler.compile_project(project()).diagnostics] == [
+        "IDL0999"
+    ]
+
+
+def test_plug_ins_follow_the_built_in_ones(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    (tmp_path / "rtgen_some_plugin.py").write_text("BACKEND = 'the back end'\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    entry = metadata.EntryPoint("x", "rtgen_some_plugin:BACKEND", compiler.ENTRY_POINTS)
+    monkeypatch.setattr(compiler, "plugins", lambda: (entry,))
+    names = [getattr(b, "name", b) for b in compiler.backends()]
+    assert names[-1] == "the back end"
+    assert len(names) == len(compiler.BUILT_IN) + 1
+
+
+def test_a_broken_plug_in_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    entry = metadata.EntryPoint(
+        "broken", "rtgen_no_such_module:X", compiler.ENTRY_POINTS
+    )
+    monkeypatch.setattr(compiler, "plugins", lambda: (entry,))
+    monkeypatch.setattr(compiler, "BUILT_IN", ())
+    with pytest.raises(ToolError, match="broken"):
+        list(compiler.backends())

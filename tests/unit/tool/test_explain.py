@@ -1,0 +1,57 @@
+"""The stories behind the codes."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+import rtgen
+from rtgen.cli import run
+from rtgen.explain import MODULES, rules
+
+SOURCES = Path(rtgen.__file__).parent
+
+
+def test_every_module_with_rules_is_known() -> None:
+    """Rules that one module collects from its neighbours are known through it."""
+    having = set()
+    for file in SOURCES.rglob("*.py"):
+        for node in ast.parse(file.read_text(encoding="utf-8")).body:
+            targets = node.targets if isinstance(node, ast.Assign) else []
+            targets = [node.target] if isinstance(node, ast.AnnAssign) else targets
+            if any(isinstance(t, ast.Name) and t.id == "RULES" for t in targets):
+                name = file.relative_to(SOURCES.parent).with_suffix("").as_posix()
+                having.add(name.replace("/", ".").removesuffix(".__init__"))
+    known = set(rules())
+    for name in having - set(MODULES):
+        module = __import__(name, fromlist=["RULES"])
+        assert {rule.code for rule in module.RULES} <= known, name
+
+
+def test_codes_titles_and_stories_are_whole() -> None:
+    for code, rule in rules().items():
+        assert re.fullmatch(r"[A-Z]{2,4}\d{4}", code)
+        assert rule.title
+        assert len(rule.explanation.split()) > 4, code
+
+
+def test_the_list_of_codes(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["explain"]) == 0
+    lines = capfd.readouterr().out.splitlines()
+    assert [line.split()[0] for line in lines] == sorted(rules())
+
+
+def test_a_story(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["explain", "prj0101"]) == 0
+    assert capfd.readouterr().out.startswith("# PRJ0101: two files of one name\n\n")
+
+
+def test_an_unknown_code(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["explain", "PRJ01O1"]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert "did you mean" in err
+    assert "PRJ0101" in err

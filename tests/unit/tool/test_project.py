@@ -1,0 +1,184 @@
+"""rtgen.toml: found, checked, and turned into folders."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from rtgen.diagnostics import Diagnostic, InputError
+from rtgen.project import Project, load, require_sources, with_arguments
+
+
+@pytest.fixture(autouse=True)
+def _in_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "idl" / "deep").mkdir(parents=True)
+    for name in (
+        "idl/b.idl",
+        "idl/a.IDL",
+        "idl/deep/c.idl",
+        "idl/notes.txt",
+        "idl/.hidden.idl",
+    ):
+        (tmp_path / name).write_text("")
+
+
+def written(text: str) -> Project:
+    Path("rtgen.toml").write_text(text)
+    return load()
+
+
+def findings(text: str | bytes) -> list[Diagnostic]:
+    Path("rtgen.toml").write_bytes(text if isinstance(text, bytes) else text.encode())
+    with pytest.raises(InputError) as error:
+        load()
+    return list(error.value.diagnostics)
+
+
+def test_without_a_file_there_are_defaults(tmp_path: Path) -> None:
+    project = load()
+    assert (project.root, project.package, project.skeleton_package) == (
+        tmp_path,
+        "robots",
+        "",
+    )
+    assert project.output == tmp_path / "generated"
+    assert project.import_folders == (tmp_path / "generated", tmp_path / "src")
+    with pytest.raises(InputError) as error:
+        require_sources(project)
+    assert error.value.diagnostics[0].code == "PRJ0007"
+
+
+def test_a_whole_file(tmp_path: Path) -> None:
+    project = written(
+        '[sources]\npaths = ["idl"]\ninclude = ["idl/deep"]\ndefine = {B = 1, A = "x"}\n'
+        '[output]\ndir = "out"\nskeletons = "src/mine"\npackage = "bots"\ntarget = "embedded"\n'
+        '[components]\nDrive = "mine.drive:Drive"\n[adapter.serial]\nport = 3\n'
+        '[lint]\nignore = ["X"]\n'
+    )
+    assert [p.as_posix() for p in project.sources] == [
+        "idl/a.IDL",
+        "idl/b.idl",
+        "idl/deep/c.idl",
+    ]
+    assert project.include == (Path("idl/deep"),)
+    assert project.define == (("A", "x"), ("B", "1"))
+    assert project.import_folders == (tmp_path / "out", tmp_path / "src")
+    assert project.skeleton_package == "mine"
+    assert project.components == (("Drive", "mine.drive:Drive"),)
+
+
+def test_the_file_is_found_upwards_and_paths_are_shown_from_here(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    Path("rtgen.toml").write_text(
+        '[sources]\npaths = ["idl/deep", "idl/b.idl", "idl/b.idl"]\n'
+    )
+    monkeypatch.chdir(tmp_path / "idl")
+    project = load()
+    assert project.root == tmp_path
+    assert [p.as_posix() for p in project.sources] == ["deep/c.idl", "b.idl"]
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "line", "column", "message"),
+    [
+        ("[sources\n", "PRJ0001", 1, 9, "Expected"),
+        ("a = 'x", "PRJ0001", 1, 7, "Expected"),
+        (b"x = 1\ny = '\xff'", "PRJ0001", 2, 6, "UTF-8"),
+        ("a = " + "[" * 20000, "PRJ0001", 1, 1, "deeply"),
+        ("\n[ouput]\n", "PRJ0002", 2, 2, "ouput"),
+        ("sorces = 1\n", "PRJ0002", 1, 1, "sorces"),
+        ('[output]\n  pakage = "x"\n', "PRJ0002", 2, 3, "pakage"),
+        ("sources = 1\n", "PRJ0003", 1, 1, "section"),
+        ('[sources]\npaths = "idl"\n', "PRJ0003", 2, 1, "list"),
+        ("[sources]\ndefine = [1]\n", "PRJ0003", 2, 1, "table"),
+        ("[sources.define]\n1x = 1\n", "PRJ0003", 1, 2, "1x"),
+        ('[output]\ntarget = "ros"\n', "PRJ0003", 2, 1, "embedded"),
+        ('[components]\nA = "no factory"\n', "PRJ0003", 2, 1, "module:attribute"),
+        ('[output]\npackage = "my-bots"\n', "PRJ0004", 2, 1, "identifier"),
+        ('[output]\npackage = "class"\n', "PRJ0004", 2, 1, "identifier"),
+        ('[output]\npackage = "generated"\n', "PRJ0004", 2, 1, "hide"),
+        ('[output]\npackage = "RTC"\n', "PRJ0004", 2, 1, "hide"),
+        ('[output]\npackage = "json"\n', "PRJ0004", 2, 1, "hide"),
+        ('[output]\npackage = "a"\nskeletons = "src/a"\n', "PRJ0004", 3, 1, "both"),
+        ('[output]\nskeletons = "src/1a"\n', "PRJ0004", 2, 1, "identifier"),
+        ('[sources]\npaths = ["idl",\n  "gone"]\n', "PRJ0005", 3, 3, "gone"),
+        ('[sources]\ninclude = ["gone"]\n', "PRJ0005", 2, 12, "gone"),
+        ('[output]\ndir = "."\n', "PRJ0006", 2, 1, "below"),
+        ('[output]\ndir = "../other"\n', "PRJ0006", 2, 1, "below"),
+        ('[output]\nskeletons = "/tmp/x"\n', "PRJ0006", 2, 1, "below"),
+        (
+            '[sources]\npaths = ["idl/deep"]\n[output]\ndir = "idl"\n',
+            "PRJ0006",
+            4,
+            1,
+            "holds",
+        ),
+        ('[output]\ndir = "src"\nskeletons = "src/a"\n', "PRJ0006", 2, 1, "holds"),
+    ],
+)
+def test_what_is_wrong_has_its_code_and_place(
+    text: str | bytes, code: str, line: int, column: int, message: str
+) -> None:
+    found = findings(text)[0]
+    assert found.code == code
+    assert found.span is not None
+    assert (found.span.file, found.span.line, found.span.column) == (
+        "rtgen.toml",
+        line,
+        column,
+    )
+    assert message in found.message
+
+
+def test_all_mistakes_are_reported_at_once() -> None:
+    found = findings('[output]\npakage = "x"\ndir = 3\n[lnt]\n')
+    assert [d.code for d in found] == ["PRJ0002", "PRJ0003", "PRJ0002"]
+    assert [d.hint for d in found] == [
+        "did you mean 'package'?",
+        None,
+        "did you mean 'lint'?",
+    ]
+
+
+def test_other_folders_on_the_command_line(tmp_path: Path) -> None:
+    project = written('[output]\nskeletons = "src/mine"\n')
+    moved = with_arguments(project, output="there", paths=["idl/deep"], include=["inc"])
+    assert moved.base == tmp_path / "there"
+    assert moved.output == tmp_path / "there" / "generated"
+    assert moved.skeletons == tmp_path / "there" / "src" / "mine"
+    assert moved.sources == (Path("idl/deep/c.idl"),)
+    assert moved.include == (Path("inc"),)
+    plain = with_arguments(written(""), output="there")
+    assert plain.skeletons == tmp_path / "there" / "src"
+
+
+def test_a_definition_on_the_command_line_wins() -> None:
+    project = written('[sources]\ndefine = {A = "1", B = "2"}\n')
+    changed = with_arguments(project, define=[("A", "3")])
+    assert changed.define == (("A", "3"), ("B", "2"))
+
+
+def test_paths_of_other_kinds_are_refused() -> None:
+    with pytest.raises(InputError) as error:
+        with_arguments(load(), paths=["idl/notes.txt", "idl/b.idl", "x.cpp"])
+    assert [d.code for d in error.value.diagnostics] == ["PRJ0008", "PRJ0008"]
+
+
+def test_the_output_folder_is_not_searched_for_sources(tmp_path: Path) -> None:
+    (tmp_path / "generated").mkdir()
+    (tmp_path / "generated" / "x.idl").write_text("")
+    assert [p.name for p in with_arguments(load(), paths=["."]).sources] == [
+        "a.IDL",
+        "b.idl",
+        "c.idl",
+    ]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="links need rights on Windows")
+def test_folders_that_link_to_themselves_are_read_once(tmp_path: Path) -> None:
+    (tmp_path / "idl" / "loop").symlink_to(tmp_path / "idl")
+    assert len(with_arguments(load(), paths=["idl"]).sources) == 3

@@ -1,0 +1,335 @@
+"""`rtgen run` on small components without ports: start, end, values, report, refusals."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rtgen.cli import run as rtgen
+
+MODULE = '''
+import math
+from dataclasses import dataclass
+
+from rtgen.runtime import RTC_OK, Component, ComponentProfile, ParameterProfile
+
+
+@dataclass(slots=True)
+class Configuration:
+    speed: float = 1.0
+    distance: float = 2.0
+
+
+class Mover(Component):
+    """Drives along x; ends in ERROR once it is there."""
+
+    profile = ComponentProfile(
+        "Mover",
+        rate=100.0,
+        configuration=(
+            ParameterProfile("speed", "speed", "double", "1.0", minimum=0.0),
+            ParameterProfile("distance", "distance", "double", "2.0"),
+        ),
+    )
+
+    def __init__(self, instance_name=None):
+        super().__init__(instance_name)
+        self.config = self.add_configuration(Configuration())
+        self.x = 0.0
+        self.observables["pose"] = lambda: (self.x, 0.0, math.tau)
+        self.observables["goal"] = lambda: (self.config.distance, 0.0, 0.0)
+
+    def on_execute(self, ec_id):
+        self.x += self.config.speed * 0.01
+        if self.x >= self.config.distance - 1e-9:
+            return self.fail("arrived")
+        return RTC_OK
+
+
+class Broken(Component):
+    profile = ComponentProfile("Broken")
+
+    def on_initialize(self):
+        return self.fail("no motor")
+
+
+def no_component(name):
+    return 3
+
+
+def raising(name):
+    raise ValueError("bad luck")
+'''
+
+COMPONENT = """
+  <rts:Components xsi:type="rtsExt:component_ext" rts:id="RTC:v:c:{type}:1.0.0"
+      rts:instanceName="{name}" rts:pathUri="localhost/{name}.rtc" rts:compositeType="None"
+      rts:isRequired="true" rts:activeConfigurationSet="default">{sets}
+  </rts:Components>"""
+
+
+def profile(*components: tuple[str, str], sets: str = "", **properties: str) -> str:
+    boxes = "".join(COMPONENT.format(type=t, name=n, sets=sets) for t, n in components)
+    known = "".join(
+        f'\n  <rtsExt:Properties rtsExt:name="rtgen.run.{k}" rtsExt:value="{v}"/>'
+        for k, v in properties.items()
+    )
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        '<rts:RtsProfile rts:id="RTSystem:v:test:1.0.0" rts:version="0.2" rts:abstract="a"\n'
+        '    rts:creationDate="1970-01-01T00:00:00" rts:updateDate="1970-01-01T00:00:00"\n'
+        '    xmlns:rts="http://www.openrtp.org/namespaces/rts"\n'
+        '    xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext"\n'
+        '    xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance">'
+        f"{boxes}{known}\n</rts:RtsProfile>\n"
+    )
+
+
+MOVER = {"until": "M0=ERROR", "pose": "M0.pose", "goal": "M0.goal"}
+
+
+@pytest.fixture(autouse=True)
+def _project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    (tmp_path / "src").mkdir()
+    (tmp_path / "src" / "movers.py").write_text(MODULE)
+    names = {
+        "Mover": "Mover",
+        "Broken": "Broken",
+        "None": "no_component",
+        "Raising": "raising",
+    }
+    lines = [f'{name} = "movers:{attribute}"\n' for name, attribute in names.items()]
+    (tmp_path / "rtgen.toml").write_text(
+        "[components]\n" + "".join(lines) + 'Gone = "nowhere_at_all:Gone"\n'
+    )
+    Path("m.xml").write_text(profile(("Mover", "M0"), **MOVER))
+    yield
+    sys.modules.pop("movers", None)
+
+
+def test_the_report(capfd: pytest.CaptureFixture[str]) -> None:
+    assert rtgen(["run", "m.xml"]) == 0
+    out, err = capfd.readouterr()
+    lines = out.splitlines()
+    assert lines[0].split() == ["instance", "state", "ticks", "overruns", "lost"]
+    assert lines[1].split() == ["M0", "ERROR", "200", "0", "0"]
+    names = [line.partition("  ")[0] for line in lines[3:10]]
+    assert names == [
+        "goal",
+        "final pose",
+        "position error [m]",
+        "heading error [rad]",
+        "simulated [s]",
+        "wall [s]",
+        "ratio",
+    ]
+    assert lines[4].endswith("(2.0000, 0.0000, 6.2832)")
+    assert lines[6].endswith(" 0.000000")
+    assert lines[-1] == "M0: arrived"
+    assert "M0 ACTIVE\n" in err
+
+
+def test_quiet_and_machine_forms_show_no_progress(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    assert rtgen(["run", "m.xml", "--quiet"]) == 0
+    assert capfd.readouterr().err == ""
+    assert rtgen(["run", "m.xml", "--diagnostics", "json"]) == 0
+    assert json.loads(capfd.readouterr().err) == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "ticks"),
+    [
+        (["--until", "0.5"], 0, "50"),
+        (["--until", "M0=ERROR,0.5"], 1, "50"),
+        (["--until", "M0=ACTIVE"], 0, "1"),
+        (["--set", "M0.speed=4"], 0, "50"),
+        (["--set", "M0.speed=4", "--set", "M0.distance=1"], 0, "25"),
+    ],
+)
+def test_until_and_set(
+    arguments: list[str], code: int, ticks: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert rtgen(["run", "m.xml", *arguments]) == code
+    assert capfd.readouterr().out.splitlines()[1].split()[2] == ticks
+
+
+def test_values_come_from_conf_files_then_the_system_then_the_command_line(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    def ticks(*arguments: str) -> int:
+        assert rtgen(["run", "m.xml", *arguments]) == 0
+        return int(capfd.readouterr().out.splitlines()[1].split()[2])
+
+    assert ticks() == 200
+    Path("Mover.conf").write_text("conf.default.speed: 2\nconf.default.distance: 4\n")
+    assert ticks() == 200
+    Path("M0.conf").write_text("conf.default.distance: 8\n")
+    assert ticks() == 400
+    sets = (
+        '<rts:ConfigurationSets rts:id="default">'
+        '<rts:ConfigurationData rts:name="speed" rts:data="4"/></rts:ConfigurationSets>'
+    )
+    Path("m.xml").write_text(profile(("Mover", "M0"), sets=sets, **MOVER))
+    assert ticks() == 200
+    assert ticks("--set", "M0.speed=8") == 100
+
+
+def test_csv_plot_and_log(tmp_path: Path) -> None:
+    files = {name: tmp_path / f"out.{name}" for name in ("csv", "svg", "log")}
+    command = ["run", "m.xml", "--csv", str(files["csv"]), "--plot", str(files["svg"])]
+    command += ["--log", str(files["log"])]
+    assert rtgen(command) == 0
+    first = {name: file.read_bytes() for name, file in files.items()}
+    assert rtgen(command) == 0
+    assert {name: file.read_bytes() for name, file in files.items()} == first
+    rows = files["csv"].read_text().splitlines()
+    assert rows[0] == "t,x,y,theta,goal_x,goal_y,goal_theta"
+    assert rows[1].startswith("0.0,")
+    assert rows[2].startswith("0.02,")
+    events = [json.loads(line) for line in files["log"].read_text().splitlines()]
+    changes = [(e["t"], e["from"], e["to"]) for e in events]
+    assert changes[0] == (0, "INACTIVE_STATE", "ACTIVE_STATE")
+    assert changes[1][1:] == ("ACTIVE_STATE", "ERROR_STATE")
+    assert b"<svg" in first["svg"]
+
+
+def test_a_folder_with_a_timeline(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "experiment"
+    folder.mkdir()
+    (folder / "system.xml").write_text(
+        profile(("Mover", "M0"), until="1", pose="M0.pose")
+    )
+    (folder / "timeline.toml").write_text(
+        '[[at]]\nt = 0.25\ndeactivate = "M0"\n[[at]]\nt = 0.5\nset = "M0.speed=2"\n'
+        'activate = "M0"\n'
+    )
+    assert rtgen(["run", "experiment"]) == 0
+    assert capfd.readouterr().out.splitlines()[1].split()[:3] == ["M0", "ACTIVE", "75"]
+
+
+def test_real_time(capfd: pytest.CaptureFixture[str]) -> None:
+    assert rtgen(["run", "m.xml", "--clock", "real", "--set", "M0.speed=20"]) == 0
+    assert capfd.readouterr().out.splitlines()[1].split()[1] == "ERROR"
+
+
+@pytest.mark.parametrize(
+    ("system", "arguments", "code"),
+    [
+        (profile(("Movr", "M0"), until="1"), [], "SYS0001"),
+        (profile(("Broken", "M0"), until="1"), [], "SYS0002"),
+        (profile(("None", "M0"), until="1"), [], "SYS0002"),
+        (profile(("Raising", "M0"), until="1"), [], "SYS0002"),
+        (profile(("Mover", "M0"), until="soon"), [], "SYS0006"),
+        (profile(("Mover", "M0")), [], "SYS0006"),
+        (profile(("Mover", "M0"), until="1"), ["--csv", "x.csv"], "SYS0008"),
+        (profile(("Mover", "M0"), until="1", pose="M0.nose"), [], "SYS0008"),
+        (profile(("Mover", "M0"), until="1", pose="N0.pose"), [], "SYS0005"),
+        (profile(("Mover", "M0"), until="1"), ["--set", "M1.speed=1"], "SYS0005"),
+        (profile(("Mover", "M0"), until="1"), ["--set", "M0.spee=1"], "SYS0004"),
+        (profile(("Mover", "M0"), until="1"), ["--set", "M0.speed=-1"], "SYS0004"),
+        (profile(("Mover", "M0"), until="1"), ["--set", "M0.speed=fast"], "SYS0004"),
+        ("<junk", [], "RTC"),
+    ],
+)
+def test_what_does_not_fit_is_refused(
+    system: str, arguments: list[str], code: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    Path("m.xml").write_text(system)
+    assert rtgen(["run", "m.xml", *arguments]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert f"error[{code}" in err
+    assert not Path("x.csv").exists()
+
+
+def test_wrong_connections_parameters_and_conf_files_are_all_told(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    Path("Mover.conf").write_text("conf.default.sped: 2\n")
+    sets = (
+        '<rts:ConfigurationSets rts:id="default">'
+        '<rts:ConfigurationData rts:name="lenght" rts:data="4"/></rts:ConfigurationSets>'
+    )
+    Path("m.xml").write_text(
+        profile(("Mover", "M0"), ("Mover", "M1"), sets=sets, **MOVER)
+    )
+    assert rtgen(["run", "m.xml"]) == 2
+    assert capfd.readouterr().err.count("error[SYS0004]") == 4
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--csv", "missing/x.csv"],
+        ["--log", "missing/x.log"],
+        ["--plot", "missing/x.svg"],
+        ["--plot", "x.bmp"],
+    ],
+)
+def test_files_that_cannot_be_written_end_it_before_the_run(
+    arguments: list[str], capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert rtgen(["run", "m.xml", *arguments]) == 3
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert "error[ENV0001]" in err
+    assert "M0 ACTIVE" not in err
+
+
+def test_a_missing_extra_ends_it_before_the_run(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("rtgen.cli.recording.find_spec", lambda name: None)
+    assert rtgen(["run", "m.xml", "--plot", "x.svg"]) == 3
+    assert "pip install 'rtgen[plot]'" in capfd.readouterr().err
+
+
+def test_a_factory_that_cannot_be_imported(capfd: pytest.CaptureFixture[str]) -> None:
+    Path("m.xml").write_text(profile(("Gone", "G0"), until="1"))
+    assert rtgen(["run", "m.xml"]) == 3
+    assert "nowhere_at_all" in capfd.readouterr().err
+
+
+def test_factories_of_the_generated_package(capfd: pytest.CaptureFixture[str]) -> None:
+    Path("rtgen.toml").write_text("")
+    entries = Path("generated/robots/components/entry_points.txt")
+    entries.parent.mkdir(parents=True)
+    entries.write_text("[rtgen.components]\nMover = movers:Mover\n")
+    assert rtgen(["run", "m.xml"]) == 0
+    assert "arrived" in capfd.readouterr().out
+
+
+def test_an_interrupt_ends_a_run_with_its_report() -> None:
+    command = [
+        sys.executable,
+        "-m",
+        "rtgen",
+        "run",
+        "m.xml",
+        "--clock",
+        "real",
+        "--until",
+        "60",
+    ]
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert process.stderr is not None
+    assert process.stderr.readline().endswith("M0 ACTIVE\n")
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 1, err
+    assert out.startswith("instance")
+    assert "Traceback" not in err

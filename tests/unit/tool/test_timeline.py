@@ -1,0 +1,138 @@
+"""What is to happen while a system runs."""
+
+from __future__ import annotations
+
+import pytest
+
+from rtgen.diagnostics import Diagnostic, InputError, Span
+from rtgen.model import Connection, PortReference, System, SystemComponent
+from rtgen.timeline import (
+    SECOND,
+    Activate,
+    Condition,
+    Connect,
+    Deactivate,
+    Disconnect,
+    SetParameter,
+    assignment,
+    condition,
+    parse,
+)
+
+SPAN = Span("s.xml", 1, 1, 1, 2)
+A, B = PortReference(instance="A0", port="out"), PortReference(instance="B0", port="in")
+SYSTEM = System(
+    name="S",
+    id="",
+    file="s.xml",
+    abstract="",
+    components=tuple(
+        SystemComponent(instance=name, type=name[0], id="", path_uri="", span=SPAN)
+        for name in ("A0", "B0")
+    ),
+    connections=(
+        Connection(
+            name="wire",
+            source=A,
+            target=B,
+            service=False,
+            span=SPAN,
+            properties=(("k", "v"),),
+        ),
+    ),
+)
+
+
+def findings(text: str) -> list[Diagnostic]:
+    with pytest.raises(InputError) as error:
+        parse(text, "timeline.toml", SYSTEM)
+    return list(error.value.diagnostics)
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("2.5", Condition(2_500_000_000)),
+        ("0", Condition(0)),
+        ("A0=error", Condition(None, "A0", "ERROR")),
+        ("A0=ACTIVE_STATE, 3", Condition(3 * SECOND, "A0", "ACTIVE")),
+    ],
+)
+def test_conditions(text: str, expected: Condition) -> None:
+    assert condition(text, SYSTEM, None) == expected
+
+
+@pytest.mark.parametrize(
+    "text", ["", "soon", "-1", "nan", "inf", "A0=GONE", "1,2", "A0=ERROR,"]
+)
+def test_wrong_conditions(text: str) -> None:
+    with pytest.raises(InputError) as error:
+        condition(text, SYSTEM, None)
+    assert error.value.diagnostics[0].code == "SYS0006"
+
+
+def test_a_condition_on_a_component_that_is_not_there() -> None:
+    with pytest.raises(InputError) as error:
+        condition("A=ERROR", SYSTEM, SPAN)
+    assert error.value.diagnostics[0].code == "SYS0005"
+    assert error.value.diagnostics[0].hint == "did you mean 'A0'?"
+
+
+def test_assignments() -> None:
+    assert assignment("A0.a.b = 1=2", SYSTEM) == SetParameter("A0", "a.b", "1=2")
+    for text in ("A0.gain", "A0=1", "=", "A0.=1"):
+        with pytest.raises(InputError) as error:
+            assignment(text, SYSTEM)
+        assert error.value.diagnostics[0].code == "SYS0004"
+
+
+def test_a_timeline_in_order_of_time() -> None:
+    steps = parse(
+        '[[at]]\nt = 2\nactivate = "A0"\nset = ["A0.x=1", "B0.y=2"]\nconnect = "wire"\n'
+        'disconnect = "wire"\n[[at]]\nt = 0.5\ndeactivate = "B0"\n'
+        'connect = {from = "A0.out", to = "B0.in", properties = {p = "1"}}\n',
+        "timeline.toml",
+        SYSTEM,
+    )
+    assert [(s.time / SECOND, s.action) for s in steps] == [
+        (0.5, Connect("A0.out-B0.in", A, B, {"p": "1"})),
+        (0.5, Deactivate("B0")),
+        (2.0, Disconnect("wire")),
+        (2.0, Connect("wire", A, B, {"k": "v"})),
+        (2.0, SetParameter("A0", "x", "1")),
+        (2.0, SetParameter("B0", "y", "2")),
+        (2.0, Activate("A0")),
+    ]
+    assert [s.span.line for s in steps] == [7, 7, 1, 1, 1, 1, 1]
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "line", "message"),
+    [
+        ("x = [", "SYS0007", 1, "Invalid"),
+        ("x = 1", "SYS0007", 1, "'x'"),
+        ("at = 1", "SYS0007", 1, "list of tables"),
+        ("\n[[at]]\n", "SYS0007", 2, "needs t"),
+        ("[[at]]\nt = -1\n", "SYS0007", 1, "needs t"),
+        ("[[at]]\nt = true\n", "SYS0007", 1, "needs t"),
+        ('[[at]]\nt = 1\nstart = "A0"\n', "SYS0007", 1, "'start'"),
+        ("[[at]]\nt = 1\nactivate = 3\n", "SYS0007", 1, "takes names"),
+        ('[[at]]\nt = 1\nactivate = "C0"\n', "SYS0005", 1, "'C0'"),
+        ('[[at]]\nt = 1\nset = "A0.x"\n', "SYS0004", 1, "A0.x"),
+        ('[[at]]\nt = 1\nconnect = "wir"\n', "SYS0007", 1, "'wir'"),
+        (
+            '[[at]]\nt = 1\nconnect = {from = "A0", to = "B0.in"}\n',
+            "SYS0007",
+            1,
+            "INSTANCE.PORT",
+        ),
+        ("[[at]]\nt = 1\nconnect = {form = 3}\n", "SYS0007", 1, "table of"),
+        ("x = " + "[" * 20000, "SYS0007", 1, "deeply"),
+    ],
+)
+def test_wrong_timelines(text: str, code: str, line: int, message: str) -> None:
+    found = findings(text)[0]
+    assert found.code == code
+    assert found.span is not None
+    assert (found.span.file, found.span.line) == ("timeline.toml", line)
+    assert message in found.message
