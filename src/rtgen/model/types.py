@@ -118,7 +118,13 @@ class NamedType:
 
 
 Type: TypeAlias = (
-    PrimitiveType | StringType | SequenceType | ArrayType | FixedType | MapType | NamedType
+    PrimitiveType
+    | StringType
+    | SequenceType
+    | ArrayType
+    | FixedType
+    | MapType
+    | NamedType
 )
 
 VOID = PrimitiveType(Primitive.VOID)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rtgen.runtime.descriptors import (
         EnumDescriptor,
         ExceptionDescriptor,
+        FlagsDescriptor,
         UnionDescriptor,
     )
 
@@ -261,6 +262,8 @@ class Enumeration(IntEnum):
 
 class Flags(IntFlag):
     """The base of generated bitmasks."""
+
+    _descriptor_: ClassVar[FlagsDescriptor]
 
 
 class Composite:

@@ -14,7 +14,6 @@ from rtgen.runtime.cdr_values import (
     fixed_value,
     quad_octets,
     quad_value,
-    read_reference,
     text_octets,
     text_value,
     wide_character,
@@ -54,6 +53,15 @@ _CODES = {
     "float": "f",
     "double": "d",
 }
+_OCTETS = SequenceDescriptor(PrimitiveDescriptor("octet"))
+_PROFILE = StructDescriptor(
+    "", "", (("tag", PrimitiveDescriptor("unsigned long")), ("octets", _OCTETS))
+)
+_REFERENCE = StructDescriptor(
+    "",
+    "",
+    (("type_id", StringDescriptor()), ("profiles", SequenceDescriptor(_PROFILE))),
+)
 _TEXTS = {"octet": (bytes, bytearray), "uint8": (bytes, bytearray), "char": (str,)}
 
 
@@ -113,7 +121,7 @@ def _check(descriptor: Descriptor, value: Any, path: str) -> None:
             if not isinstance(value, str):
                 raise CdrError(path, f"a str is needed, not {type(value).__name__}")
             _fail(path, lambda: (wide_octets if wide else text_octets)(value))
-            _check_bound(len(value), bound, "characters", path)
+            _check_string_bound(value, wide, bound, path)
         case FixedDescriptor(digits, scale):
             _fail(path, lambda: fixed_octets(value, digits, scale))
         case EnumDescriptor(members=members):
@@ -190,6 +198,13 @@ def _check_member(
 ) -> None:
     if value not in [number for _, number in members]:
         raise CdrError(path, f"{value!r} is not a member of {descriptor.name}")
+
+
+def _check_string_bound(text: str, wide: bool, bound: int | None, path: str) -> None:
+    if wide:
+        _check_bound(len(text.encode("utf-16-le")) // 2, bound, "UTF-16 units", path)
+    else:
+        _check_bound(len(text.encode()), bound, "octets of UTF-8", path)
 
 
 def _check_bound(length: int, bound: int | None, unit: str, path: str) -> None:
@@ -314,7 +329,7 @@ class _Scan:
                 text = _converted(
                     path, lambda: (wide_value if wide else text_value)(octets)
                 )
-                _check_bound(len(text), bound, "characters", path)
+                _check_string_bound(text, wide, bound, path)
             case FixedDescriptor(digits, scale):
                 octets = self._octets(digits // 2 + 1, 1, path)
                 _converted(path, lambda: fixed_value(octets, digits, scale))
@@ -354,9 +369,7 @@ class _Scan:
             self.value(element, f"{path}[{index}]")
 
     def _reference(self, path: str) -> None:
-        _, self._offset = _converted(
-            path, lambda: read_reference(self._data, self._offset, self._little)
-        )
+        self.value(_REFERENCE, path)
 
     def _primitive(self, name: str, path: str) -> Any:
         match name:
@@ -374,7 +387,8 @@ class _Scan:
                 octets = self._octets(16, 8, path)
                 return _converted(path, lambda: quad_value(octets, self._little))
             case "Object":
-                return self._reference(path)
+                self._reference(path)
+                return None
         return self._number(_CODES[name], path)
 
 

@@ -25,7 +25,7 @@ class PrimitiveDescriptor:
 
 @dataclass(frozen=True, slots=True)
 class StringDescriptor:
-    """`string` or `wstring`; `bound` in characters."""
+    """`string` (`bound` in octets of UTF-8) or `wstring` (in UTF-16 units)."""
 
     wide: bool = False
     bound: int | None = None

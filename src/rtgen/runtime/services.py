@@ -74,7 +74,7 @@ class Skeleton:
             raise BadOperation(
                 f"{operation} takes {count} arguments, not {len(arguments)}"
             )
-        declared = (*raises, ServiceError)
+        declared: tuple[type[Exception], ...] = (*raises, ServiceError)
         try:
             return method(*arguments)
         except declared:

@@ -43,6 +43,7 @@ from rtgen.model import (
 )
 from rtgen.model.components import Component
 from rtgen.typemap.python_names import identifier, module_name, scope_modules
+from rtgen.typemap.python_support import HOMES
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +81,9 @@ PRIMITIVES: dict[Primitive, PythonType] = {
     Primitive.VOID: PythonType("None", "None"),
     Primitive.ANY: PythonType("object", "None", (("", "object"),)),
     Primitive.OBJECT: PythonType(
-        "ObjectReference | None", "None", (("rtgen.runtime.cdr_values", "ObjectReference"),)
+        "ObjectReference | None",
+        "None",
+        (("rtgen.runtime.cdr_values", "ObjectReference"),),
     ),
     Primitive.VALUE_BASE: PythonType("object", "None", (("", "object"),)),
 }
@@ -211,7 +214,9 @@ class PythonMapping:
                 return False
             case NamedType(name):
                 declaration = self._model.find(name)
-                return not isinstance(declaration, Struct | Union | ExceptionDecl | Bitset)
+                return not isinstance(
+                    declaration, Struct | Union | ExceptionDecl | Bitset
+                )
         return True
 
     def factory(self, type_: Type) -> str:
@@ -318,7 +323,9 @@ class PythonNames:
         `((), "RefHard")`, a type of an interface `((), "RefHard.Mode")`.
         """
         inner = self._depth(name)
-        attribute = ".".join(self._attribute(name[: i + 1]) for i in range(inner, len(name)))
+        attribute = ".".join(
+            self._attribute(name[: i + 1]) for i in range(inner, len(name))
+        )
         return package_path(name[:inner]), attribute
 
     def attribute(self, name: ScopedName) -> str:
@@ -328,12 +335,17 @@ class PythonNames:
     def companion(self, name: ScopedName, suffix: str) -> str:
         """What stands beside the class of a declaration: `RefHardStub`, `RangeListCodec`."""
         declaration = self._model.find(name)
-        taken = {self._classes[d.name] for d in self.declarations(self._modules[declaration.file])}
+        taken = {
+            self._classes[d.name]
+            for d in self.declarations(self._modules[declaration.file])
+        }
         return _free(self._classes[name] + suffix, taken)
 
     def public_companion(self, name: ScopedName, suffix: str) -> str:
         """Its name in the package of the declaration's IDL module."""
-        scope = {d.name[-1] for d in self._model.declarations if d.name[:-1] == name[:-1]}
+        scope = {
+            d.name[-1] for d in self._model.declarations if d.name[:-1] == name[:-1]
+        }
         return _free(self._attribute(name) + suffix, scope)
 
     def is_nested(self, name: ScopedName) -> bool:
@@ -457,14 +469,17 @@ class PythonNames:
         short = {d.name: "_".join(d.name[self._depth(d.name) :]) for d in declarations}
         count = Counter(short.values())
         wanted = {
-            name: text if count[text] == 1 else "_".join(name) for name, text in short.items()
+            name: text if count[text] == 1 else "_".join(name)
+            for name, text in short.items()
         }
-        reserved = attributes | SUPPORT
+        reserved = attributes.union(HOMES)
         free = {identifier(text, reserved) for text in wanted.values()}
         taken: set[str] = set()
         for name, text in wanted.items():
             chosen = identifier(text, reserved)
-            while chosen in taken or (chosen != text and chosen in free - {identifier(text)}):
+            while chosen in taken or (
+                chosen != text and chosen in free - {identifier(text)}
+            ):
                 chosen += "_"
             taken.add(chosen)
             self._classes[name] = chosen
@@ -500,14 +515,3 @@ def package_path(scope: ScopedName) -> tuple[str, ...]:
     """The package path below the root for an IDL module; rtgen's own packages keep theirs."""
     path = scope_modules(scope)
     return (identifier(path[0], _PACKAGES), *path[1:]) if path else path
-
-
-SUPPORT = frozenset(
-    "Any ArrayDescriptor Buffer ClassVar Decimal EnumDescriptor Enumeration Final"
-    " FixedDescriptor Flags InterfaceDescriptor MapDescriptor ObjectReference"
-    " PrimitiveDescriptor SequenceDescriptor Servant Skeleton StringDescriptor"
-    " StructDescriptor Stub TypeAlias UnionDescriptor UserException"
-    " abstractmethod bool bytes classmethod dataclass dict field float int len list map object"
-    " property range staticmethod str super tuple type".split()
-)
-"""Names that generated modules import or take from the builtins: no class may have them there."""

@@ -1,0 +1,291 @@
+"""Python text in black's form, by construction: line fitter, literals, docstrings, header.
+
+A statement is written on one line; `fit` splits it if it is longer than 88 columns, as black
+would: a bracket pair is opened, one item a line with a trailing comma (which keeps black from
+joining them again), beginning with the last pair (in a `def`, a `class` and a tuple of targets
+with the first). A statement that has no bracket to open, because its names are too long, is
+marked with `# fmt: skip`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from rtgen.backends import Owner
+
+WIDTH = 88
+"""Columns of a line, as black has them."""
+
+_STEP = 4
+_CLOSING = {"(": ")", "[": "]", "{": "}"}
+_CONTROL = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff]")
+_TOKEN = re.compile(
+    r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[()\[\]{}]|, ?| for | = |[^"'()\[\]{},\s]+|\s)"""
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Group:
+    """A bracket pair and what stands in it.
+
+    `comma`: the items are separated by commas, and a trailing one is legal. `lone`: a single item
+    keeps its trailing comma on one line too, as a tuple needs it.
+    """
+
+    opening: str
+    items: tuple[_Part | _Line, ...]
+    closing: str
+    comma: bool = True
+    lone: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class _Line:
+    """A logical line, or an item of a group, made of parts."""
+
+    parts: tuple[_Part, ...]
+
+
+_Part: TypeAlias = str | _Group
+
+
+def _one_line(part: _Part | _Line) -> str:
+    """The text on one line, however long."""
+    if isinstance(part, str):
+        return part
+    if isinstance(part, _Line):
+        return "".join(_one_line(p) for p in part.parts)
+    inside = (", " if part.comma else " ").join(_one_line(item) for item in part.items)
+    lone = "," if part.lone and len(part.items) == 1 else ""
+    return f"{part.opening}{inside}{lone}{part.closing}"
+
+
+def fit(statement: str, indent: int = 0) -> str:
+    """The statement, written on one line, indented and split if it is too long.
+
+    `indent` is in columns; the first line is indented too. No newline at the end.
+    """
+    if indent + len(statement) <= WIDTH:
+        return " " * indent + statement
+    text = statement
+    if text.startswith("from ") and not text.endswith(")"):
+        text = text.replace(" import ", " import (", 1) + ")"
+    opened = _open_statement(_parse(text), indent, text)
+    if opened is None:
+        return f"{' ' * indent}{statement}  # fmt: skip"
+    return "\n".join(opened)
+
+
+def fit_text(text: str) -> str:
+    """A module with its long statements split; docstrings and comments stay as they are.
+
+    A docstring has to begin and to end at a line of its own, as `docstring` makes them.
+    """
+    lines: list[str] = []
+    inside = False
+    for text_line in text.split("\n"):
+        bare = text_line.lstrip()
+        quotes = text_line.count('"""') if inside or bare.startswith('"""') else 0
+        if len(text_line) <= WIDTH or inside or quotes or bare.startswith("#"):
+            lines.append(text_line)
+        else:
+            lines.append(fit(bare, len(text_line) - len(bare)))
+        inside ^= quotes == 1
+    return "\n".join(lines)
+
+
+def _open_statement(
+    parts: tuple[_Part, ...], indent: int, flat: str
+) -> list[str] | None:
+    sign = next((i for i, p in enumerate(parts) if p == " = "), None)
+    if sign is not None and "else" in parts[sign:]:
+        return _open_choice(parts[: sign + 1], parts[sign + 1 :], indent)
+    groups = [i for i, p in enumerate(parts) if isinstance(p, _Group) and p.items]
+    if not groups:
+        return None
+    if flat.startswith(("def ", "class ", "from ")):
+        return _with_result_wrapped(_open(parts, groups[0], indent, ""), indent)
+    if sign is not None and ", " in parts[:sign]:
+        targets = _Group("(", _at_commas(parts[:sign]), ")")
+        return _open((targets, *parts[sign:]), 0, indent, "")
+    head = indent + sum(len(_one_line(p)) for p in parts[: groups[-1]]) + 1
+    at_end = groups[-1] == len(parts) - 1 or parts[-1] == ":"
+    at_end |= flat.startswith("raise ")
+    needs_head = sign is not None or flat.startswith(("return ", "raise "))
+    if not at_end or (needs_head and head > WIDTH):
+        return None
+    return _open(parts, groups[-1], indent, "")
+
+
+def _with_result_wrapped(lines: list[str], indent: int) -> list[str]:
+    """The last line of a `def` that is too long: its annotation in brackets, if that helps."""
+    margin = " " * indent
+    result = (
+        lines[-1].removeprefix(f"{margin}) -> ").removesuffix(": ...").removesuffix(":")
+    )
+    if len(lines[-1]) <= WIDTH or result == lines[-1] or "[" in result:
+        return lines
+    inner = [" " * (indent + _STEP) + result]
+    if len(inner[0]) > WIDTH:
+        first, *others = result.split(" | ")
+        inner = [
+            " " * (indent + _STEP) + text
+            for text in (first, *(f"| {o}" for o in others))
+        ]
+    if max(map(len, inner)) > WIDTH and len(inner) == 1:
+        return lines
+    ending = ": ..." if lines[-1].endswith(": ...") else ":"
+    return [*lines[:-1], f"{margin}) -> (", *inner, f"{margin}){ending}"]
+
+
+def _open_choice(
+    target: tuple[_Part, ...], value: tuple[_Part, ...], indent: int
+) -> list[str]:
+    """`target = (` a conditional expression `)`, the expression in three lines if need be."""
+    margin = " " * (indent + _STEP)
+    text = "".join(_one_line(p) for p in value)
+    body = [margin + text]
+    if len(body[0]) > WIDTH:
+        chosen, _, rest = text.partition(" if ")
+        condition, _, other = rest.partition(" else ")
+        body = [margin + chosen, f"{margin}if {condition}", f"{margin}else {other}"]
+    head = "".join(_one_line(p) for p in target)
+    return [f"{' ' * indent}{head}(", *body, " " * indent + ")"]
+
+
+def _parts(item: _Part | _Line) -> tuple[_Part, ...]:
+    return item.parts if isinstance(item, _Line) else (item,)
+
+
+def _lines(parts: tuple[_Part, ...], indent: int, ending: str) -> list[str]:
+    """An item or the end of a statement as lines, `ending` after it."""
+    flat = " " * indent + "".join(_one_line(p) for p in parts) + ending
+    groups = [i for i, p in enumerate(parts) if isinstance(p, _Group) and p.items]
+    if len(flat) <= WIDTH or not groups:
+        return [flat]
+    return _open(parts, groups[-1], indent, ending)
+
+
+def _open(parts: tuple[_Part, ...], index: int, indent: int, ending: str) -> list[str]:
+    """The parts as lines with the group of that index opened."""
+    group = parts[index]
+    assert isinstance(group, _Group)
+    lines = _lines((*parts[:index], group.opening), indent, "")
+    items, comma = group.items, ","
+    if not group.comma:
+        body = " ".join(_one_line(item) for item in items)
+        items = (body,) if indent + _STEP + len(body) <= WIDTH else items
+        comma = ""
+    for item in items:
+        lines.extend(_lines(_parts(item), indent + _STEP, comma))
+    return lines + _lines((group.closing, *parts[index + 1 :]), indent, ending)
+
+
+def _at_commas(parts: tuple[_Part, ...]) -> tuple[_Line, ...]:
+    found: list[list[_Part]] = [[]]
+    for part in parts:
+        if part == ", ":
+            found.append([])
+        else:
+            found[-1].append(part)
+    return tuple(_Line(tuple(item)) for item in found)
+
+
+def _parse(text: str) -> tuple[_Part, ...]:
+    """The parts of a text: groups, and the tokens between them."""
+    levels: list[list[list[_Part]]] = [[[]]]
+    clauses: list[bool] = [False]
+    for token in _TOKEN.findall(text):
+        if token in _CLOSING:
+            levels.append([[]])
+            clauses.append(False)
+        elif token in _CLOSING.values():
+            group = _group(token, levels.pop(), clauses.pop())
+            levels[-1][-1].append(group)
+        elif token == " for " and len(levels) > 1:
+            levels[-1].append(["for "])
+            clauses[-1] = True
+        elif token[0] == "," and len(levels) > 1 and not clauses[-1]:
+            levels[-1].append([])
+        else:
+            levels[-1][-1].append(token)
+    return tuple(levels[0][0])
+
+
+def _group(closing: str, items: list[list[_Part]], comprehension: bool) -> _Group:
+    opening = next(o for o, c in _CLOSING.items() if c == closing)
+    lone = len(items) == 2 and not items[1]
+    lines = tuple(_Line(tuple(item)) for item in items if item)
+    comma = not comprehension and (opening != "[" or len(lines) != 1)
+    return _Group(opening, lines, closing, comma, lone)
+
+
+def string_literal(value: str) -> str:
+    """A string literal as black leaves it: double quotes unless that needs more escapes."""
+    body = repr(value + '"' + "'")[1:-4].replace("\\'", "'")
+    if value.count('"') <= value.count("'"):
+        return '"' + body.replace('"', '\\"') + '"'
+    return "'" + body.replace("'", "\\'") + "'"
+
+
+def docstring(text: str, indent: int) -> str:
+    """The text as a docstring at that indent, with the newline at its end; empty for no text."""
+    lines = _CONTROL.sub(" ", text.expandtabs().replace("\\", "\\\\")).split("\n")
+    body = (
+        "\n".join(line.rstrip() for line in lines).strip().replace('"""', '\\"\\"\\"')
+    )
+    if not body:
+        return ""
+    if body.startswith('"'):
+        body = " " + body
+    margin = " " * indent
+    head, *rest = body.split("\n")
+    common = min((len(line) - len(line.lstrip()) for line in rest if line), default=0)
+    lines = [margin + '"""' + head]
+    lines.extend(margin + line[common:] if line else "" for line in rest)
+    if rest:
+        lines.append(margin + '"""')
+    else:
+        lines[0] += ' """' if body.endswith('"') else '"""'
+    return "\n".join(lines) + "\n"
+
+
+def comment_text(text: str) -> str:
+    """The text in one line, for a comment: control characters and line ends become spaces."""
+    return " ".join(_CONTROL.sub(" ", text).split())
+
+
+def header(
+    version: str, sources: Sequence[tuple[str, str]], owner: Owner = Owner.RTGEN
+) -> tuple[str, ...]:
+    """The lines at the top of a generated file, without comment marks.
+
+    `sources` are (key, sha256) of the inputs. A user's file is not tied to their content.
+    """
+    if owner is Owner.USER:
+        keys = ", ".join(comment_text(key) for key, _ in sources)
+        return (
+            f"Created once by rtgen {version} from {keys}.",
+            "Yours to edit: rtgen never touches it again.",
+        )
+    named = [f"{comment_text(key)} (sha256 {digest[:16]})" for key, digest in sources]
+    origin = (
+        (f"from {named[0]}.",)
+        if len(named) == 1
+        else ("from", *(f"  {n}" for n in named))
+    )
+    return (
+        f"Generated by rtgen {version} {origin[0]}",
+        *origin[1:],
+        "Owned by rtgen: edits are overwritten by the next run.",
+    )
+
+
+def header_comment(
+    version: str, sources: Sequence[tuple[str, str]], owner: Owner = Owner.RTGEN
+) -> str:
+    """The header as a Python comment, with the newline at its end."""
+    return "".join(f"# {text}\n" for text in header(version, sources, owner))

@@ -1,0 +1,144 @@
+"""Model to artifacts: implementation modules, packages, `py.typed`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from rtgen.backends import Artifact, Emission, Options
+from rtgen.backends.python_text import docstring, header_comment
+from rtgen.backends.types.module import TypesModule
+from rtgen.backends.types.packages import Package, package_text, packages
+from rtgen.backends.types.rules import LONG_NAME, NOT_MARSHALLED
+from rtgen.diagnostics import Diagnostic
+from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
+from rtgen.model import (
+    Case,
+    ExceptionDecl,
+    Member,
+    Model,
+    NamedType,
+    ScopedName,
+    SourceFile,
+    Struct,
+    Union,
+)
+from rtgen.typemap.idl_python import PythonNames, is_emitted, package_path
+
+_LONGEST_NAME = 120
+
+
+@dataclass(frozen=True, slots=True)
+class TypesBackend:
+    """Emits the Python package of the data types and interfaces."""
+
+    name: str = "types"
+
+    def emit(self, model: Model, options: Options) -> Emission:
+        """All modules and packages; nothing but diagnostics if there are errors."""
+        if not any(is_emitted(declaration) for declaration in model.declarations):
+            return Emission()
+        names = PythonNames(model, options.package)
+        types = CdrTypes(model, names.members)
+        diagnostics = list(_check(model, types))
+        if diagnostics:
+            return Emission((), diagnostics)
+        writer = _Writer(model, names, types, options)
+        return Emission(tuple(writer.artifacts()))
+
+
+BACKEND = TypesBackend()
+
+
+class _Writer:
+    def __init__(
+        self, model: Model, names: PythonNames, types: CdrTypes, options: Options
+    ) -> None:
+        self._model = model
+        self._names = names
+        self._types = types
+        self._options = options
+        self._files = {file.name: file for file in model.files}
+
+    def artifacts(self) -> Iterator[Artifact]:
+        root = self._options.package
+        codecs: set[ScopedName] = set()
+        modules: list[Artifact] = []
+        for module in self._names.modules:
+            files = self._sources({d.file for d in self._names.declarations(module)})
+            builder = TypesModule(self._model, self._names, self._types, module)
+            title = f"Types of `{_keys(files)}`."
+            text = builder.text(self._header(files), title)
+            codecs |= builder.codecs
+            modules.append(self._artifact(f"{root}/_idl/{module}.py", text, files))
+        everything = self._sources(
+            d.file for d in self._model.declarations if is_emitted(d)
+        )
+        for package in packages(self._model, self._names, codecs):
+            yield self._package(root, package, everything)
+        inner = self._header(everything) + docstring("One module for each IDL file.", 0)
+        yield self._artifact(f"{root}/_idl/__init__.py", inner, everything)
+        yield self._artifact(f"{root}/py.typed", "", everything)
+        yield from modules
+
+    def _package(
+        self, root: str, package: Package, everything: list[SourceFile]
+    ) -> Artifact:
+        files = self._sources(package.files) or everything
+        path = "/".join((root, *package_path(package.scope), "__init__.py"))
+        return self._artifact(path, package_text(package, self._header(files)), files)
+
+    def _sources(self, names: Iterable[str]) -> list[SourceFile]:
+        """The files in the order of the model."""
+        wanted = set(names)
+        return [file for file in self._model.files if file.name in wanted]
+
+    def _header(self, files: list[SourceFile]) -> str:
+        sources = [(file.key, file.sha256) for file in files]
+        return header_comment(self._options.version, sources)
+
+    def _artifact(self, path: str, text: str, files: list[SourceFile]) -> Artifact:
+        return Artifact(path, text, tuple(file.key for file in files))
+
+
+def _keys(files: list[SourceFile]) -> str:
+    """The keys of the files, for a title."""
+    return ", ".join(file.key for file in files)
+
+
+def _check(model: Model, types: CdrTypes) -> Iterator[Diagnostic]:
+    """What cannot be emitted."""
+    for scope in dict.fromkeys(
+        d.name[:-1] for d in model.declarations if is_emitted(d)
+    ):
+        if scope and len(scope[-1]) > _LONGEST_NAME:
+            declaration = next(d for d in model.declarations if d.name[:-1] == scope)
+            message = (
+                f"the name of the module `{'::'.join(scope)}` is too long for a folder"
+            )
+            yield LONG_NAME.at(declaration.span, message)
+    for declaration in model.declarations:
+        entries: tuple[Member | Case, ...] = ()
+        if isinstance(declaration, Struct | ExceptionDecl):
+            entries = declaration.members
+        elif isinstance(declaration, Union):
+            entries = declaration.cases
+        for entry in entries:
+            fault = _fault(model, types, entry)
+            if fault is not None:
+                yield fault
+
+
+def _fault(model: Model, types: CdrTypes, entry: Member | Case) -> Diagnostic | None:
+    """The finding at a member; none for a struct whose own member has one."""
+    if isinstance(entry, Member) and entry.optional:
+        message = f"`{entry.name}`: an optional member has no place in classic CDR"
+        return NOT_MARSHALLED.at(entry.span, message)
+    try:
+        types.node(entry.type)
+    except NotMarshalledError as failure:
+        type_ = model.unalias(entry.type)
+        if isinstance(type_, NamedType) and isinstance(model.find(type_.name), Struct):
+            return None
+        return NOT_MARSHALLED.at(entry.span, f"`{entry.name}`: {failure}")
+    return None

@@ -1,0 +1,251 @@
+"""The statements that unmarshal a value, printed from its layout."""
+
+from __future__ import annotations
+
+from rtgen.backends.types.constants import Layouts
+from rtgen.backends.types.locals import Body, Locals
+from rtgen.backends.types.scope import Scope
+from rtgen.backends.types.values import Tables, each
+from rtgen.layouts.cdr import (
+    Atom,
+    AtomArray,
+    AtomSequence,
+    Call,
+    Entry,
+    Field,
+    Group,
+    Jump,
+    Loop,
+    Node,
+    Path,
+    Records,
+    Run,
+    Section,
+    Step,
+    TextArray,
+    TextSequence,
+)
+
+
+class Decoder:
+    """Writes the body of `from_cdr` or `_read_`.
+
+    `annotation` is the type of what is returned, where it is not a value of `cls`.
+    """
+
+    def __init__(
+        self, scope: Scope, tables: Tables, layouts: Layouts, annotation: str = ""
+    ) -> None:
+        self._py = scope
+        self._tables = tables
+        self._layouts = layouts
+        self._annotation = annotation
+        self._locals = Locals(scope.globals)
+        self._offset: int | None = None
+        self._readers = 0
+        self.body = Body()
+
+    def fixed(self, run: Run, node: Node) -> list[str]:
+        """The body for a value of one size: everything is unpacked at once."""
+        entries = run.sections[0].entries
+        self.body.choose("unpack", "unpack", self._layouts.of(run))
+        self._assign(self._targets(entries, ()), "unpack(data)")
+        return self._returning(self.value(node, (), True))
+
+    def whole(self, steps: tuple[Step, ...], node: Node) -> list[str]:
+        """The body for a value that has to end where the data do."""
+        self._offset = 0
+        self.steps(steps, ())
+        end = self._offset if self._offset is not None else "offset"
+        self.body.block(f"if {end} != len(data):")
+        self.body.add('raise ValueError("octets too many")')
+        self.body.end()
+        return self._returning(self.value(node, (), True))
+
+    def parts(self, steps: tuple[Step, ...], node: Node) -> list[str]:
+        """The body for a value that others may follow; its end is returned too."""
+        self.steps(steps, ())
+        return self._returning(f"{self.value(node, (), True)}, offset")
+
+    def _returning(self, value: str) -> list[str]:
+        if self._annotation:
+            self.body.add(f"made: {self._annotation} = {value}")
+            value = "made"
+        return [*self.body.lines, f"return {value}"]
+
+    def steps(self, steps: tuple[Step, ...], prefix: Path) -> None:
+        """The steps of a value that stands at `prefix`."""
+        for step in steps:
+            match step:
+                case Run():
+                    self._run(step, prefix)
+                case Loop():
+                    self._loop(step, (*prefix, *step.path))
+                case Jump(path=path, node=node):
+                    self._settle()
+                    name = self._locals.name((*prefix, *path))
+                    if isinstance(node, Call):
+                        read = f"{self._py.reference(node.name)}._read_"
+                    else:
+                        read = self._py.read_reference
+                    self.body.add(
+                        f"{name}, offset = {read}(data, offset, little_endian)"
+                    )
+
+    def value(self, node: Node, path: Path, outermost: bool = False) -> str:
+        """The expression that makes a value of what was read."""
+        tables = self._tables
+        match node:
+            case Group(name=name, members=members):
+                made = "cls" if outermost else self._py.reference(name)
+                inner = [self.value(n, (*path, m)) for m, n in members]
+                return f"{made}({', '.join(inner)})"
+            case Records():
+                return self._records(node, path)
+        raw = self._locals.name(path)
+        match node:
+            case Atom():
+                return tables.unpacked(node, raw)
+            case AtomArray(atom=atom, dimensions=dimensions):
+                items = each(tables.unpacked, atom, raw) or raw
+                if len(dimensions) == 1:
+                    return items
+                return f"{self._py.nested}({items}, {dimensions})"
+            case AtomSequence(atom=atom):
+                return each(tables.unpacked, atom, raw) or raw
+            case TextArray(text=text):
+                return tables.unpacked_text(text, raw)
+            case TextSequence(text=text):
+                return tables.unpacked_text(text, raw)
+        return raw
+
+    def _run(self, run: Run, prefix: Path) -> None:
+        readers = []
+        for _ in run.sections:
+            self._readers += 1
+            readers.append(f"read_{self._readers}")
+        targets = ", ".join(readers) if len(readers) > 1 else f"({readers[0]},)"
+        self.body.choose(targets, "read", self._layouts.of(run))
+        for section, reader in zip(run.sections, readers, strict=True):
+            self._section(section, reader, prefix)
+
+    def _section(self, section: Section, reader: str, prefix: Path) -> None:
+        targets = self._targets(section.entries, prefix)
+        place = "" if self._offset == 0 else f", {self._place()}"
+        if section.settled:
+            self._assign(targets, f"{reader}(data{place})")
+            self._advance(section.size)
+        else:
+            self.body.add(f"unpack, size = {reader}[{self._key(section, prefix)}]")
+            self._assign(targets, f"unpack(data{place})")
+            if self._offset is None:
+                self.body.add("offset += size")
+            else:
+                self.body.add(
+                    f"offset = {self._offset} + size"
+                    if self._offset
+                    else "offset = size"
+                )
+                self._offset = None
+        for entry in section.entries:
+            self._check(entry, prefix)
+
+    def _assign(self, targets: str, call: str) -> None:
+        if targets.startswith("(*"):
+            self.body.add(f"{targets[2:-2]} = list({call})")
+        else:
+            self.body.add(f"{targets} = {call}")
+
+    def _key(self, section: Section, prefix: Path) -> str:
+        count = "0"
+        if section.counted is not None:
+            count = self._locals.name((*prefix, *section.counted.path), "n_")
+        if section.known:
+            return count
+        phase = f"{self._place()} & 7"
+        return phase if section.counted is None else f"{count} << 3 | {phase}"
+
+    def _targets(self, entries: tuple[Entry, ...], prefix: Path) -> str:
+        names = []
+        for entry in entries:
+            path = (*prefix, *entry.field.path)
+            name = self._locals.name(path, "n_" if entry.count else "")
+            names.append(f"*{name}" if entry.star else name)
+        if len(names) > 1:
+            return ", ".join(names)
+        return f"({names[0]},)"
+
+    def _check(self, entry: Entry, prefix: Path) -> None:
+        """The bound, as soon as the count is known."""
+        node = entry.field.node
+        bound = (
+            node.most
+            if isinstance(node, TextSequence)
+            else getattr(node, "bound", None)
+        )
+        if entry.count and bound is not None:
+            count = self._locals.name((*prefix, *entry.field.path), "n_")
+            self._refuse(f"{count} > {bound}")
+
+    def _loop(self, loop: Loop, path: Path) -> None:
+        node = loop.node
+        self._settle()
+        count = str(node.length)
+        if node.length is None:
+            count = self._locals.name(path, "n_")
+            least = f"{count} * {node.minimum}" if node.minimum > 1 else count
+            self._refuse(f"{least} > len(data) - offset", "a length beyond the end")
+        items = self._locals.name(path)
+        self.body.add(f"{items} = {'{}' if node.key is not None else '[]'}")
+        self.body.block(f"for _ in range({count}):")
+        if node.key is not None:
+            self.steps(loop.key_steps, (*path, "{}"))
+            key = self.value(node.key, (*path, "{}"))
+            variable = self._locals.name(path, "key_")
+            self.body.add(f"{variable} = {key}")
+        self.steps(loop.steps, (*path, "[]"))
+        value = self.value(node.element, (*path, "[]"))
+        if node.key is not None:
+            self.body.add(f"{items}[{variable}] = {value}")
+        else:
+            self.body.add(f"{items}.append({value})")
+        self.body.end()
+        if node.key is not None:
+            self._refuse(f"len({items}) != {count}", "a key that is there twice")
+
+    def _records(self, node: Records, path: Path) -> str:
+        records = self._layouts.variable("records", node)
+        self.body.choose(records, "records", self._layouts.of(node))
+        inner = _Record(self._py, self._tables, self._layouts)
+        targets = inner.targets(node.fields)
+        value = inner.value(node.element, ())
+        return f"[{value} for {targets} in {records}({self._locals.name(path)})]"
+
+    def _refuse(self, condition: str, message: str = "wrong length") -> None:
+        self.body.block(f"if {condition}:")
+        self.body.add(f'raise ValueError("{message}")')
+        self.body.end()
+
+    def _place(self) -> str:
+        return "offset" if self._offset is None else str(self._offset)
+
+    def _advance(self, size: int) -> None:
+        if self._offset is None:
+            self.body.add(f"offset += {size}")
+        else:
+            self._offset += size
+
+    def _settle(self) -> None:
+        """From here on the offset is a variable."""
+        if self._offset is not None:
+            self.body.add(f"offset = {self._offset}")
+            self._offset = None
+
+
+class _Record(Decoder):
+    """The values of one element of a sequence of records, within a comprehension."""
+
+    def targets(self, fields: tuple[Field, ...]) -> str:
+        """The variables of an element."""
+        entries = (Entry(f, star=isinstance(f.node, AtomArray)) for f in fields)
+        return self._targets(tuple(entries), ())

@@ -1,0 +1,154 @@
+"""The expressions of descriptors, which say at run time what a type is."""
+
+from __future__ import annotations
+
+from rtgen.backends.python_text import string_literal
+from rtgen.backends.types.scope import Scope
+from rtgen.layouts.cdr_types import CdrTypes
+from rtgen.model import (
+    ArrayType,
+    Bitmask,
+    Enum,
+    EnumeratorName,
+    ExceptionDecl,
+    FixedType,
+    Interface,
+    MapType,
+    Model,
+    NamedType,
+    Operation,
+    PrimitiveType,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Union,
+)
+from rtgen.model.declarations import ConstantValue, Declaration
+from rtgen.typemap.idl_python import PythonNames
+
+
+class Descriptions:
+    """Writes descriptors into one module."""
+
+    def __init__(
+        self, model: Model, names: PythonNames, types: CdrTypes, scope: Scope
+    ) -> None:
+        self._model = model
+        self._names = names
+        self._types = types
+        self._py = scope
+
+    def of(self, type_: Type) -> str:
+        """The descriptor of a type where it is used."""
+        type_ = self._model.unalias(type_)
+        py = self._py
+        match type_:
+            case PrimitiveType(kind):
+                return f'{py.PrimitiveDescriptor}("{kind}")'
+            case StringType(wide, bound):
+                wide_text = ["True"] if wide else []
+                bound_text = [] if bound is None else [f"bound={bound}"]
+                return f"{py.StringDescriptor}({', '.join(wide_text + bound_text)})"
+            case FixedType(digits, scale):
+                return f"{py.FixedDescriptor}({digits}, {scale})"
+            case SequenceType(element, bound):
+                bounded = "" if bound is None else f", {bound}"
+                return f"{py.SequenceDescriptor}({self.of(element)}{bounded})"
+            case ArrayType(element, dimensions):
+                return f"{py.ArrayDescriptor}({self.of(element)}, {dimensions})"
+            case MapType(key, value, bound):
+                bounded = "" if bound is None else f", {bound}"
+                return f"{py.MapDescriptor}({self.of(key)}, {self.of(value)}{bounded})"
+            case NamedType(name):
+                declared = py.reference(name)
+                if not self._types.is_recursive(name):
+                    return f"{declared}._descriptor_"
+                head = self._head(self._model.find(name))
+                return f"{py.LinkDescriptor}({head}, lambda: {declared}._descriptor_)"
+
+    def struct(self, declaration: Struct | ExceptionDecl) -> str:
+        """The descriptor of a struct or exception."""
+        py = self._py
+        is_struct = isinstance(declaration, Struct)
+        kind = py.StructDescriptor if is_struct else py.ExceptionDescriptor
+        pairs = [
+            f'("{name}", {self.of(t)})' for name, t in self.all_members(declaration)
+        ]
+        return f"{kind}({self._head(declaration)}, {_tuple(pairs)})"
+
+    def all_members(
+        self, declaration: Struct | ExceptionDecl
+    ) -> list[tuple[str, Type]]:
+        """Python name and type of the members, inherited ones first."""
+        inherited: list[tuple[str, Type]] = []
+        if isinstance(declaration, Struct) and declaration.base is not None:
+            base = self._model.find(declaration.base)
+            assert isinstance(base, Struct)
+            inherited = self.all_members(base)
+        names = self._names.members(declaration)
+        return inherited + [(names[m.name], m.type) for m in declaration.members]
+
+    def enum(self, declaration: Enum) -> str:
+        """The descriptor of an enum."""
+        pairs = [f'("{m.name}", {m.value})' for m in declaration.members]
+        return f"{self._py.EnumDescriptor}({self._head(declaration)}, {_tuple(pairs)})"
+
+    def flags(self, declaration: Bitmask) -> str:
+        """The descriptor of a bitmask."""
+        pairs = [f'("{m.name}", {m.value})' for m in declaration.members]
+        head = self._head(declaration)
+        return (
+            f"{self._py.FlagsDescriptor}({head}, {_tuple(pairs)}, {declaration.bound})"
+        )
+
+    def union(self, declaration: Union) -> str:
+        """The descriptor of a union."""
+        py = self._py
+        names = self._names.members(declaration)
+        branches = []
+        for case in declaration.cases:
+            labels = [self.label(declaration, label) for label in case.labels]
+            branch = f'{_tuple(labels)}, {case.default}, "{names[case.name]}"'
+            branches.append(f"{py.BranchDescriptor}({branch}, {self.of(case.type)})")
+        switch = self.of(declaration.switch)
+        head = self._head(declaration)
+        return f"{py.UnionDescriptor}({head}, {switch}, {_tuple(branches)})"
+
+    def label(self, declaration: Union, value: ConstantValue) -> str:
+        """The expression for a label."""
+        if isinstance(value, EnumeratorName):
+            enum, member = self._names.enumerator(value.name)
+            return f"{self._py.reference(enum)}.{member}"
+        return string_literal(value) if isinstance(value, str) else str(value)
+
+    def interface(self, declaration: Interface) -> str:
+        """The descriptor of an interface."""
+        texts = []
+        for attribute in declaration.attributes:
+            readonly = "readonly " if attribute.readonly else ""
+            texts.append(f"{readonly}attribute {attribute.type} {attribute.name}")
+        for operation in declaration.operations:
+            texts.append(signature(operation))
+        bases = [f"{self._py.reference(b)}._descriptor_" for b in declaration.bases]
+        operations = _tuple([string_literal(text) for text in texts])
+        head = self._head(declaration)
+        return f"{self._py.InterfaceDescriptor}({head}, {operations}, {_tuple(bases)})"
+
+    def _head(self, declaration: Declaration) -> str:
+        return f"{string_literal(declaration.repository_id)}, {string_literal(declaration.scoped)}"
+
+
+def signature(operation: Operation) -> str:
+    """An operation as IDL writes it, on one line."""
+    parameters = [f"{p.direction} {p.type} {p.name}" for p in operation.parameters]
+    oneway = "oneway " if operation.oneway else ""
+    raises = ", ".join("::".join(name) for name in operation.raises)
+    ending = f" raises ({raises})" if raises else ""
+    return (
+        f"{oneway}{operation.returns} {operation.name}({', '.join(parameters)}){ending}"
+    )
+
+
+def _tuple(items: list[str]) -> str:
+    return f"({items[0]},)" if len(items) == 1 else f"({', '.join(items)})"

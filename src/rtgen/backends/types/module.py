@@ -1,0 +1,379 @@
+"""The text of one implementation module: everything that an IDL file declares."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from decimal import Decimal
+from math import isfinite
+
+from rtgen.backends.python_text import docstring, fit_text, string_literal
+from rtgen.backends.rendering import render
+from rtgen.backends.types.constants import Layouts
+from rtgen.backends.types.decoder import Decoder
+from rtgen.backends.types.descriptions import Descriptions
+from rtgen.backends.types.encoder import Copier, Encoder
+from rtgen.backends.types.interfaces import Interfaces
+from rtgen.backends.types.scope import Scope
+from rtgen.backends.types.unions import Unions
+from rtgen.backends.types.values import Tables
+from rtgen.layouts.cdr import ANYWHERE, ORIGIN, Node, Run, Step, steps_of
+from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
+from rtgen.model import (
+    ArrayType,
+    Bitmask,
+    Const,
+    ConstantValue,
+    Declaration,
+    Enum,
+    EnumeratorName,
+    ExceptionDecl,
+    Interface,
+    MapType,
+    Model,
+    ScopedName,
+    SequenceType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+)
+from rtgen.typemap.idl_python import PythonMapping, PythonNames
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """A statement in a class body, and the docstring below it."""
+
+    text: str
+    docstring: str
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A top-level part of a module; small ones stand close to each other."""
+
+    text: str
+    small: bool = False
+
+
+class TypesModule:
+    """Builds one module."""
+
+    def __init__(
+        self, model: Model, names: PythonNames, types: CdrTypes, module: str
+    ) -> None:
+        self._model = model
+        self._names = names
+        self._types = types
+        self._module = module
+        self.scope = Scope(names, module)
+        self._tables = Tables(self.scope, {})
+        self._shown_tables: set[str] = set()
+        self._done: set[str] = set()
+        self._waiting: list[Typedef] = []
+        self.codecs: set[ScopedName] = set()
+        self._mapping = PythonMapping(model, self.scope.reference, self.scope.spell)
+        self._describe = Descriptions(model, names, types, self.scope)
+        self._unions = Unions(names, types, self.scope, self._tables, self._describe)
+        self._interfaces = Interfaces(model, names, self.scope, self._describe)
+
+    def text(self, header: str, title: str) -> str:
+        """The whole module."""
+        blocks: list[Block] = []
+        for declaration in self._names.declarations(self._module):
+            blocks.extend(self._blocks(declaration))
+            self._done.add(self._local(declaration))
+            blocks.extend(self._ready_codecs())
+        body = ""
+        for before, block in zip([None, *blocks], blocks, strict=False):
+            if before is not None:
+                body += "\n" if before.small and block.small else "\n\n\n"
+            body += block.text.strip("\n")
+        text = render(
+            "types/module.py.j2",
+            header=header,
+            docstring=docstring(title, 0),
+            imports=self.scope.import_lines(),
+            gap="\n\n" if body.startswith(("@", "class ")) else "\n",
+            body=body,
+        )
+        return fit_text(text.rstrip("\n") + "\n") if body else text
+
+    def _blocks(self, declaration: Declaration) -> Iterable[Block]:
+        match declaration:
+            case Struct() | ExceptionDecl():
+                yield Block(self._struct(declaration))
+            case Union():
+                yield Block(self._union(declaration))
+            case Enum() | Bitmask():
+                yield Block(self._enum(declaration))
+            case Const():
+                yield Block(self._const(declaration), small=True)
+            case Typedef():
+                yield Block(self._alias(declaration), small=True)
+                self._waiting.append(declaration)
+            case Interface():
+                nested = self._nested(declaration)
+                yield Block(self._interfaces.text(declaration, nested))
+
+    def _local(self, declaration: Declaration) -> str:
+        return self._names.implementation(declaration.name)[1]
+
+    def _doc(self, declaration: Declaration) -> str:
+        return docstring(declaration.doc or f"`{declaration.scoped}`.", 4)
+
+    # Structs and exceptions.
+
+    def _struct(self, declaration: Struct | ExceptionDecl) -> str:
+        py = self.scope
+        name = self._local(declaration)
+        names = self._names.members(declaration)
+        body = self._types.body(declaration)
+        composite = self._types.is_recursive(declaration.name)
+        fields = [
+            Statement(f"{names[m.name]}: {self._field(m.type)}", docstring(m.doc, 4))
+            for m in declaration.members
+        ]
+        codec = self._functions(name, body, composite, "self")
+        is_struct = isinstance(declaration, Struct)
+        return render(
+            "types/struct.py.j2",
+            py=py,
+            name=name,
+            bases=self._bases(declaration),
+            dataclass_options="slots=True" if is_struct else "eq=False",
+            docstring=self._doc(declaration),
+            descriptor_class=(
+                py.StructDescriptor if is_struct else py.ExceptionDescriptor
+            ),
+            descriptor=self._describe.struct(declaration),
+            attributes=self._nested(declaration),
+            fields=fields,
+            composite=composite,
+            constants=codec.constants,
+            encode=codec.encode,
+            decode=codec.decode,
+            copy=self._copy(body) if is_struct else [],
+        )
+
+    def _bases(self, declaration: Struct | ExceptionDecl) -> str:
+        if isinstance(declaration, ExceptionDecl):
+            return self.scope.UserException
+        bases: list[str] = []
+        if self._types.is_recursive(declaration.name) and not self._is_composite(
+            declaration.base
+        ):
+            bases.append(self.scope.Composite)
+        if declaration.base is not None:
+            bases.append(self.scope.reference(declaration.base))
+        return ", ".join(bases)
+
+    def _is_composite(self, name: tuple[str, ...] | None) -> bool:
+        while name is not None:
+            if self._types.is_recursive(name):
+                return True
+            declaration = self._model.find(name)
+            name = declaration.base if isinstance(declaration, Struct) else None
+        return False
+
+    def _field(self, type_: Type) -> str:
+        annotation = self._mapping.annotation(type_)
+        if self._mapping.immutable(type_):
+            return f"{annotation} = {self._mapping.default(type_)}"
+        factory = self._mapping.factory(type_)
+        return f"{annotation} = {self.scope.field}(default_factory={factory})"
+
+    def _copy(self, body: Node) -> list[str]:
+        copier = Copier(self.scope)
+        expression = copier.copy(body, "self")
+        return [*copier.body.lines, f"return {expression}"]
+
+    def _nested(self, declaration: Declaration) -> list[str]:
+        """Class attributes for what is declared inside of the declaration."""
+        lines = []
+        for inner in self._names.declarations(self._module):
+            if inner.name[:-1] != declaration.name:
+                continue
+            local = self._local(inner)
+            lines.append(f"{self._names.attribute(inner.name)} = {local}")
+            if isinstance(inner, Enum):
+                for member, attribute in self._names.enumerators(inner).items():
+                    outside = self._names.attribute((*inner.name[:-1], member))
+                    lines.append(f"{outside} = {local}.{attribute}")
+        return lines
+
+    # Codecs.
+
+    def _functions(
+        self, name: str, node: Node, composite: bool, base: str, annotation: str = ""
+    ) -> _Functions:
+        layouts = Layouts(name)
+        steps = steps_of(node, ANYWHERE if composite else ORIGIN)
+        encoder = Encoder(self.scope, self._tables, layouts)
+        decoder = Decoder(self.scope, self._tables, layouts, annotation)
+        whole = len(steps) == 1 and isinstance(steps[0], Run) and not composite
+        if composite:
+            encode = encoder.parts(steps, base)
+            decode = decoder.parts(steps, node)
+        else:
+            encode = self._encode(encoder, steps, base)
+            decode = self._decode(decoder, steps, node)
+        constants = layouts.lines(self.scope, whole)
+        return _Functions([*self._new_tables(), *constants], encode, decode)
+
+    def _encode(
+        self, encoder: Encoder, steps: tuple[Step, ...], base: str
+    ) -> list[str]:
+        if not steps:
+            return ['return b""']
+        if len(steps) == 1 and isinstance(steps[0], Run):
+            return encoder.whole(steps[0], base)
+        return ["out = bytearray()", *encoder.parts(steps, base), "return bytes(out)"]
+
+    def _decode(
+        self, decoder: Decoder, steps: tuple[Step, ...], node: Node
+    ) -> list[str]:
+        if len(steps) == 1 and isinstance(steps[0], Run) and _is_fixed(steps[0]):
+            return decoder.fixed(steps[0], node)
+        return decoder.whole(steps, node)
+
+    def _new_tables(self) -> list[str]:
+        lines = []
+        for enum, table in self._tables.enums.items():
+            if table not in self._shown_tables:
+                self._shown_tables.add(table)
+                lines.append(f"{table} = {self.scope.members}({enum})")
+        return lines
+
+    # Unions, enums, constants, aliases.
+
+    def _union(self, declaration: Union) -> str:
+        name = self._local(declaration)
+        layouts = Layouts(name)
+        mapping = self._mapping
+        first = declaration.cases[0]
+        value = mapping.default(first.type)
+        if not mapping.immutable(first.type):
+            value = f"{self.scope.field}(default_factory={mapping.factory(first.type)})"
+        values = self._unions.values(declaration, mapping, layouts)
+        return render(
+            "types/union.py.j2",
+            py=self.scope,
+            name=name,
+            docstring=self._doc(declaration),
+            attributes=self._nested(declaration),
+            value=value,
+            **values,
+            constants=[*self._new_tables(), *layouts.lines(self.scope, False)],
+        )
+
+    def _enum(self, declaration: Enum | Bitmask) -> str:
+        names = self._names.enumerators(declaration)
+        is_enum = isinstance(declaration, Enum)
+        members = [
+            Statement(
+                f"{names[m.name]} = {m.value if is_enum else f'1 << {m.value}'}",
+                docstring(m.doc, 4),
+            )
+            for m in declaration.members
+        ]
+        if isinstance(declaration, Enum):
+            descriptor = self._describe.enum(declaration)
+        else:
+            descriptor = self._describe.flags(declaration)
+        return render(
+            "types/enum.py.j2",
+            name=self._local(declaration),
+            base=self.scope.Enumeration if is_enum else self.scope.Flags,
+            docstring=self._doc(declaration),
+            members=members,
+            descriptor=descriptor,
+        )
+
+    def _const(self, declaration: Const) -> str:
+        name = self._local(declaration)
+        value = self._constant(declaration.value)
+        doc = docstring(declaration.doc, 0)
+        return f"{name}: {self.scope.Final} = {value}\n{doc}"
+
+    def _constant(self, value: ConstantValue) -> str:
+        match value:
+            case EnumeratorName(name):
+                enum, member = self._names.enumerator(name)
+                return f"{self.scope.reference(enum)}.{member}"
+            case str():
+                return string_literal(value)
+            case Decimal():
+                return f'{self.scope.Decimal}("{value}")'
+            case float() if not isfinite(value):
+                return f'float("{value}")'
+        return repr(value)
+
+    def _alias(self, declaration: Typedef) -> str:
+        annotation = self._mapping.annotation(declaration.type)
+        name = self._local(declaration)
+        if self._is_ahead(declaration.type):
+            annotation = f'"{annotation}"'
+        doc = docstring(declaration.doc, 0)
+        return f"{name}: {self.scope.TypeAlias} = {annotation}\n{doc}"
+
+    def _is_ahead(self, type_: Type, through_aliases: bool = False) -> bool:
+        """Whether the type names a class of this module that is defined further down."""
+        if through_aliases:
+            type_ = self._model.unalias(type_)
+        match type_:
+            case SequenceType(element) | ArrayType(element):
+                return self._is_ahead(element, through_aliases)
+            case MapType(key, value):
+                ahead = self._is_ahead(key, through_aliases)
+                return ahead or self._is_ahead(value, through_aliases)
+        name = getattr(type_, "name", None)
+        if name is None:
+            return False
+        path, local = self._names.implementation(name)
+        return path == f"_idl.{self._module}" and local not in self._done
+
+    def _ready_codecs(self) -> list[Block]:
+        """The codecs of aliases whose types are all defined by now."""
+        ready = [
+            alias for alias in self._waiting if not self._is_ahead(alias.type, True)
+        ]
+        self._waiting = [alias for alias in self._waiting if alias not in ready]
+        return [Block(text) for alias in ready if (text := self._codec(alias))]
+
+    def _codec(self, declaration: Typedef) -> str:
+        plain = self._model.unalias(declaration.type)
+        if not isinstance(plain, SequenceType | ArrayType | MapType):
+            return ""
+        try:
+            node = self._types.node(plain)
+        except NotMarshalledError:
+            return ""
+        self.codecs.add(declaration.name)
+        name = self._names.companion(declaration.name, "Codec")
+        type_ = self._local(declaration)
+        codec = self._functions(name, node, False, "value", type_)
+        return render(
+            "types/codec.py.j2",
+            py=self.scope,
+            name=name,
+            scoped=declaration.scoped,
+            alias=string_literal(declaration.scoped),
+            descriptor=self._describe.of(plain),
+            type=type_,
+            constants=codec.constants,
+            encode=codec.encode,
+            decode=codec.decode,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Functions:
+    constants: list[str]
+    encode: list[str]
+    decode: list[str]
+
+
+def _is_fixed(run: Run) -> bool:
+    return len(run.sections) == 1 and run.sections[0].settled

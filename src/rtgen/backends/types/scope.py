@@ -1,0 +1,98 @@
+"""The names of one implementation module: what it imports, and how it writes each name."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from rtgen.model import ScopedName
+from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.python_support import HOMES
+
+
+class Scope:
+    """Hands out names and remembers what has to be imported for them.
+
+    A name that is an attribute of some class of the module is imported as `_name`, so that it
+    means the same in the body of every class.
+    """
+
+    def __init__(self, names: PythonNames, module: str) -> None:
+        self._names = names
+        self._module = module
+        self._attributes = names.attribute_names(module)
+        self._classes = {
+            names.implementation(d.name)[1] for d in names.declarations(module)
+        }
+        self._imports: dict[tuple[str, str], str] = {}
+
+    def __getattr__(self, name: str) -> str:
+        """`py.dataclass` in a template: the name as the module writes it."""
+        return self.support(name)
+
+    def support(self, name: str, module: str | None = None) -> str:
+        """A name of the runtime, the standard library or the builtins."""
+        home = module or HOMES[name]
+        local = f"_{name}" if name in self._attributes else name
+        if home != "builtins" or local != name:
+            self._imports[home, name] = local
+        return local
+
+    def spell(self, module: str, name: str) -> str:
+        """The same, as the mapping table asks for it."""
+        return self.support(name, module)
+
+    def reference(self, name: ScopedName) -> str:
+        """A declared type, constant or interface."""
+        path, class_name = self._names.implementation(name)
+        return self._declared(path.removeprefix("_idl."), class_name)
+
+    def companion(self, name: ScopedName, suffix: str) -> str:
+        """What stands beside a declared type: its stub, skeleton or codec."""
+        path, _ = self._names.implementation(name)
+        return self._declared(
+            path.removeprefix("_idl."), self._names.companion(name, suffix)
+        )
+
+    def _declared(self, module: str, class_name: str) -> str:
+        if module == self._module:
+            return class_name
+        key = (f".{module}", class_name)
+        if key not in self._imports:
+            taken = {
+                *self._imports.values(),
+                *self._classes,
+                *self._attributes,
+                *HOMES,
+            }
+            local = class_name
+            while local in taken:
+                local += "_"
+            self._imports[key] = local
+        return self._imports[key]
+
+    @property
+    def globals(self) -> Collection[str]:
+        """What function bodies must not use for their variables."""
+        return {*self._classes, *self._imports.values(), *HOMES}
+
+    def import_lines(self) -> list[list[str]]:
+        """The import statements: standard library, runtime, own package."""
+        modules: dict[str, list[str]] = {}
+        for (module, name), local in sorted(self._imports.items()):
+            modules.setdefault(module, []).append(
+                name if name == local else f"{name} as {local}"
+            )
+        blocks: list[list[str]] = [[], [], []]
+        for module, items in modules.items():
+            rank = (
+                2 if module.startswith(".") else 1 if module.startswith("rtgen.") else 0
+            )
+            ordered = sorted(items, key=_import_order)
+            blocks[rank].append(f"from {module} import {', '.join(ordered)}")
+        return [block for block in blocks if block]
+
+
+def _import_order(name: str) -> tuple[int, str]:
+    """Constants, classes, functions, as isort has them."""
+    bare = name.partition(" ")[0]
+    return (0 if bare.isupper() else 1 if bare[0].isupper() else 2, name)

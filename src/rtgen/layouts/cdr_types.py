@@ -1,0 +1,241 @@
+"""From the types of the model to the trees that the CDR layout is worked out from."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TypeAlias
+
+from rtgen.layouts.cdr import (
+    Atom,
+    AtomArray,
+    AtomSequence,
+    Call,
+    Field,
+    Form,
+    Group,
+    Node,
+    Records,
+    Reference,
+    Repeat,
+    Text,
+    TextArray,
+    TextSequence,
+    fields_of,
+    fixed_format,
+    minimum_size,
+)
+from rtgen.model import (
+    ArrayType,
+    Bitmask,
+    Enum,
+    ExceptionDecl,
+    FixedType,
+    Interface,
+    MapType,
+    Model,
+    NamedType,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Union,
+)
+
+ATOMS: dict[Primitive, Atom] = {
+    Primitive.SHORT: Atom("h", 2, 2),
+    Primitive.UNSIGNED_SHORT: Atom("H", 2, 2),
+    Primitive.LONG: Atom("i", 4, 4),
+    Primitive.UNSIGNED_LONG: Atom("I", 4, 4),
+    Primitive.LONG_LONG: Atom("q", 8, 8),
+    Primitive.UNSIGNED_LONG_LONG: Atom("Q", 8, 8),
+    Primitive.INT8: Atom("b", 1, 1),
+    Primitive.UINT8: Atom("B", 1, 1),
+    Primitive.OCTET: Atom("B", 1, 1),
+    Primitive.FLOAT: Atom("f", 4, 4),
+    Primitive.DOUBLE: Atom("d", 8, 8),
+    Primitive.LONG_DOUBLE: Atom("16s", 16, 8, Form.QUAD),
+    Primitive.CHAR: Atom("c", 1, 1, Form.CHARACTER),
+    Primitive.WCHAR: Atom("3s", 3, 1, Form.WIDE_CHARACTER),
+    Primitive.BOOLEAN: Atom("B", 1, 1, Form.BOOLEAN),
+}
+"""The basic types: CORBA 3.3 part 2, table 9.1; wchar as GIOP 1.2 has it (9.3.1.6)."""
+
+_TEXTS = {
+    Primitive.OCTET: Text.OCTETS,
+    Primitive.UINT8: Text.OCTETS,
+    Primitive.CHAR: Text.CHARACTERS,
+}
+
+
+class NotMarshalledError(Exception):
+    """A type that has no layout in classic CDR, or none here; the message says which and why."""
+
+
+Rename: TypeAlias = Callable[[Struct | ExceptionDecl], Mapping[str, str]]
+"""What the members of a struct are called in the tree, by their names in the definition."""
+
+
+class CdrTypes:
+    """The trees of a model's types. Recursive structs and unions are calls of their own codecs."""
+
+    def __init__(self, model: Model, rename: Rename) -> None:
+        self._model = model
+        self._rename = rename
+        self._nodes: dict[ScopedName, Node] = {}
+        self._recursive = _recursive(model)
+
+    def is_recursive(self, name: ScopedName) -> bool:
+        """Whether values of the struct or union can contain values of the same type."""
+        return name in self._recursive
+
+    def body(self, declaration: Struct | ExceptionDecl) -> Group:
+        """The members of a struct or exception in place, those of its bases first.
+
+        Raises NotMarshalledError.
+        """
+        inherited: tuple[tuple[str, Node], ...] = ()
+        if isinstance(declaration, Struct) and declaration.base is not None:
+            base = self._model.find(declaration.base)
+            assert isinstance(base, Struct)
+            inherited = self.body(base).members
+        names = self._rename(declaration)
+        own = tuple((names[m.name], self.node(m.type)) for m in declaration.members)
+        return Group(declaration.name, inherited + own)
+
+    def node(self, type_: Type) -> Node:
+        """The tree of a type. Raises NotMarshalledError."""
+        type_ = self._model.unalias(type_)
+        match type_:
+            case PrimitiveType(Primitive.OBJECT):
+                return Reference()
+            case PrimitiveType(kind):
+                if kind not in ATOMS:
+                    raise NotMarshalledError(
+                        f"`{kind}` is not marshalled by classic CDR codecs here"
+                    )
+                return ATOMS[kind]
+            case StringType(wide, bound):
+                return TextSequence(Text.WIDE_STRING if wide else Text.STRING, bound)
+            case FixedType(digits, scale):
+                size = digits // 2 + 1
+                return Atom(f"{size}s", size, 1, Form.FIXED, None, digits, scale)
+            case SequenceType(element, bound):
+                text = self._text(element)
+                if text is not None:
+                    return TextSequence(text, bound)
+                return self._sequence(self.node(element), bound, None)
+            case ArrayType(element, dimensions):
+                return self._array(element, dimensions)
+            case MapType(key, value, bound):
+                keys, values = self.node(key), self.node(value)
+                least = minimum_size(keys) + minimum_size(values)
+                return Repeat(values, max(least, 1), bound, key=keys)
+            case NamedType(name):
+                return self._named(name)
+
+    def _named(self, name: ScopedName) -> Node:
+        declaration = self._model.find(name)
+        match declaration:
+            case Enum():
+                return Atom("I", 4, 4, Form.ENUMERATOR, name)
+            case Bitmask(bound=bound):
+                size = next(n for n in (1, 2, 4, 8) if bound <= 8 * n)
+                return Atom(" BH I   Q"[size], size, size, Form.FLAGS, name, bound)
+            case Interface():
+                return Reference()
+            case Union():
+                return Call(name, self._switch_size(declaration))
+            case Struct() if name in self._recursive:
+                return Call(name, 1)
+            case Struct():
+                if name not in self._nodes:
+                    self._nodes[name] = self.body(declaration)
+                return self._nodes[name]
+        kind = type(declaration).__name__.lower()
+        raise NotMarshalledError(
+            f"`{declaration.scoped}` ({kind}) is not marshalled by CDR codecs here"
+        )
+
+    def _switch_size(self, union: Union) -> int:
+        return minimum_size(self.node(union.switch))
+
+    def _text(self, element: Type) -> Text | None:
+        element = self._model.unalias(element)
+        return _TEXTS.get(element.kind) if isinstance(element, PrimitiveType) else None
+
+    def _array(self, element: Type, dimensions: tuple[int, ...]) -> Node:
+        text = self._text(element)
+        if text is not None:
+            inner: Node = TextArray(text, dimensions[-1])
+            outer = dimensions[:-1]
+        else:
+            inner, outer = self.node(element), dimensions
+            if isinstance(inner, Atom) and len(inner.code) == 1:
+                return AtomArray(inner, dimensions)
+        for length in reversed(outer):
+            inner = self._sequence(inner, None, length)
+        return inner
+
+    def _sequence(self, element: Node, bound: int | None, length: int | None) -> Node:
+        if isinstance(element, Atom) and len(element.code) == 1 and length is None:
+            return AtomSequence(element, bound)
+        fields = tuple(fields_of(element))
+        atoms = tuple(
+            f
+            for f in fields
+            if isinstance(f, Field) and isinstance(f.node, Atom | AtomArray | TextArray)
+        )
+        arrays = [f for f in atoms if isinstance(f.node, AtomArray)]
+        if len(atoms) == len(fields) and len(arrays) <= 1:
+            text, size, align, gapless = fixed_format(atoms)
+            if gapless:
+                return Records(element, atoms, text, size, align, bound, length)
+        least = minimum_size(element)
+        if least == 0 and length is None:
+            raise NotMarshalledError(
+                "a sequence of empty elements: its count cannot be checked"
+            )
+        return Repeat(element, least, bound, length)
+
+
+def _recursive(model: Model) -> frozenset[ScopedName]:
+    """The structs and unions that can contain themselves."""
+    uses: dict[ScopedName, set[ScopedName]] = {}
+    for declaration in model.declarations:
+        match declaration:
+            case Struct(members=members, base=base):
+                types = [m.type for m in members] + ([NamedType(base)] if base else [])
+            case Union(cases=cases):
+                types = [c.type for c in cases]
+            case _:
+                continue
+        uses[declaration.name] = {name for t in types for name in _names(model, t)}
+    return frozenset(name for name in uses if name in _reachable(uses, name))
+
+
+def _names(model: Model, type_: Type) -> set[ScopedName]:
+    type_ = model.unalias(type_)
+    match type_:
+        case SequenceType(element) | ArrayType(element):
+            return _names(model, element)
+        case MapType(key, value):
+            return _names(model, key) | _names(model, value)
+        case NamedType(name):
+            return {name}
+    return set()
+
+
+def _reachable(
+    uses: dict[ScopedName, set[ScopedName]], start: ScopedName
+) -> set[ScopedName]:
+    found: set[ScopedName] = set()
+    waiting = list(uses[start])
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found.add(name)
+            waiting.extend(uses.get(name, ()))
+    return found

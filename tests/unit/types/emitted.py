@@ -1,0 +1,60 @@
+"""Emits packages from IDL into a folder and imports them."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from rtgen.backends import Options
+from rtgen.backends.types import BACKEND
+from rtgen.diagnostics import has_errors
+from rtgen.frontends.idl import load
+
+_numbers = itertools.count()
+
+
+def emit(folder: Path, paths: Sequence[Path]) -> ModuleType:
+    """The package that the back end makes of the files, imported from below `folder`."""
+    result = load(paths, root=paths[0].parent)
+    assert not has_errors(result.diagnostics), result.diagnostics
+    package = f"emitted_{next(_numbers)}"
+    emission = BACKEND.emit(result.model, Options(package, "skeletons", "0.0.0"))
+    assert not emission.diagnostics
+    for artifact in emission.artifacts:
+        path = folder / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, encoding="utf-8")
+    sys.path.insert(0, str(folder))
+    try:
+        importlib.invalidate_caches()
+        module = importlib.import_module(package)
+        for inner in sorted((folder / package / "_idl").glob("[a-z]*.py")):
+            importlib.import_module(f"{package}._idl.{inner.stem}")
+        for init in sorted((folder / package).rglob("__init__.py")):
+            parts = init.parent.relative_to(folder).parts
+            importlib.import_module(".".join(parts))
+    finally:
+        sys.path.remove(str(folder))
+    return module
+
+
+def emit_text(folder: Path, text: str) -> ModuleType:
+    """The same for one IDL text."""
+    path = folder / "case.idl"
+    path.write_text(text, encoding="utf-8")
+    return emit(folder, [path])
+
+
+def classes(package: ModuleType) -> Iterator[type[Any]]:
+    """The classes with descriptors that a package's modules define."""
+    prefix = f"{package.__name__}._idl."
+    for name in sorted(n for n in sys.modules if n.startswith(prefix)):
+        for value in vars(sys.modules[name]).values():
+            own = isinstance(value, type) and value.__module__ == name
+            if own and hasattr(value, "_descriptor_"):
+                yield value
