@@ -303,12 +303,16 @@ class PythonNames:
 
     def declarations(self, module: str) -> list[Declaration]:
         """What stands in an implementation module, in order of declaration."""
-        return [d for d in self._emitted if self._modules[d.file] == module]
+        return self._by_module.get(module, [])
+
+    def inside(self, scope: ScopedName) -> list[Declaration]:
+        """What is declared directly in a scope, in order of declaration."""
+        return self._by_scope.get(scope, [])
 
     @property
     def modules(self) -> list[str]:
         """All implementation modules that hold something, in order of the files."""
-        used = {self._modules[d.file] for d in self._emitted}
+        used = self._by_module
         return [m for m in dict.fromkeys(self._modules.values()) if m in used]
 
     def implementation(self, name: ScopedName) -> tuple[str, str]:
@@ -410,6 +414,20 @@ class PythonNames:
     @cached_property
     def _names(self) -> frozenset[ScopedName]:
         return frozenset(d.name for d in self._model.declarations)
+
+    @cached_property
+    def _by_module(self) -> dict[str, list[Declaration]]:
+        modules: dict[str, list[Declaration]] = {}
+        for declaration in self._emitted:
+            modules.setdefault(self._modules[declaration.file], []).append(declaration)
+        return modules
+
+    @cached_property
+    def _by_scope(self) -> dict[ScopedName, list[Declaration]]:
+        scopes: dict[ScopedName, list[Declaration]] = {}
+        for declaration in self._emitted:
+            scopes.setdefault(declaration.name[:-1], []).append(declaration)
+        return scopes
 
     @cached_property
     def _emitted(self) -> list[Declaration]:

@@ -38,7 +38,7 @@ class Encoder:
         self._py = scope
         self._tables = tables
         self._layouts = layouts
-        self._locals = Locals({*scope.globals, "value"})
+        self._locals = Locals(scope.globals, "value")
         self._bound: dict[Path, str] = {}
         self.body = Body()
 

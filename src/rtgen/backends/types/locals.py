@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Container
 
 from rtgen.layouts.cdr import Path
 from rtgen.typemap.python_names import identifier
@@ -17,8 +17,9 @@ _FIXED = frozenset(
 class Locals:
     """Hands out variable names: the path of what they hold, with `_` between its parts."""
 
-    def __init__(self, reserved: Collection[str]) -> None:
-        self._taken = _FIXED.union(reserved)
+    def __init__(self, reserved: Container[str], *own: str) -> None:
+        self._reserved = reserved
+        self._taken = {*_FIXED, *own}
         self._names: dict[tuple[str, Path], str] = {}
 
     def name(self, path: Path, prefix: str = "") -> str:
@@ -26,12 +27,10 @@ class Locals:
         key = (prefix, path)
         if key not in self._names:
             joined = "_".join(part for part in path if part.isidentifier()) or "value"
-            name = identifier((prefix + joined)[:_LONGEST], self._taken)
-            number = 1
-            while name in self._taken:
-                number += 1
-                name = f"{(prefix + joined)[:_LONGEST]}_{number}"
-            self._taken |= {name}
+            name = identifier((prefix + joined)[:_LONGEST])
+            while name in self._taken or name in self._reserved:
+                name += "_"
+            self._taken.add(name)
             self._names[key] = name
         return self._names[key]
 

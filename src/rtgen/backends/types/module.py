@@ -85,11 +85,12 @@ class TypesModule:
             blocks.extend(self._blocks(declaration))
             self._done.add(self._local(declaration))
             blocks.extend(self._ready_codecs())
-        body = ""
+        parts: list[str] = []
         for before, block in zip([None, *blocks], blocks, strict=False):
             if before is not None:
-                body += "\n" if before.small and block.small else "\n\n\n"
-            body += block.text.strip("\n")
+                parts.append("\n" if before.small and block.small else "\n\n\n")
+            parts.append(block.text.strip("\n"))
+        body = "".join(parts)
         text = render(
             "types/module.py.j2",
             header=header,
@@ -192,9 +193,7 @@ class TypesModule:
     def _nested(self, declaration: Declaration) -> list[str]:
         """Class attributes for what is declared inside of the declaration."""
         lines = []
-        for inner in self._names.declarations(self._module):
-            if inner.name[:-1] != declaration.name:
-                continue
+        for inner in self._names.inside(declaration.name):
             local = self._local(inner)
             lines.append(f"{self._names.attribute(inner.name)} = {local}")
             if isinstance(inner, Enum):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-
 from rtgen.model import ScopedName
 from rtgen.typemap.idl_python import PythonNames
 from rtgen.typemap.python_support import HOMES
@@ -24,6 +22,8 @@ class Scope:
             names.implementation(d.name)[1] for d in names.declarations(module)
         }
         self._imports: dict[tuple[str, str], str] = {}
+        self.globals: set[str] = {*self._classes, *HOMES}
+        """What function bodies must not use for their variables."""
 
     def __getattr__(self, name: str) -> str:
         """`py.dataclass` in a template: the name as the module writes it."""
@@ -35,6 +35,7 @@ class Scope:
         local = f"_{name}" if name in self._attributes else name
         if home != "builtins" or local != name:
             self._imports[home, name] = local
+            self.globals.add(local)
         return local
 
     def spell(self, module: str, name: str) -> str:
@@ -58,22 +59,12 @@ class Scope:
             return class_name
         key = (f".{module}", class_name)
         if key not in self._imports:
-            taken = {
-                *self._imports.values(),
-                *self._classes,
-                *self._attributes,
-                *HOMES,
-            }
             local = class_name
-            while local in taken:
+            while local in self.globals or local in self._attributes:
                 local += "_"
             self._imports[key] = local
+            self.globals.add(local)
         return self._imports[key]
-
-    @property
-    def globals(self) -> Collection[str]:
-        """What function bodies must not use for their variables."""
-        return {*self._classes, *self._imports.values(), *HOMES}
 
     def import_lines(self) -> list[list[str]]:
         """The import statements: standard library, runtime, own package."""

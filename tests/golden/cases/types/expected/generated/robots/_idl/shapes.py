@@ -163,9 +163,6 @@ _Shape_layout = PhasedLayout("I")
 _Shape_layout_2 = PhasedLayout("d d")
 _Shape_layout_3 = Fixed("dd")
 _Shape_layout_4 = PhasedLayout("I", "*16s/8")
-_Shape_layout_5 = PhasedLayout("I")
-_Shape_layout_6 = PhasedLayout("d d")
-_Shape_layout_7 = PhasedLayout("I", "*16s/8")
 
 
 @dataclass(slots=True)
@@ -239,13 +236,13 @@ class Shape(Union):
     @classmethod
     def _read_(cls, data: Buffer, offset: int, little_endian: bool) -> tuple[Self, int]:
         (read_1,) = (
-            _Shape_layout_5.read_little if little_endian else _Shape_layout_5.read_big
+            _Shape_layout.read_little if little_endian else _Shape_layout.read_big
         )
         (read_2,) = (
-            _Shape_layout_6.read_little if little_endian else _Shape_layout_6.read_big
+            _Shape_layout_2.read_little if little_endian else _Shape_layout_2.read_big
         )
         read_3, read_4 = (
-            _Shape_layout_7.read_little if little_endian else _Shape_layout_7.read_big
+            _Shape_layout_4.read_little if little_endian else _Shape_layout_4.read_big
         )
         records_3 = (
             _Shape_layout_3.records_little

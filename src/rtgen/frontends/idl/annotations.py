@@ -1,0 +1,314 @@
+"""Annotations: what each takes and where it may stand, and their arguments as values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal
+from types import MappingProxyType
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.frontends.idl import tree
+from rtgen.frontends.idl.rules import annotations as rules
+from rtgen.frontends.idl.scopes import Entity, Kind
+from rtgen.frontends.idl.suggestions import nearest
+from rtgen.frontends.idl.typetable import PRIMITIVES, Types
+from rtgen.frontends.idl.unit import Unit
+from rtgen.model import (
+    Annotation,
+    ConstantValue,
+    EnumeratorName,
+    Primitive,
+    StringType,
+    Type,
+)
+
+TEXT = StringType()
+INTEGER = PRIMITIVES[Primitive.LONG_LONG]
+NUMBER = PRIMITIVES[Primitive.DOUBLE]
+FLAG = PRIMITIVES[Primitive.BOOLEAN]
+WORD = "word"
+"""A bare word such as FINAL, or a text."""
+TYPED = "typed"
+"""A value of the type that is annotated."""
+
+Wanted = Type | str
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """An annotation: its arguments, the places where it means something, what it needs.
+
+    `flag` says that a missing argument means TRUE.
+    """
+
+    arguments: Mapping[str, Wanted] = field(default_factory=dict)
+    places: frozenset[str] = frozenset()
+    required: bool = False
+
+
+def _define(places: str, *, required: bool = False, **arguments: Wanted) -> Definition:
+    return Definition(MappingProxyType(arguments), frozenset(places.split()), required)
+
+
+_ANYWHERE = (
+    "module struct exception union enum bitset bitmask typedef constant interface valuetype member"
+    " case enumerator parameter operation attribute component port configuration"
+)
+_TYPES = "struct union enum bitset bitmask valuetype exception typedef interface"
+_FIELDS = "member case typedef port configuration attribute parameter constant"
+
+DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
+    {
+        # OMG IDL 4.2, 8.3
+        "id": _define("member case", required=True, value=INTEGER),
+        "autoid": _define(_TYPES + " module", value=WORD),
+        "hashid": _define("member case", value=TEXT),
+        "optional": _define("member", value=FLAG),
+        "position": _define("enumerator member", required=True, value=INTEGER),
+        "value": _define("enumerator", required=True, value=INTEGER),
+        "extensibility": _define(_TYPES, required=True, value=WORD),
+        "final": _define(_TYPES),
+        "appendable": _define(_TYPES),
+        "mutable": _define(_TYPES),
+        "key": _define("member case attribute", value=FLAG),
+        "must_understand": _define("member case", value=FLAG),
+        "default_literal": _define("enumerator"),
+        "default": _define(
+            "member configuration case typedef attribute", required=True, value=TYPED
+        ),
+        "range": _define(_FIELDS, min=TYPED, max=TYPED),
+        "min": _define(_FIELDS, required=True, value=TYPED),
+        "max": _define(_FIELDS, required=True, value=TYPED),
+        "unit": _define(_FIELDS, required=True, value=TEXT),
+        "bit_bound": _define("enum bitmask", required=True, value=INTEGER),
+        "external": _define("member case", value=FLAG),
+        "nested": _define(_TYPES, value=FLAG),
+        "default_nested": _define("module", value=FLAG),
+        "verbatim": _define(_ANYWHERE, language=TEXT, placement=WORD, text=TEXT),
+        "service": _define("interface", platform=TEXT),
+        "oneway": _define("operation", value=FLAG),
+        "ami": _define("interface operation", value=FLAG),
+        # DDS-XTypes 1.3, 7.3.1
+        "topic": _define("struct union", name=TEXT, platform=TEXT),
+        "data_representation": _define(
+            "struct union module", allowed_kinds=WORD, value=WORD
+        ),
+        "try_construct": _define("member case typedef", value=WORD),
+        "ignore_literal_names": _define("enum", value=FLAG),
+        "non_serialized": _define("member", value=FLAG),
+        "transfer_mode": _define(_ANYWHERE, value=WORD),
+        # rtgen: components
+        "rtc": _define(
+            "component",
+            kind=TEXT,
+            category=TEXT,
+            vendor=TEXT,
+            version=TEXT,
+            description=TEXT,
+            rate=NUMBER,
+            max_instances=INTEGER,
+            activity=TEXT,
+            execution=TEXT,
+            component_type=TEXT,
+            created=TEXT,
+            updated=TEXT,
+        ),
+        "name": _define("port configuration component", required=True, value=TEXT),
+        "port": _define("port", required=True, value=TEXT),
+        "instance": _define("port", required=True, value=TEXT),
+        "widget": _define("configuration", required=True, value=TEXT),
+        "constraint": _define("configuration", required=True, value=TEXT),
+    }
+)
+"""Every annotation that is known; `@name` and the like only where components are."""
+
+PLACES = {
+    Kind.STRUCT: "struct",
+    Kind.EXCEPTION: "exception",
+    Kind.UNION: "union",
+    Kind.ENUM: "enum",
+    Kind.BITSET: "bitset",
+    Kind.BITMASK: "bitmask",
+    Kind.TYPEDEF: "typedef",
+    Kind.CONST: "constant",
+    Kind.INTERFACE: "interface",
+    Kind.VALUETYPE: "valuetype",
+    Kind.COMPONENT: "component",
+}
+"""The place that a declaration is for an annotation."""
+
+
+class Annotations:
+    """Turns annotations as written into those of the model; findings go to `report`."""
+
+    def __init__(self, types: Types, report: Callable[[Diagnostic], None]) -> None:
+        self._types = types
+        self._report = report
+
+    def of(
+        self,
+        annotations: Iterable[tree.Annotation],
+        place: str,
+        unit: Unit,
+        type_: Type | None = None,
+    ) -> tuple[Annotation, ...]:
+        """The annotations of something; `type_` is its type, for `@default` and the like."""
+        return tuple(self._one(a, place, unit, type_) for a in annotations)
+
+    def _one(
+        self, node: tree.Annotation, place: str, unit: Unit, type_: Type | None
+    ) -> Annotation:
+        definition = DEFINITIONS.get(node.name)
+        span = unit.span(node.start, node.end)
+        if definition is None:
+            near = nearest(node.name, DEFINITIONS)
+            self._report(
+                rules.UNKNOWN_ANNOTATION.at(
+                    span,
+                    f"@{node.name} is not known",
+                    hint=f"did you mean @{near}?" if near else None,
+                )
+            )
+        elif place not in definition.places:
+            message = f"@{node.name} means nothing for {_article(place)}"
+            self._report(rules.MISPLACED.at(span, message))
+        arguments = []
+        for argument in node.arguments:
+            key = argument.name.text if argument.name else "value"
+            value = self._argument(node, key, argument.value, definition, unit, type_)
+            if value is not None:
+                arguments.append((key, value))
+        if definition is not None and definition.required and not node.arguments:
+            self._report(rules.BAD_ARGUMENT.at(span, f"@{node.name} needs an argument"))
+        return Annotation(node.name, tuple(arguments))
+
+    def _argument(
+        self,
+        node: tree.Annotation,
+        key: str,
+        value: tree.Expression,
+        definition: Definition | None,
+        unit: Unit,
+        type_: Type | None,
+    ) -> ConstantValue | None:
+        wanted: Wanted | None = None
+        if definition is not None:
+            if key not in definition.arguments:
+                near = nearest(key, definition.arguments)
+                known = ", ".join(definition.arguments) or "none"
+                self._report(
+                    rules.BAD_ARGUMENT.at(
+                        unit.span(value.start, value.end),
+                        f"@{node.name} has no argument '{key}'",
+                        hint=(
+                            f"did you mean {near}?"
+                            if near
+                            else f"its arguments: {known}"
+                        ),
+                    )
+                )
+                return None
+            wanted = definition.arguments[key]
+        if wanted == TYPED:
+            wanted = self._scalar(type_)
+        if wanted is None or isinstance(wanted, str):
+            return self.natural(value, unit)
+        return self._types.constants.evaluate(value, wanted, unit, "argument")
+
+    def _scalar(self, type_: Type | None) -> Type | None:
+        """The type that a default has: lists are given as text."""
+        plain = self._types.unaliased(type_)
+        if (
+            plain is None
+            or plain in PRIMITIVES.values()
+            or isinstance(plain, StringType)
+        ):
+            return type_
+        if type(plain).__name__ in ("SequenceType", "ArrayType"):
+            return TEXT
+        return type_
+
+    def natural(self, value: tree.Expression, unit: Unit) -> ConstantValue | None:
+        """The value of an argument whose type nothing tells: that of the literal itself."""
+        constants = self._types.constants
+        match value:
+            case tree.ScopedName():
+                found = self._types.tables.references.get(value)
+                if isinstance(found, Entity) and found.kind is Kind.ENUMERATOR:
+                    return EnumeratorName(found.path)
+                if isinstance(found, Entity) and found.kind is Kind.CONST:
+                    return constants.value_of(found)
+                return str(value)
+            case tree.Text(parts, character):
+                wide = parts[0].startswith("L")
+                kind = Primitive.WCHAR if wide else Primitive.CHAR
+                type_: Type = PRIMITIVES[kind] if character else StringType(wide)
+                return constants.evaluate(value, type_, unit, "argument")
+            case tree.Boolean(flag):
+                return flag
+        type_ = NUMBER if _has_point(value) else INTEGER
+        return constants.evaluate(value, type_, unit, "argument")
+
+
+def _has_point(node: tree.Expression) -> bool:
+    pending: list[tree.Expression] = [node]
+    while pending:
+        match pending.pop():
+            case tree.Number(text):
+                if not text.isdigit() and text[1:2] not in ("x", "X"):
+                    return True
+            case tree.Unary(_, operand):
+                pending.append(operand)
+            case tree.Group(inner):
+                pending.append(inner)
+            case tree.Chain(first, rest):
+                pending += [first, *(operand for _, operand in rest)]
+    return False
+
+
+def _article(place: str) -> str:
+    return f"{'an' if place[0] in 'aeiou' else 'a'} {place}"
+
+
+def flag(annotations: Iterable[Annotation], name: str) -> bool:
+    """Whether an annotation such as `@key` is there and not FALSE."""
+    for annotation in annotations:
+        if annotation.name == name:
+            return annotation.get() is not False
+    return False
+
+
+def integer(annotations: Iterable[Annotation], name: str) -> int | None:
+    """The number in an annotation such as `@id(3)`."""
+    for annotation in annotations:
+        value = annotation.get()
+        if annotation.name == name and isinstance(value, int):
+            return value
+    return None
+
+
+def text(annotations: Iterable[Annotation], name: str) -> str | None:
+    """The text in an annotation such as `@unit("m")`."""
+    for annotation in annotations:
+        value = annotation.get()
+        if annotation.name == name and isinstance(value, str):
+            return value
+    return None
+
+
+def value(
+    annotations: Iterable[Annotation], name: str, key: str = "value"
+) -> ConstantValue | None:
+    """The value of an argument of the first annotation of that name."""
+    for annotation in annotations:
+        if annotation.name == name:
+            return annotation.get(key)
+    return None
+
+
+def exceeds(left: ConstantValue | None, right: ConstantValue | None) -> bool:
+    """Whether both are numbers, and the left one is larger."""
+    if isinstance(left, int | float) and isinstance(right, int | float):
+        return left > right
+    return isinstance(left, Decimal) and isinstance(right, Decimal) and left > right

@@ -1,0 +1,53 @@
+"""Checks on the resolved declarations: one module for each family of rules."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.frontends.idl.checks import (
+    interfaces,
+    operations,
+    structures,
+    unions,
+    values,
+)
+from rtgen.frontends.idl.checks.context import Context
+from rtgen.frontends.idl.scopes import Entity, Kind
+from rtgen.frontends.idl.tables import Tables
+from rtgen.frontends.idl.typetable import Types
+from rtgen.model import Declaration, ScopedName
+
+_CHECKS: Mapping[Kind, tuple[Callable[[Entity, Context], None], ...]] = {
+    Kind.STRUCT: (structures.members, structures.annotated),
+    Kind.EXCEPTION: (structures.members, structures.annotated),
+    Kind.BITSET: (structures.bitset,),
+    Kind.TYPEDEF: (structures.typedef,),
+    Kind.CONST: (structures.constant,),
+    Kind.UNION: (unions.branches, unions.labels),
+    Kind.INTERFACE: (interfaces.bases, interfaces.inherited, operations.all_of),
+    Kind.VALUETYPE: (
+        values.bases,
+        values.members,
+        interfaces.inherited,
+        operations.all_of,
+    ),
+    Kind.VALUE_BOX: (values.box,),
+}
+
+
+def run(
+    tables: Tables,
+    types: Types,
+    made: Mapping[ScopedName, Declaration],
+    report: Callable[[Diagnostic], None],
+) -> None:
+    """Check a translation unit: what was written, and the declarations made of it."""
+    context = Context(types, made, report)
+    ids: dict[str, Entity] = {}
+    for entity in tables.declared:
+        if entity.node is None:
+            continue
+        for check in _CHECKS.get(entity.kind, ()):
+            check(entity, context)
+        structures.repository_id(entity, ids, context)

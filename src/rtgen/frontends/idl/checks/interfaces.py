@@ -1,0 +1,82 @@
+"""Interfaces: their bases, and what they inherit."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Related
+from rtgen.frontends.idl import tree
+from rtgen.frontends.idl.checks.context import Context
+from rtgen.frontends.idl.rules import interfaces as rules
+from rtgen.frontends.idl.scopes import Entity, Kind
+
+_FEATURES = (Kind.OPERATION, Kind.ATTRIBUTE)
+
+
+def bases(entity: Entity, context: Context) -> None:
+    """Bases are named once, and fit to abstract and local."""
+    node = entity.node
+    assert isinstance(node, tree.Interface)
+    seen: dict[Entity, tree.ScopedName] = {}
+    for name in node.bases:
+        base = context.target(name)
+        if base is None:
+            continue
+        if base in seen:
+            context.tell(
+                rules.DUPLICATE_BASE, entity.unit, name, f"{base.name} is named twice"
+            )
+        seen[base] = name
+        related = [Related(base.span, "declared here")]
+        if node.modifier == "abstract" and base.modifier != "abstract":
+            message = (
+                f"the abstract interface {entity.name} cannot inherit from {base.name}"
+            )
+            hint = f"make {base.name} abstract"
+            context.tell(
+                rules.ABSTRACT_BASE,
+                entity.unit,
+                name,
+                message,
+                related=related,
+                hint=hint,
+            )
+        if node.modifier != "local" and base.modifier == "local":
+            message = (
+                f"{entity.name} is not local, so it cannot inherit from {base.name}"
+            )
+            context.tell(rules.LOCAL_BASE, entity.unit, name, message, related=related)
+
+
+def inherited(entity: Entity, context: Context) -> None:
+    """Operations and attributes are neither declared again nor inherited twice."""
+    scope = entity.inner
+    if scope is None or not scope.bases:
+        return
+    found: dict[str, Entity] = {}
+    for base in scope.all_bases():
+        for key, feature in base.names.items():
+            if feature.kind not in _FEATURES and feature.kind is not Kind.MEMBER:
+                continue
+            other = found.setdefault(key, feature)
+            if other is not feature:
+                context.report(
+                    rules.INHERITED_CLASH.at(
+                        entity.span,
+                        f"{entity.name} inherits {feature.name} twice",
+                        related=[
+                            Related(other.span, f"from {'::'.join(other.path[:-1])}"),
+                            Related(
+                                feature.span, f"from {'::'.join(feature.path[:-1])}"
+                            ),
+                        ],
+                    )
+                )
+    for key, own in scope.names.items():
+        above = found.get(key)
+        if above is not None:
+            context.report(
+                rules.REDEFINED.at(
+                    own.span,
+                    f"{own.name} is inherited from {'::'.join(above.path[:-1])} already",
+                    related=[Related(above.span, "declared here")],
+                )
+            )

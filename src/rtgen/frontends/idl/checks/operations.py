@@ -1,0 +1,152 @@
+"""Operations and attributes: directions, results, exceptions, oneway, context."""
+
+from __future__ import annotations
+
+import re
+
+from rtgen.diagnostics import Related
+from rtgen.frontends.idl import tree
+from rtgen.frontends.idl.checks.context import Context
+from rtgen.frontends.idl.rules import interfaces as rules
+from rtgen.frontends.idl.rules import syntax
+from rtgen.frontends.idl.rules import types as type_rules
+from rtgen.frontends.idl.scopes import Entity, Kind
+from rtgen.model import Direction, Primitive
+
+_CONTEXT = re.compile(r"[A-Za-z][A-Za-z0-9._]*\*?")
+_NAMELESS = (
+    tree.Sequence,
+    tree.Map,
+    tree.Fixed,
+    tree.Struct,
+    tree.Union,
+    tree.Enum,
+    tree.Bitset,
+)
+
+
+def all_of(entity: Entity, context: Context) -> None:
+    """Check each operation and attribute of an interface or valuetype."""
+    node = entity.node
+    assert isinstance(node, tree.Interface | tree.Valuetype)
+    remote = isinstance(node, tree.Interface) and node.modifier != "local"
+    for item in node.body.items:
+        match item.node:
+            case tree.Operation():
+                _operation(item.node, entity, context, remote)
+            case tree.Attribute():
+                _attribute(item.node, entity, context, remote)
+
+
+def _operation(
+    node: tree.Operation, entity: Entity, context: Context, remote: bool
+) -> None:
+    unit = entity.unit
+    if node.type is not None and not _is_void(node.type):
+        _type(node.type, entity, context, remote)
+        if node.oneway:
+            message = f"{node.name.text} is oneway, so it returns void"
+            context.tell(rules.ONEWAY, unit, node.type, message)
+    for parameter in node.parameters:
+        _parameter(parameter, node, entity, context, remote)
+    if node.raises is not None:
+        _raises(node.raises, entity, context)
+        if node.oneway:
+            message = f"{node.name.text} is oneway, so it raises nothing"
+            context.tell(rules.ONEWAY, unit, node.raises, message)
+    for text in node.context:
+        name = "".join(part[1:-1] for part in text.parts)
+        if not _CONTEXT.fullmatch(name):
+            context.tell(rules.BAD_CONTEXT, unit, text, f'"{name}" is no context name')
+
+
+def _parameter(
+    parameter: tree.Parameter,
+    node: tree.Operation,
+    entity: Entity,
+    context: Context,
+    remote: bool,
+) -> None:
+    unit = entity.unit
+    name = parameter.declarator.name
+    if parameter.direction is None:
+        message = f"the parameter {name.text} has no direction"
+        context.tell(
+            syntax.MISSING_DIRECTION,
+            unit,
+            parameter.type,
+            message,
+            hint="put in, out or inout before its type",
+        )
+    elif parameter.direction is not Direction.IN:
+        if node.oneway:
+            message = f"{node.name.text} is oneway, so its parameters are in"
+            context.tell(rules.ONEWAY, unit, name, message)
+        if node.factory:
+            message = f"the parameters of a {node.factory} are in"
+            context.tell(rules.BAD_PARAMETER, unit, name, message)
+    if parameter.declarator.dimensions:
+        context.tell(
+            type_rules.ANONYMOUS,
+            unit,
+            name,
+            "an array needs a name here",
+            hint="use a typedef",
+        )
+    _type(parameter.type, entity, context, remote)
+
+
+def _is_void(node: tree.TypeNode) -> bool:
+    return isinstance(node, tree.BasicType) and node.kind is Primitive.VOID
+
+
+def _type(node: tree.TypeNode, entity: Entity, context: Context, remote: bool) -> None:
+    if isinstance(node, _NAMELESS):
+        context.tell(
+            type_rules.ANONYMOUS,
+            entity.unit,
+            (
+                node
+                if not isinstance(node, tree.Struct | tree.Union | tree.Bitset)
+                else node.name
+            ),
+            "a type declared in place cannot stand here",
+            hint="give it a name before: use a typedef",
+        )
+        return
+    if not context.is_data(node, entity.unit):
+        return
+    if remote and context.is_local(context.types.of_node(node, entity.unit)):
+        message = f"{entity.name} is not local, so it cannot mention a local type"
+        context.tell(type_rules.LOCAL_TYPE, entity.unit, node, message)
+
+
+def _attribute(
+    node: tree.Attribute, entity: Entity, context: Context, remote: bool
+) -> None:
+    _type(node.type, entity, context, remote)
+    for clause in (node.get_raises, node.set_raises):
+        if clause is not None:
+            _raises(clause, entity, context)
+
+
+def _raises(clause: tree.Names, entity: Entity, context: Context) -> None:
+    unit = entity.unit
+    if not clause.names:
+        context.tell(syntax.EMPTY_RAISES, unit, clause, "no exception is named")
+    seen: set[Entity] = set()
+    for name in clause.names:
+        found = context.target(name)
+        if found is None:
+            continue
+        if found.kind not in (Kind.EXCEPTION, Kind.NATIVE):
+            context.tell(
+                rules.NOT_RAISABLE,
+                unit,
+                name,
+                f"the {found.kind} {found.scoped} is no exception",
+                related=[Related(found.span, "declared here")],
+            )
+        elif found in seen:
+            context.tell(rules.RAISED_TWICE, unit, name, f"{found.name} is named twice")
+        seen.add(found)

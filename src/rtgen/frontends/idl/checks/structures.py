@@ -1,0 +1,132 @@
+"""Structs, exceptions, bitsets, typedefs, constants, and repository ids."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Related
+from rtgen.frontends.idl import tree
+from rtgen.frontends.idl.checks.context import Context
+from rtgen.frontends.idl.constants import RANGES
+from rtgen.frontends.idl.rules import annotations as annotation_rules
+from rtgen.frontends.idl.rules import repository as repository_rules
+from rtgen.frontends.idl.rules import types as rules
+from rtgen.frontends.idl.scopes import Entity
+from rtgen.model import Bitset, Member, Primitive, PrimitiveType, Struct
+
+_WIDTH = {
+    kind: max(high.bit_length(), (-low - 1).bit_length() + 1 if low else 0)
+    for kind, (low, high) in RANGES.items()
+}
+_EXTENSIBILITIES = ("final", "appendable", "mutable")
+_MOST_BITS = 64
+
+
+def members(entity: Entity, context: Context) -> None:
+    """Members are data."""
+    assert isinstance(entity.node, tree.Struct)
+    for item in entity.node.body.items:
+        if isinstance(item.node, tree.Member):
+            context.is_data(item.node.type, entity.unit)
+
+
+def annotated(entity: Entity, context: Context) -> None:
+    """`@key`, `@optional`, `@id` and extensibility agree with each other."""
+    declaration = context.made.get(entity.path)
+    if declaration is None or not entity.item:
+        return
+    kinds = [a.name for a in declaration.annotations if a.name in _EXTENSIBILITIES]
+    for found in declaration.annotations:
+        if found.name == "extensibility":
+            kinds.append(str(found.get()).lower())
+    if len(set(kinds)) > 1:
+        message = f"{entity.name} cannot be {' and '.join(dict.fromkeys(kinds))}"
+        context.report(annotation_rules.EXTENSIBILITY.at(entity.span, message))
+    if not isinstance(declaration, Struct):
+        return
+    ids: dict[int, Member] = {}
+    base: Struct | None = declaration
+    lineage: list[Struct] = []
+    while base is not None and len(lineage) < _MOST_BITS:
+        lineage.append(base)
+        above = context.made.get(base.base) if base.base else None
+        base = above if isinstance(above, Struct) else None
+    for struct in reversed(lineage):
+        for member in struct.members:
+            if struct is declaration and member.key and member.optional:
+                message = f"{member.name} is a key, so it cannot be optional"
+                context.report(annotation_rules.KEY_OPTIONAL.at(member.span, message))
+            if member.id is None:
+                continue
+            if member.id in ids and struct is declaration:
+                other = ids[member.id]
+                context.report(
+                    annotation_rules.DUPLICATE_ID.at(
+                        member.span,
+                        f"the id {member.id} is taken",
+                        related=[Related(other.span, f"by {other.name}")],
+                    )
+                )
+            ids.setdefault(member.id, member)
+
+
+def typedef(entity: Entity, context: Context) -> None:
+    """A typedef names data."""
+    if entity.type_node is not None:
+        context.is_data(entity.type_node, entity.unit)
+
+
+def constant(entity: Entity, context: Context) -> None:
+    """A constant's type has constants; `constants` has told where it has not."""
+    assert isinstance(entity.node, tree.Const)
+    if context.types.of_node(entity.node.type, entity.unit) is None:
+        entity.poisoned = True
+
+
+def bitset(entity: Entity, context: Context) -> None:
+    """Bit fields fit into their types, and all together into 64 bits."""
+    declaration = context.made.get(entity.path)
+    if not isinstance(declaration, Bitset):
+        return
+    total = _bits(declaration, context)
+    if total > _MOST_BITS:
+        message = f"{entity.name} has {total} bits, more than {_MOST_BITS}"
+        context.report(rules.BAD_BITFIELD.at(entity.span, message))
+    for field in declaration.members:
+        most = _MOST_BITS
+        if field.type is not None:
+            plain = context.types.unaliased(field.type)
+            kind = plain.kind if isinstance(plain, PrimitiveType) else None
+            width = (
+                1 if kind is Primitive.BOOLEAN else _WIDTH.get(kind) if kind else None
+            )
+            if width is None:
+                message = f"{field.type} is no type for a bit field"
+                context.report(rules.BAD_BITFIELD.at(field.span, message))
+                continue
+            most = width
+        if field.bits > most:
+            message = f"{field.bits} bits do not fit into {most}"
+            context.report(rules.BAD_BITFIELD.at(field.span, message))
+
+
+def _bits(declaration: Bitset, context: Context) -> int:
+    total = 0
+    current: Bitset | None = declaration
+    while current is not None and total <= _MOST_BITS * 2:
+        total += sum(field.bits for field in current.members)
+        base = context.made.get(current.base) if current.base else None
+        current = base if isinstance(base, Bitset) else None
+    return total
+
+
+def repository_id(entity: Entity, ids: dict[str, Entity], context: Context) -> None:
+    """No two declarations share a repository id."""
+    other = ids.setdefault(entity.repository_id, entity)
+    if other is not entity and not entity.poisoned and not other.poisoned:
+        context.report(
+            repository_rules.SAME_ID.at(
+                entity.span,
+                f"{entity.scoped} and {other.scoped} have one repository id,"
+                f" {entity.repository_id}",
+                related=[Related(other.span, f"{other.scoped} is declared here")],
+            )
+        )

@@ -1,0 +1,104 @@
+"""Valuetypes and value boxes (CORBA 2.6, 3.8)."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Related
+from rtgen.frontends.idl import tree
+from rtgen.frontends.idl.checks.context import Context
+from rtgen.frontends.idl.rules import interfaces as rules
+from rtgen.frontends.idl.rules import types as type_rules
+from rtgen.frontends.idl.scopes import Entity, Kind
+
+
+def bases(entity: Entity, context: Context) -> None:
+    """Concrete bases stand first and alone; abstract, custom and truncatable go together."""
+    node = entity.node
+    assert isinstance(node, tree.Valuetype)
+    _concrete_first(entity, node.bases, "base", context)
+    _concrete_first(entity, node.supports, "supported interface", context)
+    for name in node.bases:
+        base = context.target(name)
+        if base is None:
+            continue
+        related = [Related(base.span, "declared here")]
+        if node.modifier == "abstract" and base.modifier != "abstract":
+            message = (
+                f"the abstract valuetype {entity.name} cannot inherit from {base.name}"
+            )
+            context.tell(
+                rules.ABSTRACT_BASE, entity.unit, name, message, related=related
+            )
+        if base.modifier == "custom" and node.modifier != "custom":
+            message = (
+                f"{entity.name} is not custom, so it cannot inherit from {base.name}"
+            )
+            context.tell(rules.CUSTOM, entity.unit, name, message, related=related)
+    if node.truncatable and node.modifier == "custom":
+        message = f"{entity.name} is custom, so it cannot be truncatable"
+        context.report(rules.CUSTOM.at(entity.span, message))
+    elif node.truncatable and node.bases:
+        first = context.target(node.bases[0])
+        if first is not None and first.modifier == "abstract":
+            message = f"{entity.name} is truncatable, but has no concrete base"
+            context.report(rules.CONCRETE_BASES.at(entity.span, message))
+
+
+def _concrete_first(
+    entity: Entity, names: tuple[tree.ScopedName, ...], what: str, context: Context
+) -> None:
+    seen: set[Entity] = set()
+    for index, name in enumerate(names):
+        base = context.target(name)
+        if base is None:
+            continue
+        if base in seen:
+            message = f"{base.name} is named twice"
+            context.tell(rules.DUPLICATE_BASE, entity.unit, name, message)
+        elif index and base.modifier != "abstract":
+            message = f"{base.name} is not abstract, so it can only be the first {what}"
+            related = [Related(base.span, "declared here")]
+            context.tell(
+                rules.CONCRETE_BASES, entity.unit, name, message, related=related
+            )
+        seen.add(base)
+
+
+def members(entity: Entity, context: Context) -> None:
+    """State is data, not local, and not in an abstract valuetype."""
+    node = entity.node
+    assert isinstance(node, tree.Valuetype)
+    for item in node.body.items:
+        match item.node:
+            case tree.State(member=member):
+                if node.modifier == "abstract":
+                    message = f"the abstract valuetype {entity.name} has no state"
+                    name = member.declarators[0].name
+                    context.tell(rules.ABSTRACT_STATE, entity.unit, name, message)
+                if context.is_data(member.type, entity.unit) and context.is_local(
+                    context.types.of_node(member.type, entity.unit)
+                ):
+                    message = "state cannot be of a local type"
+                    context.tell(
+                        type_rules.LOCAL_TYPE, entity.unit, member.type, message
+                    )
+            case tree.Operation(factory="factory") as operation if (
+                node.modifier == "abstract"
+            ):
+                message = f"the abstract valuetype {entity.name} has no factories"
+                context.tell(rules.ABSTRACT_STATE, entity.unit, operation.name, message)
+
+
+def box(entity: Entity, context: Context) -> None:
+    """A box holds data that is no value."""
+    node = entity.node
+    assert isinstance(node, tree.ValueBox)
+    if not context.is_data(node.type, entity.unit):
+        return
+    plain = context.types.unaliased(context.types.of_node(node.type, entity.unit))
+    if plain is not None and context.types.kind_of(plain) in (
+        Kind.VALUETYPE,
+        Kind.VALUE_BOX,
+    ):
+        context.tell(
+            rules.BOXED_VALUE, entity.unit, node.type, f"{node.name.text} boxes a value"
+        )

@@ -1,0 +1,474 @@
+"""Constant expressions (CORBA 2.6, 3.10.2; OMG IDL 4.2, 7.4.1.4.3): the target type decides."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from decimal import ROUND_DOWN, Context, Decimal
+from enum import StrEnum
+from math import isinf
+from typing import TYPE_CHECKING
+
+from rtgen.diagnostics import Diagnostic, Rule
+from rtgen.frontends.idl import literals, tree
+from rtgen.frontends.idl.rules import constants as rules
+from rtgen.frontends.idl.rules import names as name_rules
+from rtgen.frontends.idl.rules import syntax
+from rtgen.frontends.idl.rules import types as type_rules
+from rtgen.frontends.idl.scopes import Entity, Kind
+from rtgen.frontends.idl.unit import Unit
+from rtgen.model import (
+    ConstantValue,
+    EnumeratorName,
+    FixedType,
+    NamedType,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    StringType,
+    Type,
+)
+
+if TYPE_CHECKING:
+    from rtgen.frontends.idl.typetable import Types
+
+RANGES = {
+    Primitive.SHORT: (-(2**15), 2**15 - 1),
+    Primitive.UNSIGNED_SHORT: (0, 2**16 - 1),
+    Primitive.LONG: (-(2**31), 2**31 - 1),
+    Primitive.UNSIGNED_LONG: (0, 2**32 - 1),
+    Primitive.LONG_LONG: (-(2**63), 2**63 - 1),
+    Primitive.UNSIGNED_LONG_LONG: (0, 2**64 - 1),
+    Primitive.INT8: (-(2**7), 2**7 - 1),
+    Primitive.UINT8: (0, 2**8 - 1),
+    Primitive.OCTET: (0, 2**8 - 1),
+}
+"""The values of the integer types."""
+
+FLOATS = frozenset((Primitive.FLOAT, Primitive.DOUBLE, Primitive.LONG_DOUBLE))
+_CHARACTERS = {Primitive.CHAR: False, Primitive.WCHAR: True}
+_WIDE = (Primitive.LONG_LONG, Primitive.UNSIGNED_LONG_LONG)
+_DEEPEST = 48
+_EXACT = Context(prec=62, rounding=ROUND_DOWN)
+_DIGITS_31 = Context(prec=31, rounding=ROUND_DOWN)
+_LARGEST_FLOAT = 3.4028234663852886e38
+
+
+class Sort(StrEnum):
+    """The kinds of values that do not mix; the value is how messages call them."""
+
+    INTEGER = "an integer"
+    FLOAT = "a floating-point number"
+    FIXED = "a fixed-point number"
+    CHARACTER = "a character"
+    WIDE_CHARACTER = "a wide character"
+    TEXT = "a string"
+    WIDE_TEXT = "a wide string"
+    BOOLEAN = "a boolean"
+    ENUM = "an enumerator"
+
+
+def sort_of(type_: Type | None, is_enum: Callable[[ScopedName], bool]) -> Sort | None:
+    """The sort of the constants of a type without aliases; None if it has none."""
+    match type_:
+        case PrimitiveType(kind):
+            if kind in RANGES:
+                return Sort.INTEGER
+            if kind in FLOATS:
+                return Sort.FLOAT
+            if kind is Primitive.BOOLEAN:
+                return Sort.BOOLEAN
+            if kind in _CHARACTERS:
+                return Sort.WIDE_CHARACTER if _CHARACTERS[kind] else Sort.CHARACTER
+        case StringType(wide):
+            return Sort.WIDE_TEXT if wide else Sort.TEXT
+        case FixedType():
+            return Sort.FIXED
+        case NamedType(name) if is_enum(name):
+            return Sort.ENUM
+    return None
+
+
+class _NoValueError(Exception):
+    """The expression has no value; the finding is reported already."""
+
+
+class Constants:
+    """Evaluates expressions; findings go to `report`."""
+
+    def __init__(self, types: Types, report: Callable[[Diagnostic], None]) -> None:
+        self._types = types
+        self._report = report
+        self._values: dict[Entity, ConstantValue | None] = {}
+        self._unit: Unit
+        self._bits = 32
+        self._signed = True
+
+    def value_of(self, entity: Entity) -> ConstantValue | None:
+        """The value of a constant; None if it has none."""
+        if entity not in self._values:
+            self._values[entity] = None
+            node = entity.node
+            assert isinstance(node, tree.Const)
+            type_ = self._types.of_node(node.type, entity.unit)
+            if type_ is not None:
+                self._values[entity] = self.evaluate(node.value, type_, entity.unit)
+        return self._values[entity]
+
+    def evaluate(
+        self, node: tree.Expression, type_: Type, unit: Unit, what: str = "constant"
+    ) -> ConstantValue | None:
+        """The value of an expression for a type; None, with a finding, if it has none."""
+        plain = self._types.unaliased(type_)
+        if plain is None:
+            return None
+        sort = sort_of(plain, self._types.is_enum)
+        saved = getattr(self, "_unit", unit), self._bits, self._signed
+        self._unit = unit
+        wide = isinstance(plain, PrimitiveType) and plain.kind in _WIDE
+        self._bits = 64 if wide else 32
+        self._signed = (
+            not isinstance(plain, PrimitiveType)
+            or RANGES.get(plain.kind, (-1, 0))[0] < 0
+        )
+        try:
+            if sort is None:
+                self._fail(
+                    type_rules.BAD_CONST_TYPE, node, f"no {what} can be of type {type_}"
+                )
+            assert sort is not None
+            return self._fit(self._evaluate(node, sort, 0), plain, node)
+        except _NoValueError:
+            return None
+        finally:
+            self._unit, self._bits, self._signed = saved
+
+    def positive(self, node: tree.Expression, unit: Unit) -> int | None:
+        """The value of a bound or dimension; None, with a finding, if it is no possible one."""
+        value = self.evaluate(node, PrimitiveType(Primitive.LONG_LONG), unit, "bound")
+        if value is None:
+            return None
+        assert isinstance(value, int)
+        if not 1 <= value < 2**32:
+            self._unit = unit
+            span = unit.span(node.start, node.end)
+            self._report(
+                type_rules.BAD_BOUND.at(span, f"{value} is not from 1 to 4294967295")
+            )
+            return None
+        return value
+
+    def _fail(
+        self, rule: Rule, node: tree.Expression, message: str, hint: str | None = None
+    ) -> None:
+        self._tell(rule, node, message, hint)
+        raise _NoValueError
+
+    def _tell(
+        self, rule: Rule, node: tree.Expression, message: str, hint: str | None = None
+    ) -> None:
+        self._report(rule.at(self._unit.span(node.start, node.end), message, hint=hint))
+
+    def _evaluate(self, node: tree.Expression, sort: Sort, depth: int) -> ConstantValue:
+        if depth > _DEEPEST:
+            self._fail(syntax.TOO_DEEP, node, "this expression is nested too deeply")
+        match node:
+            case tree.Group(inner):
+                return self._evaluate(inner, sort, depth + 1)
+            case tree.Number():
+                return self._number(node, sort)
+            case tree.Text():
+                return self._text(node, sort)
+            case tree.Boolean():
+                if sort is not Sort.BOOLEAN:
+                    self._mixed(node, sort, Sort.BOOLEAN)
+                return node.value
+            case tree.ScopedName():
+                return self._named(node, sort)
+            case tree.Unary(operator, operand):
+                self._has_operators(node, sort)
+                value = self._evaluate(operand, sort, depth + 1)
+                return self._checked(self._unary(operator, value, node, sort), node)
+            case tree.Chain(first, rest):
+                self._has_operators(node, sort)
+                value = self._evaluate(first, sort, depth + 1)
+                for operator, operand in rest:
+                    right = self._evaluate(operand, sort, depth + 1)
+                    value = self._checked(
+                        self._binary(operator, value, right, operand), node
+                    )
+                return value
+
+    def _has_operators(self, node: tree.Expression, sort: Sort) -> None:
+        if sort not in (Sort.INTEGER, Sort.FLOAT, Sort.FIXED):
+            hint = (
+                "adjacent strings are joined"
+                if sort in (Sort.TEXT, Sort.WIDE_TEXT)
+                else None
+            )
+            self._fail(rules.WRONG_KIND, node, f"{sort} has no operators", hint)
+
+    def _mixed(self, node: tree.Expression, wanted: Sort, found: Sort) -> None:
+        hint = None
+        if {wanted, found} in (
+            {Sort.TEXT, Sort.WIDE_TEXT},
+            {Sort.CHARACTER, Sort.WIDE_CHARACTER},
+        ):
+            hint = "wide literals begin with L, others do not"
+        self._fail(
+            rules.WRONG_KIND, node, f"{wanted} is wanted here, not {found}", hint
+        )
+
+    def _number(self, node: tree.Number, sort: Sort) -> ConstantValue:
+        try:
+            value = literals.number(node.text)
+        except literals.LiteralError as error:
+            self._fail(syntax.BAD_LITERAL, node, str(error))
+            raise _NoValueError from error
+        match value:
+            case int():
+                return self._from_integer(value, node, sort)
+            case float() if sort is Sort.FLOAT:
+                return value
+            case Decimal() if sort is Sort.FIXED:
+                return value
+        self._mixed(node, sort, Sort.FLOAT if isinstance(value, float) else Sort.FIXED)
+        return value
+
+    def _from_integer(
+        self, value: int, node: tree.Expression, sort: Sort
+    ) -> ConstantValue:
+        if sort in (Sort.FLOAT, Sort.FIXED):
+            example = f"{value}.0" if sort is Sort.FLOAT else f"{value}d"
+            self._tell(
+                rules.INTEGER_AS_FLOAT,
+                node,
+                f"{sort} is wanted here",
+                f"write {example}",
+            )
+            return float(value) if sort is Sort.FLOAT else Decimal(value)
+        if sort is not Sort.INTEGER:
+            self._mixed(node, sort, Sort.INTEGER)
+        low, high = self._bounds()
+        if not low <= value <= high:
+            self._overflow(node, value)
+        return value
+
+    def _bounds(self) -> tuple[int, int]:
+        return -(2 ** (self._bits - 1)), 2**self._bits - 1
+
+    def _overflow(self, node: tree.Expression, value: int) -> None:
+        low, high = self._bounds()
+        self._fail(
+            rules.OUT_OF_RANGE, node, f"{_brief(value)} is not from {low} to {high}"
+        )
+
+    def _text(self, node: tree.Text, sort: Sort) -> ConstantValue:
+        try:
+            found = literals.text(node.parts, node.character)
+        except literals.LiteralError as error:
+            self._fail(syntax.BAD_LITERAL, node, str(error))
+            raise _NoValueError from error
+        for escape in found.unknown_escapes:
+            message = f"\\{escape} is no escape; {escape} is taken"
+            self._tell(syntax.UNKNOWN_ESCAPE, node, message)
+        if found.broken:
+            self._tell(
+                syntax.BROKEN_STRING, node, "this string goes over several lines"
+            )
+        sorts = (
+            (Sort.CHARACTER, Sort.WIDE_CHARACTER)
+            if node.character
+            else (Sort.TEXT, Sort.WIDE_TEXT)
+        )
+        if sort is not sorts[found.wide]:
+            self._mixed(node, sort, sorts[found.wide])
+        return found.value
+
+    def _named(self, node: tree.ScopedName, sort: Sort) -> ConstantValue:
+        entity = self._types.tables.references.get(node)
+        if entity is None:
+            raise _NoValueError
+        if isinstance(entity, Entity) and entity.kind is Kind.ENUMERATOR:
+            if sort is not Sort.ENUM:
+                self._mixed(node, sort, Sort.ENUM)
+            return EnumeratorName(entity.path)
+        if not isinstance(entity, Entity) or entity.kind is not Kind.CONST:
+            self._fail(name_rules.NOT_A_VALUE, node, f"{node} is no constant")
+            raise _NoValueError
+        value = self.value_of(entity)
+        assert isinstance(entity.node, tree.Const)
+        type_ = self._types.unaliased(
+            self._types.of_node(entity.node.type, entity.unit)
+        )
+        if value is None or type_ is None:
+            raise _NoValueError
+        found = sort_of(type_, self._types.is_enum)
+        if found is Sort.INTEGER and isinstance(value, int):
+            return self._from_integer(value, node, sort)
+        if found is not sort:
+            self._mixed(node, sort, found or Sort.INTEGER)
+        return value
+
+    def _unary(
+        self, operator: str, value: ConstantValue, node: tree.Expression, sort: Sort
+    ) -> ConstantValue:
+        if isinstance(value, int) and not isinstance(value, bool):
+            match operator:
+                case "-":
+                    return -value
+                case "~" if self._signed or value < 0:
+                    return -(value + 1)
+                case "~":
+                    return (1 << self._bits) - 1 - value
+            return value
+        assert isinstance(value, float | Decimal)
+        if operator == "~":
+            self._fail(rules.WRONG_KIND, node, f"{sort} has no '~'")
+        return -value if operator == "-" else value
+
+    def _binary(
+        self,
+        operator: str,
+        left: ConstantValue,
+        right: ConstantValue,
+        node: tree.Expression,
+    ) -> ConstantValue:
+        if operator in ("/", "%") and not right:
+            self._fail(rules.DIVISION_BY_ZERO, node, "division by zero")
+        if isinstance(left, int) and isinstance(right, int):
+            return self._integers(operator, left, right, node)
+        if isinstance(left, float) and isinstance(right, float):
+            match operator:
+                case "+":
+                    return left + right
+                case "-":
+                    return left - right
+                case "*":
+                    return left * right
+                case "/":
+                    return left / right
+        if isinstance(left, Decimal) and isinstance(right, Decimal):
+            match operator:
+                case "+":
+                    return _EXACT.add(left, right)
+                case "-":
+                    return _EXACT.subtract(left, right)
+                case "*":
+                    return _EXACT.multiply(left, right)
+                case "/":
+                    return _DIGITS_31.divide(left, right)
+        self._fail(rules.WRONG_KIND, node, f"'{operator}' takes integers")
+        raise _NoValueError
+
+    def _integers(
+        self, operator: str, left: int, right: int, node: tree.Expression
+    ) -> int:
+        match operator:
+            case "|":
+                return left | right
+            case "^":
+                return left ^ right
+            case "&":
+                return left & right
+            case "+":
+                return left + right
+            case "-":
+                return left - right
+            case "*":
+                return left * right
+            case "<<" | ">>":
+                if not 0 <= right < self._bits:
+                    message = (
+                        f"a shift by {_brief(right)} is not from 0 to {self._bits - 1}"
+                    )
+                    self._fail(rules.BAD_SHIFT, node, message)
+                return left << right if operator == "<<" else left >> right
+        quotient = abs(left) // abs(right)
+        if (left < 0) != (right < 0):
+            quotient = -quotient
+        if operator == "/":
+            return quotient
+        if left < 0 or right < 0:
+            message = "the remainder has the sign of the left operand"
+            self._tell(rules.NEGATIVE_REMAINDER, node, message)
+        return left - quotient * right
+
+    def _checked(self, value: ConstantValue, node: tree.Expression) -> ConstantValue:
+        """A result on the way, within what omniidl calculates with."""
+        if isinstance(value, int) and not isinstance(value, bool):
+            low, high = self._bounds()
+            if not low <= value <= high:
+                self._overflow(node, value)
+        elif isinstance(value, float) and isinf(value):
+            self._fail(
+                rules.OUT_OF_RANGE, node, "the value is beyond the range of a double"
+            )
+        elif isinstance(value, Decimal):
+            return _DIGITS_31.plus(value)
+        return value
+
+    def _fit(
+        self, value: ConstantValue, type_: Type, node: tree.Expression
+    ) -> ConstantValue:
+        """The value as its type holds it."""
+        match type_:
+            case PrimitiveType(kind) if kind in RANGES:
+                low, high = RANGES[kind]
+                assert isinstance(value, int)
+                if not low <= value <= high:
+                    message = f"{value} is no {kind}: {low} to {high}"
+                    self._fail(rules.OUT_OF_RANGE, node, message)
+            case PrimitiveType(kind) if kind in FLOATS:
+                assert isinstance(value, float)
+                return self._fit_float(value, kind, node)
+            case StringType(_, bound) if bound is not None:
+                assert isinstance(value, str)
+                if len(value) > bound:
+                    message = f"{len(value)} characters do not fit into {type_}"
+                    self._fail(rules.TEXT_TOO_LONG, node, message)
+            case FixedType(digits, scale) if digits:
+                assert isinstance(value, Decimal)
+                return self._fit_fixed(value, digits, scale, node)
+            case NamedType(name):
+                assert isinstance(value, EnumeratorName)
+                owner = self._types.enum_of(value.name)
+                if owner != name:
+                    message = (
+                        f"{'::'.join(value.name)} is no enumerator of {'::'.join(name)}"
+                    )
+                    self._fail(rules.WRONG_ENUM, node, message)
+        return value
+
+    def _fit_float(self, value: float, kind: Primitive, node: tree.Expression) -> float:
+        largest = _LARGEST_FLOAT if kind is Primitive.FLOAT else float("inf")
+        if isinf(value) or abs(value) > largest:
+            self._fail(
+                rules.OUT_OF_RANGE, node, f"the value is beyond the range of a {kind}"
+            )
+        if kind is Primitive.LONG_DOUBLE:
+            message = "the constant is kept as a double"
+            self._tell(type_rules.LONG_DOUBLE, node, message)
+        if kind is Primitive.FLOAT:
+            rounded: float = struct.unpack("<f", struct.pack("<f", value))[0]
+            return rounded
+        return value
+
+    def _fit_fixed(
+        self, value: Decimal, digits: int, scale: int, node: tree.Expression
+    ) -> Decimal:
+        cut = value.quantize(
+            Decimal(1).scaleb(-scale), rounding=ROUND_DOWN, context=_EXACT
+        )
+        if abs(cut) >= Decimal(10) ** (digits - scale):
+            message = f"{value} does not fit into fixed<{digits},{scale}>"
+            self._fail(rules.OUT_OF_RANGE, node, message)
+        if cut != value:
+            message = f"{value} is cut to {scale} digits behind the point"
+            self._tell(rules.PRECISION, node, message)
+            return cut
+        return value
+
+
+def _brief(value: int) -> str:
+    return str(value) if value.bit_length() < 200 else "a number of more than 200 bits"

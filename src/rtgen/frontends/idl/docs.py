@@ -1,0 +1,108 @@
+"""Doc comments: which comment belongs to which declaration, and its text without the marks.
+
+`/** */`, `/*! */`, `///` and `//!` belong to what follows them, `//` too where it stands directly
+above; `///<`, `/**<` and whatever begins on the line where a declaration ends belong to that one.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+
+from rtgen.frontends.idl.source import Comment
+from rtgen.frontends.idl.unit import Unit
+
+_DOCUMENTING = ("/**", "/*!", "///", "//!")
+_TRAILING = ("/**<", "/*!<", "///<", "//!<")
+_OF_A_FILE = re.compile(r"[\\@]file\b")
+_MARK = re.compile(r"//[/!]?<? ?")
+_STAR = re.compile(r"^[ \t]*\*(?!/) ?", re.MULTILINE)
+
+
+class Docs:
+    """Finds the doc text of declarations in one unit."""
+
+    def __init__(self, unit: Unit) -> None:
+        self._text = unit.text
+        self._comments = unit.comments
+        self._starts = [comment.start for comment in unit.comments]
+
+    def of(self, start: int, end: int) -> str:
+        """The doc of what stands at [start, end), its `;` or `,` included or not."""
+        if not self._comments:
+            return ""
+        parts = (self._above(start), self._behind(end))
+        return "\n\n".join(part for part in parts if part)
+
+    def _above(self, start: int) -> str:
+        index = bisect_left(self._starts, start) - 1
+        found: list[Comment] = []
+        position = start
+        while index >= 0:
+            comment = self._comments[index]
+            between = self._text[comment.end : position]
+            if between.strip() or comment.text.startswith(_TRAILING):
+                break
+            documenting = (
+                comment.text.startswith(_DOCUMENTING) and comment.text != "/**/"
+            )
+            adjacent = between.count("\n") == 1
+            if not documenting and not (comment.text.startswith("//") and adjacent):
+                break
+            line = self._text.rfind("\n", 0, comment.start) + 1
+            if self._text[line : comment.start].strip():
+                break
+            if found and (not adjacent or comment.text[:2] != "//"):
+                break
+            found.append(comment)
+            position = comment.start
+            if comment.text.startswith("/*"):
+                break
+            position = line
+            index -= 1
+            if index >= 0 and self._comments[index].end < line - 1:
+                gap = self._text[self._comments[index].end : line]
+                if gap.count("\n") > 1:
+                    break
+        texts = [_stripped(comment.text) for comment in reversed(found)]
+        joined = _tidy("\n".join(texts))
+        return "" if _OF_A_FILE.search(joined) else joined
+
+    def _behind(self, end: int) -> str:
+        index = bisect_left(self._starts, end)
+        found: list[str] = []
+        position = end
+        while index < len(self._comments):
+            comment = self._comments[index]
+            between = self._text[position : comment.start]
+            if between.strip(" \t\r;,") or (not found and "\n" in between):
+                break
+            if not found and not comment.text.startswith(("//", *_TRAILING)):
+                break
+            if found and not (
+                between.count("\n") == 1 and comment.text.startswith(("///<", "//!<"))
+            ):
+                break
+            found.append(_stripped(comment.text))
+            position = comment.end
+            index += 1
+        return _tidy("\n".join(found))
+
+
+def _stripped(text: str) -> str:
+    if text.startswith("//"):
+        return _MARK.sub("", text, count=1).rstrip()
+    inner = text[2:].removesuffix("*/").lstrip("*!").removeprefix("<")
+    return _STAR.sub("", inner)
+
+
+def _tidy(text: str) -> str:
+    """Without common indentation, and without blank lines at either end."""
+    lines = [line.rstrip() for line in text.split("\n")]
+    if lines:
+        lines[0] = lines[0].lstrip()
+    indents = [len(line) - len(line.lstrip()) for line in lines[1:] if line]
+    cut = min(indents, default=0)
+    return (
+        "\n".join([lines[0], *(line[cut:] for line in lines[1:])]).strip("\n").strip()
+    )

@@ -1,0 +1,223 @@
+"""Macros: definitions and their expansion (ISO C 1998, 16.3), on tokens with hide sets."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from rtgen.diagnostics import Span
+
+TOKEN = re.compile(
+    r"(?P<name>[^\W\d]\w*)"
+    r"|(?P<number>\.?\d(?:[eE][+-]|[\w.])*)"
+    r"""|(?P<text>L?"(?:\\.|[^"\\])*"|L?'(?:\\.|[^'\\\n]){0,12}')"""
+    r"|(?P<space>\s+)"
+    r"|(?P<mark>\#\#|<<|>>|<=|>=|==|!=|&&|\|\||::|.)",
+    re.DOTALL,
+)
+
+MAX_TOKENS = 100_000
+"""How many tokens the expansions of one run of text may give."""
+
+
+class ExpansionError(Exception):
+    """A macro call that cannot be expanded; `hint` as in diagnostics."""
+
+    def __init__(self, message: str, hint: str | None = None) -> None:
+        super().__init__(message)
+        self.message = message
+        self.hint = hint
+
+
+@dataclass(frozen=True, slots=True)
+class Token:
+    """A preprocessing token; `hidden` are the macros whose expansion it came from."""
+
+    kind: str
+    text: str
+    hidden: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Macro:
+    """A macro; `parameters` is None for one without parentheses."""
+
+    name: str
+    parameters: tuple[str, ...] | None
+    body: tuple[Token, ...]
+    span: Span | None = field(compare=False, default=None)
+
+
+def tokenize(text: str) -> list[Token]:
+    """The tokens of a text, white space included."""
+    return [
+        Token(match.lastgroup or "mark", match[0]) for match in TOKEN.finditer(text)
+    ]
+
+
+def define(text: str, span: Span | None = None) -> Macro:
+    """The macro of `NAME body` or `NAME(a, b) body`; ExpansionError if it is none."""
+    match = re.match(r"\s*([^\W\d]\w*)(\()?", text)
+    if match is None:
+        raise ExpansionError("the name of the macro is missing")
+    name = match[1]
+    parameters = None
+    rest = text[match.end() :]
+    if match[2]:
+        inside, closed, rest = rest.partition(")")
+        if not closed:
+            raise ExpansionError(f"the parameter list of {name} is not closed")
+        parameters = (
+            tuple(p.strip() for p in inside.split(",")) if inside.strip() else ()
+        )
+        for parameter in parameters:
+            if not re.fullmatch(r"[^\W\d]\w*", parameter):
+                raise ExpansionError(f"'{parameter}' cannot be a parameter of {name}")
+        if len(set(parameters)) < len(parameters):
+            raise ExpansionError(f"{name} has two parameters of one name")
+    body = tuple(
+        Token("space", " ") if token.kind == "space" else token
+        for token in tokenize(rest.strip())
+    )
+    edges = {body[0].text, body[-1].text} if body else set()
+    if "##" in edges:
+        raise ExpansionError("'##' cannot stand at either end of a macro")
+    return Macro(name, parameters, body, span)
+
+
+class Expander:
+    """Expands token lists with the macros of a table."""
+
+    def __init__(self, macros: Mapping[str, Macro]) -> None:
+        self._macros = macros
+        self._left = MAX_TOKENS
+
+    def expand(self, tokens: list[Token]) -> list[Token]:
+        """The tokens with all macro calls replaced; raises ExpansionError."""
+        pending = tokens[::-1]
+        result: list[Token] = []
+        while pending:
+            self._left -= 1
+            if self._left < 0:
+                raise ExpansionError("the macros expand without end")
+            token = pending.pop()
+            macro = self._macros.get(token.text) if token.kind == "name" else None
+            if macro is None or macro.name in token.hidden:
+                result.append(token)
+                continue
+            if macro.parameters is None:
+                replaced = self._substitute(macro, {}, token.hidden | {macro.name})
+            else:
+                arguments = self._arguments(macro, pending)
+                if arguments is None:
+                    result.append(token)
+                    continue
+                replaced = self._substitute(
+                    macro, arguments, token.hidden | {macro.name}
+                )
+            pending.extend(reversed(replaced))
+        return result
+
+    def _arguments(
+        self, macro: Macro, pending: list[Token]
+    ) -> dict[str, list[Token]] | None:
+        """The arguments of a call, taken off `pending`; None if no parenthesis follows."""
+        index = len(pending)
+        while index and pending[index - 1].kind == "space":
+            index -= 1
+        if not index or pending[index - 1].text != "(":
+            return None
+        del pending[index - 1 :]
+        arguments: list[list[Token]] = [[]]
+        depth = 1
+        while pending:
+            token = pending.pop()
+            depth += {"(": 1, ")": -1}.get(token.text, 0)
+            if depth == 0:
+                break
+            if token.text == "," and depth == 1:
+                arguments.append([])
+            else:
+                arguments[-1].append(token)
+        else:
+            raise ExpansionError(f"the call of {macro.name} is not closed")
+        assert macro.parameters is not None
+        if not macro.parameters and len(arguments) == 1 and not _stripped(arguments[0]):
+            arguments = []
+        if len(arguments) != len(macro.parameters):
+            wanted = len(macro.parameters)
+            raise ExpansionError(
+                f"{macro.name} takes {wanted} argument{'' if wanted == 1 else 's'},"
+                f" not {len(arguments)}",
+            )
+        stripped = map(_stripped, arguments)
+        return dict(zip(macro.parameters, stripped, strict=True))
+
+    def _substitute(
+        self, macro: Macro, arguments: dict[str, list[Token]], hidden: frozenset[str]
+    ) -> list[Token]:
+        result: list[Token] = []
+        body = macro.body
+        index = 0
+        while index < len(body):
+            token = body[index]
+            following = _next(body, index)
+            if token.text == "#" and macro.parameters is not None:
+                if following is None or body[following].text not in arguments:
+                    raise ExpansionError(
+                        f"in {macro.name}, '#' needs a parameter behind it"
+                    )
+                result.append(_quoted(arguments[body[following].text]))
+                index = following
+            elif token.text == "##":
+                assert following is not None
+                right = body[following]
+                _paste(result, arguments.get(right.text, [right]))
+                index = following
+            elif token.text in arguments and token.kind == "name":
+                pasted = following is not None and body[following].text == "##"
+                argument = arguments[token.text]
+                result += argument if pasted else self.expand(argument)
+            else:
+                result.append(token)
+            index += 1
+        return [Token(t.kind, t.text, t.hidden | hidden) for t in result]
+
+
+def _next(body: tuple[Token, ...], index: int) -> int | None:
+    index += 1
+    while index < len(body) and body[index].kind == "space":
+        index += 1
+    return index if index < len(body) else None
+
+
+def _stripped(tokens: list[Token]) -> list[Token]:
+    start, end = 0, len(tokens)
+    while start < end and tokens[start].kind == "space":
+        start += 1
+    while end > start and tokens[end - 1].kind == "space":
+        end -= 1
+    return tokens[start:end]
+
+
+def _quoted(tokens: list[Token]) -> Token:
+    parts = []
+    for token in tokens:
+        text = " " if token.kind == "space" else token.text
+        parts.append(
+            re.sub(r'(["\\])', r"\\\1", text) if token.kind == "text" else text
+        )
+    return Token("text", '"' + "".join(parts) + '"')
+
+
+def _paste(result: list[Token], right: list[Token]) -> None:
+    while result and result[-1].kind == "space":
+        result.pop()
+    if not right:
+        return
+    left = result.pop().text if result else ""
+    joined = tokenize(left + right[0].text)
+    if len(joined) != 1:
+        raise ExpansionError(f"'##' cannot join '{left}' and '{right[0].text}'")
+    result += [joined[0], *right[1:]]

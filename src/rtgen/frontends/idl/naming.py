@@ -1,0 +1,295 @@
+"""Declaring names and resolving those in types and expressions: what each declaration needs."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable
+
+from rtgen.diagnostics import Diagnostic, Related, Span
+from rtgen.frontends.idl import tree
+from rtgen.frontends.idl.lookup import Lookup, called, kind_of
+from rtgen.frontends.idl.repository import repository_id
+from rtgen.frontends.idl.rules import names as rules
+from rtgen.frontends.idl.rules import syntax
+from rtgen.frontends.idl.rules import types as type_rules
+from rtgen.frontends.idl.scopes import TYPES, Entity, Kind, Scope
+from rtgen.frontends.idl.tables import IDL_4_TYPES, MAX_DEPTH, Tables
+from rtgen.frontends.idl.unit import Unit
+from rtgen.model import Primitive
+
+FORWARDS = {
+    "struct": Kind.STRUCT,
+    "union": Kind.UNION,
+    "interface": Kind.INTERFACE,
+    "valuetype": Kind.VALUETYPE,
+    "eventtype": Kind.VALUETYPE,
+    "component": Kind.COMPONENT,
+}
+"""What can be declared in advance, by keyword."""
+
+
+class Naming(ABC):
+    """Fills the tables of a translation unit, name by name; findings go to `report`."""
+
+    def __init__(self, report: Callable[[Diagnostic], None]) -> None:
+        self.tables = Tables(Scope(None, None))
+        self._report = report
+        self._lookup = Lookup(self.tables.top, report)
+        self._unit: Unit
+
+    @abstractmethod
+    def _in_place(
+        self, node: tree.Struct | tree.Union | tree.Enum | tree.Bitset, scope: Scope
+    ) -> None:
+        """Resolve a type that is declared where it is used."""
+
+    def _new(
+        self,
+        scope: Scope,
+        name: tree.Name,
+        kind: Kind,
+        node: object,
+        *,
+        item: tree.Item | None = None,
+        listed: bool = True,
+    ) -> Entity:
+        """Declare a name; a clash is reported, and what clashes is kept out of the scope."""
+        path = (*scope.path, name.text)
+        entity = Entity(
+            name.text,
+            kind,
+            scope,
+            self._unit,
+            name.start,
+            name.end,
+            path,
+            len(self.tables.declared),
+            repository_id(scope.ids, name.text),
+            node,
+        )
+        entity.item = item
+        existing = self._lookup.declare(
+            scope, entity, name.end - name.start > len(name.text)
+        )
+        if existing is not None:
+            merged = self._merge(entity, existing)
+            if merged is not None:
+                self.tables.entities[name] = merged
+                return merged
+            entity.poisoned = True
+        self.tables.entities[name] = entity
+        if listed:
+            self.tables.declared.append(entity)
+        return entity
+
+    def _merge(self, entity: Entity, existing: Entity) -> Entity | None:
+        """The forward-declared entity that this one defines or repeats, else None and a finding."""
+        can_be_forward = entity.kind in FORWARDS.values()
+        if not can_be_forward or not (existing.node is None or entity.node is None):
+            self._lookup.clash(entity, existing)
+            return None
+        if existing.kind is not entity.kind or existing.name != entity.name:
+            if existing.kind in FORWARDS.values() and existing.name == entity.name:
+                message = f"{entity.name} is declared as {kind_of(existing)} before"
+                self._mismatch(entity, existing, message)
+            else:
+                self._lookup.clash(entity, existing)
+            return None
+        if existing.repository_id != entity.repository_id and not existing.fixed_id:
+            message = f"{entity.name} is declared with another prefix before"
+            self._mismatch(entity, existing, message)
+        if entity.node is not None:
+            existing.node = entity.node
+            existing.unit = entity.unit
+            existing.start, existing.end = entity.start, entity.end
+            existing.item = entity.item
+            existing.order = entity.order
+            self.tables.declared.remove(existing)
+            self.tables.declared.append(existing)
+        return existing
+
+    def _mismatch(self, entity: Entity, existing: Entity, message: str) -> None:
+        self._report(
+            rules.FORWARD_MISMATCH.at(
+                entity.span, message, related=[Related(existing.span, "declared here")]
+            )
+        )
+
+    def _find(self, scope: Scope, name: tree.ScopedName) -> Entity | Primitive | None:
+        """What a name stands for, also into the table."""
+        found: Entity | Primitive | None
+        if len(name.parts) == 1 and name.parts[0].text in IDL_4_TYPES:
+            found = self._lookup.find(scope, name, self._unit, optional=True)
+            found = found or IDL_4_TYPES[name.parts[0].text]
+        elif str(name).removeprefix("::") in ("CORBA::Object", "CORBA::TypeCode"):
+            found = self._lookup.find(scope, name, self._unit, optional=True)
+            found = found or Primitive.OBJECT
+        else:
+            found = self._lookup.find(scope, name, self._unit)
+        self.tables.references[name] = found
+        return found
+
+    def _find_text(self, scope: Scope, text: str, span: Span) -> Entity | None:
+        """What the scoped name in a pragma stands for."""
+        parts = [part.strip() for part in text.split("::")]
+        absolute = not parts[0]
+        places = [self.tables.top] if absolute else list(scope.outward())
+        parts = parts[absolute:]
+        names = [part.removeprefix("_") for part in parts]
+        entity: Entity | None = None
+        for place in places:
+            found = place.find(names[0].lower())
+            if found:
+                entity = found[0]
+                break
+        for name in names[1:]:
+            inner = entity.inner if entity else None
+            found = inner.find(name.lower()) if inner else []
+            entity = found[0] if found else None
+        if entity is None:
+            self._report(
+                rules.UNKNOWN_NAME.at(span, f"{text} is not declared before the pragma")
+            )
+        return entity
+
+    def _type(
+        self, node: tree.TypeNode, scope: Scope, depth: int = 0, *, alias: bool = False
+    ) -> None:
+        """Resolve the names in a type, and declare what it declares in place.
+
+        `depth` counts the sequences and maps around it; `alias` says that it stands in a typedef.
+        """
+        if isinstance(node, tree.BasicType):
+            return
+        if depth > MAX_DEPTH:
+            span = self._unit.span(node.start, node.start + 1)
+            self._report(syntax.TOO_DEEP.at(span, "this type is nested too deeply"))
+            return
+        match node:
+            case tree.ScopedName():
+                found = self._find(scope, node)
+                if isinstance(found, Entity):
+                    self._check_type(found, node)
+                    if not found.complete:
+                        self._incomplete(found, node, scope, depth, alias)
+            case tree.Sequence():
+                self._type(node.element, scope, depth + 1, alias=alias)
+                self._value(node.bound, scope)
+            case tree.TextType():
+                self._value(node.bound, scope)
+            case tree.Map():
+                self._type(node.key, scope, depth + 1, alias=alias)
+                self._type(node.value, scope, depth + 1, alias=alias)
+                self._value(node.bound, scope)
+            case tree.Fixed():
+                self._value(node.digits, scope)
+                self._value(node.scale, scope)
+            case _:
+                self._in_place(node, scope)
+
+    def _incomplete(
+        self,
+        entity: Entity,
+        node: tree.ScopedName,
+        scope: Scope,
+        depth: int,
+        alias: bool,
+    ) -> None:
+        """Check a use of a type that is not complete yet, or is made of one."""
+        behind = self._open_type(entity)
+        if behind is None:
+            return
+        in_sequence = depth > 0 or behind is not entity
+        inside = any(place.entity is behind for place in scope.outward())
+        if in_sequence and (alias or inside):
+            if inside and depth > 0 and behind is entity:
+                self._report(
+                    type_rules.RECURSIVE_SEQUENCE.at(
+                        self._unit.span(node.start, node.end),
+                        f"this sequence is directly inside {behind.name}",
+                        hint=f"declare '{behind.kind} {behind.name};' before, and a typedef",
+                    )
+                )
+            return
+        label = (
+            "its definition begins here"
+            if behind.node is not None
+            else "only declared here"
+        )
+        self._report(
+            type_rules.INCOMPLETE.at(
+                self._unit.span(node.start, node.end),
+                f"{behind.scoped} is not complete here",
+                related=[Related(behind.span, label)],
+            )
+        )
+        self.tables.references[node] = None
+
+    def _open_type(self, entity: Entity) -> Entity | None:
+        """The struct or union behind typedefs and sequences that is not complete yet."""
+        seen = 0
+        while not entity.complete and seen < MAX_DEPTH:
+            seen += 1
+            if entity.kind in (Kind.STRUCT, Kind.UNION, Kind.BITSET):
+                return entity
+            if entity.kind is not Kind.TYPEDEF:
+                return None
+            node = entity.type_node
+            while isinstance(node, tree.Sequence):
+                node = node.element
+            found = (
+                self.tables.references.get(node)
+                if isinstance(node, tree.ScopedName)
+                else None
+            )
+            if not isinstance(found, Entity) or found.complete:
+                entity.complete = True
+                return None
+            entity = found
+        return None
+
+    def _check_type(self, entity: Entity, node: tree.ScopedName) -> None:
+        if entity.kind in TYPES:
+            return
+        self.tables.references[node] = None
+        if not entity.poisoned:
+            what = (
+                "can only be raised" if entity.kind is Kind.EXCEPTION else "is no type"
+            )
+            self._report(
+                rules.NOT_A_TYPE.at(
+                    self._unit.span(node.start, node.end),
+                    f"{called(entity)} {what}",
+                    related=[Related(entity.span, "declared here")],
+                )
+            )
+
+    def _value(self, node: tree.Expression | None, scope: Scope) -> None:
+        """Resolve the names in an expression."""
+        pending = [node] if node is not None else []
+        while pending:
+            part = pending.pop()
+            match part:
+                case tree.ScopedName():
+                    self._find(scope, part)
+                case tree.Unary():
+                    pending.append(part.operand)
+                case tree.Group():
+                    pending.append(part.inner)
+                case tree.Chain():
+                    pending.append(part.first)
+                    pending += (operand for _, operand in part.rest)
+
+    def _annotations(
+        self, annotations: Iterable[tree.Annotation], scope: Scope
+    ) -> None:
+        """Resolve names in arguments; words such as FINAL are no names, so nothing is reported."""
+        for annotation in annotations:
+            for argument in annotation.arguments:
+                if isinstance(argument.value, tree.ScopedName):
+                    found = self._lookup.find(
+                        scope, argument.value, self._unit, optional=True
+                    )
+                    self.tables.references[argument.value] = found
+                else:
+                    self._value(argument.value, scope)

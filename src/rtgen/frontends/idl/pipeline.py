@@ -1,0 +1,160 @@
+"""The front end as a whole: files in, model and findings out."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rtgen.diagnostics import Diagnostic, Related, Severity, Span, in_order
+from rtgen.frontends import FrontendResult
+from rtgen.frontends.idl import checks
+from rtgen.frontends.idl.lower import Lowering
+from rtgen.frontends.idl.macros import ExpansionError, Macro
+from rtgen.frontends.idl.names import Resolver
+from rtgen.frontends.idl.parser import parse
+from rtgen.frontends.idl.preprocessor import Preprocessor, predefined
+from rtgen.frontends.idl.rules import lexical, names, syntax
+from rtgen.frontends.idl.source import Library, Source, absolute_path
+from rtgen.frontends.idl.tables import Tables
+from rtgen.frontends.idl.tree import Item
+from rtgen.frontends.idl.typetable import Types
+from rtgen.frontends.idl.unit import Inclusion, Unit
+from rtgen.model import Declaration, Model, ScopedName, SourceFile
+
+MAX_FINDINGS = 1000
+"""How many findings of one severity a run gives."""
+
+
+def load(
+    paths: Sequence[Path],
+    *,
+    root: Path,
+    include: Sequence[Path] = (),
+    define: Mapping[str, str] | None = None,
+) -> FrontendResult:
+    """Read definition files, each a translation unit, into one model.
+
+    `root` is the project's folder, to which the keys of files are relative; `include` are the
+    folders of `#include`, in order; `define` gives macros. Whatever is wrong with the input is in
+    the diagnostics, sorted; nothing is raised for it. Declarations with an error are not in the
+    model, nor what depends on them.
+    """
+    return _Run(paths, root, include).result(define or {})
+
+
+class _Run:
+    def __init__(
+        self, paths: Sequence[Path], root: Path, include: Sequence[Path]
+    ) -> None:
+        shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
+        self._library = Library(root, include, shown)
+        self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
+        self._found: dict[Diagnostic, None] = {}
+        self._counts: Counter[Severity] = Counter()
+        self._preprocessor = Preprocessor(self._library, self._report)
+        self._trees: dict[Unit, tuple[Item, ...]] = {}
+        self._declarations: dict[ScopedName, Declaration] = {}
+        self._files: dict[str, SourceFile] = {}
+        self._main: set[str] = set()
+        self._shown = shown
+
+    def _report(self, diagnostic: Diagnostic) -> None:
+        if diagnostic in self._found:
+            return
+        self._counts[diagnostic.severity] += 1
+        if self._counts[diagnostic.severity] <= MAX_FINDINGS:
+            self._found[diagnostic] = None
+        elif self._counts[diagnostic.severity] == MAX_FINDINGS + 1:
+            message = f"more than {MAX_FINDINGS} {diagnostic.severity}s: the rest is not shown"
+            self._found[syntax.TOO_MANY_FINDINGS.at(diagnostic.span, message)] = None
+
+    def result(self, define: Mapping[str, str]) -> FrontendResult:
+        try:
+            macros = predefined(define)
+        except ExpansionError as error:
+            self._report(lexical.BAD_MACRO_NAME.at(None, error.message))
+            macros = predefined({})
+        sources = [
+            source for source in map(self._open, self._paths) if source is not None
+        ]
+        self._main = {source.name for source in sources}
+        for source in sources:
+            self._translate(source, macros)
+        return FrontendResult(
+            model=Model(
+                tuple(self._files.values()), tuple(self._declarations.values())
+            ),
+            diagnostics=tuple(in_order(self._found)),
+            sources={source.name: source.text for source in self._library.sources},
+            dependencies=self._library.dependencies,
+        )
+
+    def _open(self, path: Path) -> Source | None:
+        shown = self._shown[str(path)]
+        try:
+            source = self._library.open(path)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            message = f"{shown} cannot be read: {reason}"
+            self._report(lexical.UNREADABLE.at(Span(shown, 1, 1, 1, 1), message))
+            return None
+        if source is None:
+            message = (
+                f"{shown} is a folder" if path.is_dir() else f"{shown} does not exist"
+            )
+            self._report(lexical.MISSING_FILE.at(Span(shown, 1, 1, 1, 1), message))
+        return source
+
+    def _items(self, unit: Unit) -> tuple[Item, ...]:
+        if unit not in self._trees:
+            self._trees[unit] = parse(unit, self._report)
+        return self._trees[unit]
+
+    def _translate(self, source: Source, macros: Mapping[str, Macro]) -> None:
+        unit = self._preprocessor.translation_unit(source, macros)
+        tables = Resolver(self._items, self._report).run(unit)
+        types = Types(tables, self._report)
+        lowering = Lowering(types, self._report)
+        made: dict[ScopedName, Declaration] = {}
+        for entity in tables.declared:
+            declaration = lowering.declaration(entity)
+            if declaration is not None:
+                made[declaration.name] = declaration
+        checks.run(tables, types, made, self._report)
+        self._note_files(tables)
+        for name, declaration in made.items():
+            self._add(name, declaration)
+
+    def _add(self, name: ScopedName, declaration: Declaration) -> None:
+        known = self._declarations.setdefault(name, declaration)
+        if known is not declaration and known != declaration:
+            self._report(
+                names.TWO_DEFINITIONS.at(
+                    declaration.span,
+                    f"{declaration.scoped} is declared differently in another file",
+                    related=[Related(known.span, "the other declaration")],
+                )
+            )
+
+    def _note_files(self, tables: Tables) -> None:
+        for unit in tables.units:
+            source = unit.source
+            included = [
+                e.unit.source.name for e in unit.events if isinstance(e, Inclusion)
+            ]
+            self._note(source, (*included, *(s.name for s in unit.nested)), None)
+            for nested in unit.nested:
+                self._note(nested, (), source.name)
+
+    def _note(self, source: Source, includes: Sequence[str], owner: str | None) -> None:
+        known = self._files.get(source.name)
+        names_ = tuple(dict.fromkeys((*(known.includes if known else ()), *includes)))
+        self._files[source.name] = SourceFile(
+            name=source.name,
+            key=source.key,
+            sha256=source.sha256,
+            main=source.name in self._main,
+            includes=names_,
+            belongs_to=None if source.name in self._main else owner,
+        )

@@ -1,0 +1,118 @@
+"""Repository ids (CORBA 2.6, 10.6): prefixes, `#pragma ID`, `#pragma version`, CORBA 3's typeid."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+from rtgen.diagnostics import Diagnostic, Related, Span
+from rtgen.frontends.idl.rules import repository as rules
+from rtgen.frontends.idl.scopes import Entity, Kind, Scope
+from rtgen.frontends.idl.unit import Pragma
+
+_PRAGMA = re.compile(r"\s*(\w+)\s*(.*?)\s*$", re.DOTALL)
+_PREFIX = re.compile(r'"([^"]*)"')
+_ID = re.compile(r'((?:::\s*)?\w+(?:\s*::\s*\w+)*)\s+"([^"]*)"')
+_VERSION = re.compile(r"((?:::\s*)?\w+(?:\s*::\s*\w+)*)\s+(\d+\.\d+)")
+_IDL_FORM = re.compile(r"IDL:[^:]*:\d+\.\d+")
+_WITHOUT_ID = (Kind.MEMBER, Kind.ENUMERATOR, Kind.PARAMETER, Kind.PORT)
+
+Find = Callable[[Scope, str, Span], Entity | None]
+
+
+def repository_id(ids: str, name: str) -> str:
+    """The id of a name below a path of repository ids: `IDL:path/name:1.0`."""
+    return f"IDL:{ids}/{name}:1.0" if ids else f"IDL:{name}:1.0"
+
+
+def below(ids: str, name: str) -> str:
+    """The path of the ids inside a scope of that name."""
+    return f"{ids}/{name}" if ids else name
+
+
+class Identities:
+    """Applies what a definition says of repository ids; findings go to `report`."""
+
+    def __init__(self, find: Find, report: Callable[[Diagnostic], None]) -> None:
+        self._find = find
+        self._report = report
+
+    def apply(self, pragma: Pragma, scope: Scope) -> None:
+        """Apply `#pragma prefix`, `ID` or `version`; every other pragma is let pass."""
+        match = _PRAGMA.match(pragma.text)
+        kind, rest = (match[1], match[2]) if match else ("", "")
+        if kind == "prefix":
+            found = _PREFIX.fullmatch(rest)
+            if found is None:
+                self._malformed(pragma, '#pragma prefix "text"')
+            else:
+                scope.ids = found[1]
+        elif kind == "ID":
+            found = _ID.fullmatch(rest)
+            if found is None:
+                self._malformed(pragma, '#pragma ID name "IDL:text:1.0"')
+            else:
+                entity = self._find(scope, found[1], pragma.span)
+                if entity is not None:
+                    self.set_id(entity, found[2], pragma.span)
+        elif kind == "version":
+            found = _VERSION.fullmatch(rest)
+            if found is None:
+                self._malformed(pragma, "#pragma version name major.minor")
+            else:
+                entity = self._find(scope, found[1], pragma.span)
+                if entity is not None:
+                    self._set_version(entity, found[2], pragma.span)
+
+    def _malformed(self, pragma: Pragma, form: str) -> None:
+        self._report(
+            rules.BAD_PRAGMA.at(pragma.span, "malformed pragma", hint=f"write {form}")
+        )
+
+    def set_id(self, entity: Entity, text: str, span: Span) -> None:
+        """Give an entity the id that a pragma or a typeid statement names."""
+        if entity.kind in _WITHOUT_ID:
+            self._report(
+                rules.NO_ID.at(span, f"the {entity.kind} {entity.scoped} has no id")
+            )
+            return
+        if ":" not in text or (
+            text.startswith("IDL:") and not _IDL_FORM.fullmatch(text)
+        ):
+            self._report(
+                rules.ODD_ID.at(
+                    span,
+                    f'"{text}" is no usual repository id',
+                    hint="IDL:path/name:1.0",
+                )
+            )
+        before = entity.fixed_id or entity.fixed_version
+        if before is not None and entity.repository_id != text:
+            self._conflict(entity, before, span)
+            return
+        entity.repository_id = text
+        entity.fixed_id = span
+
+    def _set_version(self, entity: Entity, version: str, span: Span) -> None:
+        if entity.kind in _WITHOUT_ID:
+            self._report(
+                rules.NO_ID.at(span, f"the {entity.kind} {entity.scoped} has no id")
+            )
+            return
+        start, _, _ = entity.repository_id.rpartition(":")
+        text = f"{start}:{version}"
+        before = entity.fixed_id or entity.fixed_version
+        if before is not None and entity.repository_id != text:
+            self._conflict(entity, before, span)
+            return
+        entity.repository_id = text
+        entity.fixed_version = span
+
+    def _conflict(self, entity: Entity, before: Span, span: Span) -> None:
+        self._report(
+            rules.CONFLICT.at(
+                span,
+                f"{entity.scoped} has the repository id {entity.repository_id} already",
+                related=[Related(before, "set here")],
+            )
+        )

@@ -1,0 +1,172 @@
+"""Rules of annotations and components (IDL08xx, IDL09xx)."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Rule, Severity
+
+UNKNOWN_ANNOTATION = Rule(
+    "IDL0800",
+    "unknown annotation",
+    Severity.WARNING,
+    """
+The annotation is none of IDL 4.2's or of rtgen's. It is kept, but nothing depends on it.
+""",
+)
+
+MISPLACED = Rule(
+    "IDL0801",
+    "annotation in the wrong place",
+    Severity.WARNING,
+    """
+The annotation means nothing for what it is put on: `@key` and `@optional` belong to members,
+`@rtc` to
+components, `@unit` to members, ports and parameters, and so on.
+""",
+)
+
+BAD_ARGUMENT = Rule(
+    "IDL0802",
+    "wrong argument of an annotation",
+    Severity.ERROR,
+    """
+The annotation has no argument of that name, lacks one, or takes another kind of value.
+
+```idl
+@rtc(kind="DataFlowComponent", category="Navigation", rate=1000.0)
+component RefHardRh3 { };
+```
+""",
+)
+
+KEY_OPTIONAL = Rule(
+    "IDL0803",
+    "optional key",
+    Severity.ERROR,
+    """
+A member marked `@key` identifies the object, so it cannot be `@optional`.
+""",
+)
+
+DUPLICATE_ID = Rule(
+    "IDL0804",
+    "member id given twice",
+    Severity.ERROR,
+    """
+Each `@id` is unique in a struct, its bases included.
+""",
+)
+
+BAD_BIT_BOUND = Rule(
+    "IDL0805",
+    "impossible @bit_bound or @position",
+    Severity.ERROR,
+    """
+`@bit_bound` is 1 to 32 for an enum and 1 to 64 for a bitmask; positions are below the bound, and
+each
+is given once.
+""",
+)
+
+BAD_ENUM_VALUE = Rule(
+    "IDL0806",
+    "impossible value of an enumerator",
+    Severity.ERROR,
+    """
+Values given by `@value` grow from enumerator to enumerator, and fit into 32 bits.
+""",
+)
+
+EXTENSIBILITY = Rule(
+    "IDL0807",
+    "conflicting extensibility",
+    Severity.ERROR,
+    """
+A type is final, appendable or mutable; only one of them.
+""",
+)
+
+DEFAULT_RANGE = Rule(
+    "IDL0808",
+    "default or range that does not fit",
+    Severity.ERROR,
+    """
+`@default` lies between `@min` and `@max`, and `@min` is not larger than `@max`.
+""",
+)
+
+BAD_PORT_TYPE = Rule(
+    "IDL0900",
+    "impossible type of a port",
+    Severity.ERROR,
+    """
+`consumes`, `publishes` and `emits` take a struct or union (or eventtype); `provides` and `uses`
+take
+an interface.
+""",
+)
+
+DUPLICATE_PORT = Rule(
+    "IDL0901",
+    "port declared twice",
+    Severity.ERROR,
+    """
+A component has at most one data port of each name and direction, and each parameter once. An
+InPort and an OutPort may share a name. In a service port, each interface instance has its own name.
+""",
+)
+
+BAD_PARAMETER_TYPE = Rule(
+    "IDL0902",
+    "impossible type of a configuration parameter",
+    Severity.ERROR,
+    """
+A configuration parameter travels as text, so it is a number, a boolean, a string, an enum, or a
+sequence or array of these.
+""",
+)
+
+BAD_NAME = Rule(
+    "IDL0903",
+    "impossible outside name",
+    Severity.ERROR,
+    """
+The name given by `@name`, `@port` or `@instance` is not empty and holds no control characters.
+""",
+)
+
+BAD_DATE = Rule(
+    "IDL0904",
+    "malformed date",
+    Severity.ERROR,
+    """
+`created` and `updated` are dates of XML Schema with a time zone: `2011-09-26T10:00:00+09:00`.
+""",
+)
+
+CONSTANT_ATTRIBUTE = Rule(
+    "IDL0905",
+    "construct of components that is read only",
+    Severity.WARNING,
+    """
+Homes, `multiple`, `port`, `mirrorport`, `primarykey` and read-only attributes of components are
+read, so that files that hold them can be used, but nothing is made of them.
+""",
+)
+
+RULES = (
+    UNKNOWN_ANNOTATION,
+    MISPLACED,
+    BAD_ARGUMENT,
+    KEY_OPTIONAL,
+    DUPLICATE_ID,
+    BAD_BIT_BOUND,
+    BAD_ENUM_VALUE,
+    EXTENSIBILITY,
+    DEFAULT_RANGE,
+    BAD_PORT_TYPE,
+    DUPLICATE_PORT,
+    BAD_PARAMETER_TYPE,
+    BAD_NAME,
+    BAD_DATE,
+    CONSTANT_ATTRIBUTE,
+)

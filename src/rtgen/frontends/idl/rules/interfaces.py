@@ -1,0 +1,156 @@
+"""Rules of interfaces, operations and valuetypes (IDL06xx)."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Rule, Severity
+
+DUPLICATE_BASE = Rule(
+    "IDL0600",
+    "base named twice",
+    Severity.ERROR,
+    """
+A declaration names each of its direct bases once.
+""",
+)
+
+ABSTRACT_BASE = Rule(
+    "IDL0601",
+    "abstract interface or valuetype with a concrete base",
+    Severity.ERROR,
+    """
+An abstract interface inherits from abstract interfaces only, an abstract valuetype from abstract
+valuetypes only.
+""",
+)
+
+LOCAL_BASE = Rule(
+    "IDL0602",
+    "remote interface with a local base",
+    Severity.ERROR,
+    """
+Only a local interface may inherit from a local one.
+""",
+)
+
+REDEFINED = Rule(
+    "IDL0603",
+    "inherited operation or attribute declared again",
+    Severity.ERROR,
+    """
+Operations and attributes that are inherited cannot be declared again, in whatever case. Types,
+constants and exceptions can.
+""",
+)
+
+INHERITED_CLASH = Rule(
+    "IDL0604",
+    "two bases with one operation",
+    Severity.ERROR,
+    """
+Two bases that do not inherit from each other declare an operation or attribute of the same name, so
+the derived interface would have both.
+""",
+)
+
+NOT_RAISABLE = Rule(
+    "IDL0605",
+    "not an exception",
+    Severity.ERROR,
+    """
+`raises`, `getraises` and `setraises` name exceptions.
+""",
+)
+
+RAISED_TWICE = Rule(
+    "IDL0606",
+    "exception named twice",
+    Severity.WARNING,
+    """
+An exception stands twice in one `raises`; once is enough.
+""",
+)
+
+ONEWAY = Rule(
+    "IDL0607",
+    "impossible oneway operation",
+    Severity.ERROR,
+    """
+The caller of a `oneway` operation does not wait for an answer. So it returns void, has `in`
+parameters only, and raises nothing.
+""",
+)
+
+BAD_CONTEXT = Rule(
+    "IDL0608",
+    "malformed context name",
+    Severity.ERROR,
+    """
+A context name begins with a letter, goes on with letters, digits, `.` and `_`, and may end with one
+`*`.
+""",
+)
+
+CONCRETE_BASES = Rule(
+    "IDL0609",
+    "concrete base in the wrong place",
+    Severity.ERROR,
+    """
+A valuetype has at most one base that is not abstract, and supports at most one interface that is
+not
+abstract; each stands first in its list. `truncatable` needs such a base.
+""",
+)
+
+CUSTOM = Rule(
+    "IDL0610",
+    "custom valuetype in the wrong place",
+    Severity.ERROR,
+    """
+A custom valuetype is not truncatable, and a valuetype that is not custom does not inherit from a
+custom one.
+""",
+)
+
+ABSTRACT_STATE = Rule(
+    "IDL0611",
+    "state in an abstract valuetype",
+    Severity.ERROR,
+    """
+An abstract valuetype has no state members and no factories.
+""",
+)
+
+BOXED_VALUE = Rule(
+    "IDL0612",
+    "boxed valuetype",
+    Severity.ERROR,
+    """
+A value box holds a type that is no valuetype itself.
+""",
+)
+
+BAD_PARAMETER = Rule(
+    "IDL0613",
+    "impossible parameter of a factory",
+    Severity.ERROR,
+    """
+Factories and finders take `in` parameters only.
+""",
+)
+
+RULES = (
+    DUPLICATE_BASE,
+    ABSTRACT_BASE,
+    LOCAL_BASE,
+    REDEFINED,
+    INHERITED_CLASH,
+    NOT_RAISABLE,
+    RAISED_TWICE,
+    ONEWAY,
+    BAD_CONTEXT,
+    CONCRETE_BASES,
+    CUSTOM,
+    ABSTRACT_STATE,
+    BOXED_VALUE,
+    BAD_PARAMETER,
+)

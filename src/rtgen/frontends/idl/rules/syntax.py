@@ -1,0 +1,271 @@
+"""Rules of syntax (IDL01xx)."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Rule, Severity
+
+UNEXPECTED = Rule(
+    "IDL0100",
+    "syntax error",
+    Severity.ERROR,
+    """
+The text does not follow the grammar of IDL at this place. Where only few things could have stood
+here, the message names them. The broken declaration is passed over and reading goes on behind it,
+so other mistakes are reported in the same run.
+""",
+)
+
+MISSING_SEMICOLON = Rule(
+    "IDL0101",
+    "missing semicolon",
+    Severity.ERROR,
+    """
+Every declaration and member ends with `;`, also behind a closing brace. The place shown is the end
+of the declaration that lacks it.
+
+```idl
+struct Wheel { double radius; }    // wrong
+struct Wheel { double radius; };   // right
+```
+""",
+)
+
+MISSPELT_KEYWORD = Rule(
+    "IDL0102",
+    "misspelt keyword",
+    Severity.ERROR,
+    """
+A word stands where only a keyword can, and it is like one. Keywords are written exactly as the
+language has them, upper and lower case included: `struct`, `Object`, `TRUE`.
+""",
+)
+
+KEYWORD_AS_NAME = Rule(
+    "IDL0103",
+    "keyword used as a name",
+    Severity.ERROR,
+    """
+A keyword cannot name anything. With a leading underscore, which is not part of the name, it can:
+
+```idl
+struct Event { long local; };    // wrong: local is a keyword
+struct Event { long _local; };   // right: the member is called local
+```
+""",
+)
+
+MISSING_NAME = Rule(
+    "IDL0104",
+    "declaration without a name",
+    Severity.ERROR,
+    """
+Structs, unions, enums, interfaces and so on need a name, also where they are declared in place
+inside another declaration.
+
+```idl
+typedef struct { long x; } Point;    // wrong
+struct Point { long x; };            // right
+```
+""",
+)
+
+UNCLOSED_BRACE = Rule(
+    "IDL0105",
+    "brace that is never closed",
+    Severity.ERROR,
+    """
+The file ends, but a `{` is still open. The place shown is the innermost such brace.
+""",
+)
+
+STRAY_BRACE = Rule(
+    "IDL0106",
+    "brace that closes nothing",
+    Severity.ERROR,
+    """
+A `}` stands where no brace is open. Remove it, or look for the missing `{` before it.
+""",
+)
+
+UNEXPECTED_END = Rule(
+    "IDL0107",
+    "file ends too early",
+    Severity.ERROR,
+    """
+The file ends in the middle of a declaration.
+""",
+)
+
+UNCLOSED_TEXT = Rule(
+    "IDL0108",
+    "string that is never closed",
+    Severity.ERROR,
+    """
+A `"` has no partner on its line. Long strings are written in pieces, which are joined:
+
+```idl
+const string GREETING = "Hello, "
+                        "world";
+```
+""",
+)
+
+BAD_LITERAL = Rule(
+    "IDL0109",
+    "malformed literal",
+    Severity.ERROR,
+    """
+A number, character or string is not written as IDL wants it. Octal numbers begin with 0 and have
+no 8 or 9; numbers have no suffix but `d` for fixed-point; a character literal holds exactly one
+character; strings hold no NUL character; `\\u` stands in wide literals only.
+
+```idl
+const long   MASK  = 089;     // wrong: write 89
+const float  LIMIT = 1.0f;    // wrong: write 1.0
+const char   LETTER = 'ab';   // wrong
+```
+""",
+)
+
+EXTRA_SEMICOLON = Rule(
+    "IDL0110",
+    "semicolon too many",
+    Severity.WARNING,
+    """
+A `;` ends nothing here. It is passed over, but other IDL compilers refuse it.
+""",
+)
+
+TOO_MANY = Rule(
+    "IDL0111",
+    "too many syntax errors",
+    Severity.ERROR,
+    """
+After 50 syntax errors in one file the rest is not read: the file is probably no IDL at all.
+""",
+)
+
+TOO_DEEP = Rule(
+    "IDL0112",
+    "nested too deeply",
+    Severity.ERROR,
+    """
+Modules, types and parentheses may nest 48 levels deep each, far more than definitions need.
+""",
+)
+
+UNKNOWN_ESCAPE = Rule(
+    "IDL0113",
+    "unknown escape",
+    Severity.WARNING,
+    """
+A backslash in a literal is followed by a character that is no escape; the character itself is
+taken. IDL knows `\\n \\t \\v \\b \\r \\f \\a \\\\ \\? \\' \\"`, octal `\\123`, hexadecimal
+`\\x7f`, and in wide
+literals `\\u12ab`.
+""",
+)
+
+BROKEN_STRING = Rule(
+    "IDL0114",
+    "string over several lines",
+    Severity.WARNING,
+    """
+A string holds a line break as it stands. It is taken, but other compilers refuse it: write `\\n`,
+and split the string into pieces.
+""",
+)
+
+TRAILING_COMMA = Rule(
+    "IDL0115",
+    "comma behind the last enumerator",
+    Severity.ERROR,
+    """
+Enumerators are separated by commas; there is none behind the last.
+
+```idl
+enum Colour { RED, GREEN, };   // wrong
+enum Colour { RED, GREEN };    // right
+```
+""",
+)
+
+EMPTY_ENUM = Rule(
+    "IDL0116",
+    "enum without enumerators",
+    Severity.ERROR,
+    """
+An enum or bitmask needs at least one member.
+""",
+)
+
+ENUMERATOR_VALUE = Rule(
+    "IDL0117",
+    "enumerator with a value",
+    Severity.ERROR,
+    """
+Enumerators are numbered from 0 in their order; IDL has no `NAME = 3`. Where a number has to be
+kept, IDL 4 has an annotation:
+
+```idl
+enum Mode { @value(1) MANUAL, @value(4) AUTOMATIC };
+```
+""",
+)
+
+MISSING_DIRECTION = Rule(
+    "IDL0118",
+    "parameter without direction",
+    Severity.ERROR,
+    """
+Each parameter says which way it goes: `in`, `out` or `inout`.
+
+```idl
+void move(double distance);      // wrong
+void move(in double distance);   // right
+```
+""",
+)
+
+EMPTY_RAISES = Rule(
+    "IDL0119",
+    "empty list of exceptions",
+    Severity.ERROR,
+    """
+`raises()` names no exception. Leave the clause out if the operation raises none.
+""",
+)
+
+TOO_MANY_FINDINGS = Rule(
+    "IDL0120",
+    "too many findings",
+    Severity.WARNING,
+    """
+More than 1000 findings of one severity are not shown. Put right those that are, and run rtgen
+again.
+""",
+)
+
+RULES = (
+    UNEXPECTED,
+    MISSING_SEMICOLON,
+    MISSPELT_KEYWORD,
+    KEYWORD_AS_NAME,
+    MISSING_NAME,
+    UNCLOSED_BRACE,
+    STRAY_BRACE,
+    UNEXPECTED_END,
+    UNCLOSED_TEXT,
+    BAD_LITERAL,
+    EXTRA_SEMICOLON,
+    TOO_MANY,
+    TOO_DEEP,
+    UNKNOWN_ESCAPE,
+    BROKEN_STRING,
+    TRAILING_COMMA,
+    EMPTY_ENUM,
+    ENUMERATOR_VALUE,
+    MISSING_DIRECTION,
+    EMPTY_RAISES,
+    TOO_MANY_FINDINGS,
+)

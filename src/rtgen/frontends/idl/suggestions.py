@@ -1,0 +1,19 @@
+"""Names that someone may have meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+
+def nearest(word: str, candidates: Iterable[str]) -> str | None:
+    """The candidate most like `word`: equal but for case, else by difflib; None if none is."""
+    if len(word) > 200:
+        return None
+    choices = list(candidates)
+    folded = word.lower()
+    for choice in choices:
+        if choice.lower() == folded:
+            return choice
+    found = get_close_matches(word, choices, n=1, cutoff=0.7)
+    return found[0] if found else None

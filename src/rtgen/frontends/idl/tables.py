@@ -1,0 +1,41 @@
+"""What name resolution finds out, in tables beside the tree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from rtgen.frontends.idl import tree
+from rtgen.frontends.idl.scopes import Entity, Scope
+from rtgen.frontends.idl.unit import Unit
+from rtgen.model import Primitive
+
+MAX_DEPTH = 48
+"""How deeply scopes, and how deeply types, may nest."""
+
+IDL_4_TYPES = {
+    "int8": Primitive.INT8,
+    "uint8": Primitive.UINT8,
+    "int16": Primitive.SHORT,
+    "uint16": Primitive.UNSIGNED_SHORT,
+    "int32": Primitive.LONG,
+    "uint32": Primitive.UNSIGNED_LONG,
+    "int64": Primitive.LONG_LONG,
+    "uint64": Primitive.UNSIGNED_LONG_LONG,
+}
+"""IDL 4.2's integer names, which are no keywords: a declaration of the name goes first."""
+
+
+@dataclass(eq=False, slots=True)
+class Tables:
+    """What name resolution finds out about a translation unit.
+
+    `references` has None for names that were reported, and a Primitive for IDL 4's integers.
+    """
+
+    top: Scope
+    references: dict[tree.ScopedName, Entity | Primitive | None] = field(
+        default_factory=dict
+    )
+    entities: dict[tree.Name, Entity] = field(default_factory=dict)
+    declared: list[Entity] = field(default_factory=list)
+    units: list[Unit] = field(default_factory=list)
