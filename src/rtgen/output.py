@@ -132,13 +132,11 @@ def write(
     Raises as `plan` does, in which case nothing was written, and ToolError if the disk
     fails on the way.
     """
-    planned = plan(project, artifacts, inputs)
-    if planned.empty:
-        return planned
     with _disk_failures():
-        project.output.mkdir(parents=True, exist_ok=True)
+        if not project.output.is_dir():
+            plan(project, artifacts, inputs)  # what it finds wrong comes before the folder
+            project.output.mkdir(parents=True, exist_ok=True)
         with _lock(project.output):
-            # Another run may have written between the first look and the lock.
             planned = plan(project, artifacts, inputs)
             _apply(project, planned)
     return planned

@@ -36,7 +36,7 @@ from rtgen.runtime.descriptors import (
 
 SPECS = Path(__file__).parents[2] / "specs" / "idl"
 FILES = sorted(SPECS.glob("*.idl"))
-EXAMPLES = 6
+EXAMPLES = 25
 
 
 class Padding(_Scan):
