@@ -134,7 +134,9 @@ def write(
     """
     with _disk_failures():
         if not project.output.is_dir():
-            plan(project, artifacts, inputs)  # what it finds wrong comes before the folder
+            plan(
+                project, artifacts, inputs
+            )  # what it finds wrong comes before the folder
             project.output.mkdir(parents=True, exist_ok=True)
         with _lock(project.output):
             planned = plan(project, artifacts, inputs)

@@ -85,7 +85,7 @@ def load(start: Path | None = None) -> Project:
         include=tuple(
             shown_path(root / p) for p in settings.texts("sources", "include")
         ),
-        define=tuple(sorted(settings.table("sources", "define").items())),
+        define=tuple(sorted(settings.macros().items())),
         package=settings.text("output", "package", "robots"),
         target=settings.text("output", "target", "embedded"),
         components=tuple(sorted(settings.table("components").items())),

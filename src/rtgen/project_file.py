@@ -39,11 +39,21 @@ def _texts(value: Any) -> str | None:
     return None if fine else "must be a list of strings"
 
 
+def macros(value: list[str] | dict[str, str | int]) -> dict[str, str]:
+    """Macros by name, from texts `NAME` or `NAME=VALUE` as behind `-D`, or from a table."""
+    if isinstance(value, dict):
+        return {name: str(item) for name, item in value.items()}
+    pairs = (text.partition("=") for text in value)
+    return {name: body if equals else "1" for name, equals, body in pairs}
+
+
 def _macros(value: Any) -> str | None:
-    if not (
+    fine = _texts(value) is None or (
         isinstance(value, dict) and all(type(v) in (str, int) for v in value.values())
-    ):
-        return "must be a table of names to strings or integers"
+    )
+    if not fine:
+        return "must be a list of 'NAME=VALUE', or a table of names to values"
+    value = macros(value)
     wrong = next((name for name in value if not is_macro(name)), None)
     return None if wrong is None else f"holds {wrong!r}, which is no identifier"
 
@@ -90,12 +100,14 @@ class Settings:
         value: list[str] = self.content.get(section, {}).get(key, [])
         return value
 
-    def table(self, section: str, key: str | None = None) -> dict[str, str]:
-        """A table of the file, its values as text; or an empty one."""
+    def table(self, section: str) -> dict[str, str]:
+        """A section of the file, its values as text; or an empty one."""
         value = self.content.get(section, {})
-        if key is not None:
-            value = value.get(key, {})
         return {name: str(item) for name, item in value.items()}
+
+    def macros(self) -> dict[str, str]:
+        """What `[sources] define` says."""
+        return macros(self.content.get("sources", {}).get("define", []))
 
     def span(
         self, section: str, key: str | None = None, item: str | None = None

@@ -37,6 +37,12 @@ def findings(text: str | bytes) -> list[Diagnostic]:
     return list(error.value.diagnostics)
 
 
+@pytest.mark.parametrize("define", ['["B=1", "A=x", "C"]', '{B = 1, A = "x", C = "1"}'])
+def test_macros_are_a_list_as_on_the_command_line_or_a_table(define: str) -> None:
+    project = written(f"[sources]\ndefine = {define}\n")
+    assert project.define == (("A", "x"), ("B", "1"), ("C", "1"))
+
+
 def test_without_a_file_there_are_defaults(tmp_path: Path) -> None:
     project = load()
     assert (project.root, project.package, project.skeleton_package) == (

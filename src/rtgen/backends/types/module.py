@@ -195,7 +195,11 @@ class TypesModule:
         lines = []
         for inner in self._names.inside(declaration.name):
             local = self._local(inner)
-            lines.append(f"{self._names.attribute(inner.name)} = {local}")
+            attribute = self._names.attribute(inner.name)
+            # In a dataclass an annotation would make it a field.
+            if isinstance(declaration, Interface) and not isinstance(inner, Const):
+                attribute += f": {self.scope.TypeAlias}"
+            lines.append(f"{attribute} = {local}")
             if isinstance(inner, Enum):
                 for member, attribute in self._names.enumerators(inner).items():
                     outside = self._names.attribute((*inner.name[:-1], member))

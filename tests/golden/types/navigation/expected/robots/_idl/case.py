@@ -281,7 +281,7 @@ class Halt(Servant):
         ("readonly attribute boolean halted", "void stop() raises (Halt::Busy)"),
         (),
     )
-    Busy = Halt_Busy
+    Busy: TypeAlias = Halt_Busy
 
     @property
     @abstractmethod
