@@ -98,6 +98,7 @@ def draw(path: str, title: str, samples: Sequence[Sample]) -> None:
             _mark(axes, poses[-1:], "tab:blue", "end", scale)
         if goals:
             _mark(axes, goals, "tab:red", "goal", scale)
+        axes.margins(0.12)
         axes.set_aspect("equal", adjustable="datalim")
         axes.set_xlabel("x [m]")
         axes.set_ylabel("y [m]")
