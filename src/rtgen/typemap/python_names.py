@@ -11,6 +11,7 @@ from rtgen.model import ScopedName
 _WORD_END = re.compile(r"([A-Z]+)([A-Z][a-z])")
 _WORD_START = re.compile(r"([a-z0-9])([A-Z])")
 _NOT_A_WORD = re.compile(r"\W")
+_MODULES_OF_PYTHON = ("__init__", "__main__")
 
 
 def identifier(name: str, reserved: Collection[str] = ()) -> str:
@@ -31,7 +32,7 @@ def snake_case(name: str) -> str:
 
 def module_name(name: str) -> str:
     """The module or package that rtgen makes for a file's stem or a component."""
-    return identifier(snake_case(_NOT_A_WORD.sub("_", name)))
+    return identifier(snake_case(_NOT_A_WORD.sub("_", name)), _MODULES_OF_PYTHON)
 
 
 def scope_modules(scope: ScopedName) -> tuple[str, ...]:
