@@ -23,8 +23,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
 
 import emitted
 import samples
+from padding import masked, padding
 
-from rtgen.runtime.cdr_faults import _Scan
 from rtgen.runtime.descriptors import (
     ArrayDescriptor,
     Descriptor,
@@ -37,20 +37,6 @@ from rtgen.runtime.descriptors import (
 SPECS = Path(__file__).parents[2] / "specs" / "idl"
 FILES = sorted(SPECS.glob("*.idl"))
 EXAMPLES = 25
-
-
-class Padding(_Scan):
-    """Walks octets and notes where padding lies."""
-
-    def __init__(self, data: bytes, little_endian: bool) -> None:
-        super().__init__(data, little_endian)
-        self.places: list[int] = []
-
-    def _octets(self, size: int, align: int, path: str) -> bytes:
-        before = self._offset
-        octets = super()._octets(size, align, path)
-        self.places.extend(range(before, self._offset - size))
-        return octets
 
 
 @dataclass(frozen=True)
@@ -146,13 +132,6 @@ def holds_wchar(descriptor: Descriptor) -> bool:
     return descriptor == PrimitiveDescriptor("wchar")
 
 
-def masked(octets: bytes, places: list[int]) -> bytes:
-    cleared = bytearray(octets)
-    for place in places:
-        cleared[place] = 0
-    return bytes(cleared)
-
-
 def test_every_reference_type(peers: Peers) -> None:
     structs = [
         t for t in peers.ours.values() if isinstance(t._descriptor_, StructDescriptor)
@@ -179,11 +158,9 @@ def agree(peers: Peers, type_: type[Any]) -> None:
         octets = ours.to_cdr(little_endian)
         theirs = to_theirs(peers, descriptor, tree)
         their_octets = peers.marshal(code, theirs, int(little_endian))
-        scan = Padding(octets, little_endian)
-        scan.value(descriptor, "")
-        scan.end("")
-        assert octets == masked(their_octets, scan.places)
-        assert all(octets[place] == 0 for place in scan.places)
+        places = padding(descriptor, octets, little_endian)
+        assert octets == masked(their_octets, places)
+        assert all(octets[place] == 0 for place in places)
         assert type_.from_cdr(their_octets, little_endian) == ours
         if not holds_wchar(descriptor):
             back = peers.unmarshal(code, octets, int(little_endian))

@@ -1,0 +1,36 @@
+"""Where padding lies in a CDR body."""
+
+from __future__ import annotations
+
+from rtgen.runtime.cdr_faults import _Scan
+from rtgen.runtime.descriptors import Descriptor
+
+
+class _Padding(_Scan):
+    """Walks octets and notes where padding lies."""
+
+    def __init__(self, data: bytes, little_endian: bool) -> None:
+        super().__init__(data, little_endian)
+        self.places: list[int] = []
+
+    def _octets(self, size: int, align: int, path: str) -> bytes:
+        before = self._offset
+        octets = super()._octets(size, align, path)
+        self.places.extend(range(before, self._offset - size))
+        return octets
+
+
+def padding(descriptor: Descriptor, octets: bytes, little_endian: bool) -> list[int]:
+    """The offsets of the padding in a body."""
+    scan = _Padding(octets, little_endian)
+    scan.value(descriptor, "")
+    scan.end("")
+    return scan.places
+
+
+def masked(octets: bytes, places: list[int]) -> bytes:
+    """The octets with zeros at those places."""
+    cleared = bytearray(octets)
+    for place in places:
+        cleared[place] = 0
+    return bytes(cleared)
