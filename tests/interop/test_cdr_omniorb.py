@@ -32,6 +32,7 @@ from rtgen.runtime.descriptors import (
     PrimitiveDescriptor,
     SequenceDescriptor,
     StructDescriptor,
+    plain,
 )
 
 SPECS = Path(__file__).parents[2] / "specs" / "idl"
@@ -94,9 +95,10 @@ def _declared(package: Any) -> Iterator[type[Any]]:
 
 
 def to_theirs(peers: Peers, descriptor: Descriptor, tree: Any) -> Any:
+    descriptor = plain(descriptor)
     match descriptor:
         case StructDescriptor(members=fields):
-            parts = [to_theirs(peers, t, tree[n]) for n, t in fields]
+            parts = [to_theirs(peers, m.type, tree[m.name]) for m in fields]
             return peers.theirs(descriptor)(*parts)
         case EnumDescriptor():
             return peers.theirs(descriptor)._items[tree]
@@ -108,9 +110,10 @@ def to_theirs(peers: Peers, descriptor: Descriptor, tree: Any) -> Any:
 
 
 def from_theirs(descriptor: Descriptor, value: Any) -> Any:
+    descriptor = plain(descriptor)
     match descriptor:
         case StructDescriptor(members=fields):
-            return {n: from_theirs(t, getattr(value, n.rstrip("_"))) for n, t in fields}
+            return {m.name: from_theirs(m.type, getattr(value, m.name)) for m in fields}
         case EnumDescriptor():
             return value._v
         case SequenceDescriptor(element) | ArrayDescriptor(element) if isinstance(
@@ -124,9 +127,10 @@ def from_theirs(descriptor: Descriptor, value: Any) -> Any:
 
 def holds_wchar(descriptor: Descriptor) -> bool:
     """Whether there is a wchar inside: omniORBpy 4.3.3 cannot read those that it wrote."""
+    descriptor = plain(descriptor)
     match descriptor:
         case StructDescriptor(members=fields):
-            return any(holds_wchar(type_) for _, type_ in fields)
+            return any(holds_wchar(member.type) for member in fields)
         case SequenceDescriptor(element) | ArrayDescriptor(element):
             return holds_wchar(element)
     return descriptor == PrimitiveDescriptor("wchar")

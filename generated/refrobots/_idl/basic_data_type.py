@@ -10,6 +10,7 @@ from typing import ClassVar, Self
 from rtgen.runtime.cdr import (
     BOOLEAN,
     FAILURES,
+    Aggregated,
     Buffer,
     Fixed,
     Layout,
@@ -27,6 +28,7 @@ from rtgen.runtime.cdr_values import (
     wide_value,
 )
 from rtgen.runtime.descriptors import (
+    MemberDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
@@ -37,15 +39,15 @@ _Time_layout = Fixed("II")
 
 
 @dataclass(slots=True)
-class Time:
+class Time(Aggregated):
     """A point in time: UTC since 1970-01-01, in seconds and nanoseconds."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Time:1.0",
         "RTC::Time",
         (
-            ("sec", PrimitiveDescriptor("unsigned long")),
-            ("nsec", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("sec", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("nsec", PrimitiveDescriptor("unsigned long")),
         ),
     )
 
@@ -82,13 +84,16 @@ _TimedState_layout = Fixed("IIh")
 
 
 @dataclass(slots=True)
-class TimedState:
+class TimedState(Aggregated):
     """The state of something, with the time of its measurement."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedState:1.0",
         "RTC::TimedState",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("short"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("short")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -130,13 +135,16 @@ _TimedShort_layout = Fixed("IIh")
 
 
 @dataclass(slots=True)
-class TimedShort:
+class TimedShort(Aggregated):
     """Time-stamped value of type short."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedShort:1.0",
         "RTC::TimedShort",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("short"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("short")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -178,13 +186,16 @@ _TimedLong_layout = Fixed("IIi")
 
 
 @dataclass(slots=True)
-class TimedLong:
+class TimedLong(Aggregated):
     """Time-stamped value of type long."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedLong:1.0",
         "RTC::TimedLong",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("long"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("long")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -226,13 +237,16 @@ _TimedUShort_layout = Fixed("IIH")
 
 
 @dataclass(slots=True)
-class TimedUShort:
+class TimedUShort(Aggregated):
     """Time-stamped value of type unsigned short."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedUShort:1.0",
         "RTC::TimedUShort",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("unsigned short"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("unsigned short")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -274,13 +288,16 @@ _TimedULong_layout = Fixed("III")
 
 
 @dataclass(slots=True)
-class TimedULong:
+class TimedULong(Aggregated):
     """Time-stamped value of type unsigned long."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedULong:1.0",
         "RTC::TimedULong",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("unsigned long"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("unsigned long")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -322,13 +339,16 @@ _TimedFloat_layout = Fixed("IIf")
 
 
 @dataclass(slots=True)
-class TimedFloat:
+class TimedFloat(Aggregated):
     """Time-stamped value of type float."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedFloat:1.0",
         "RTC::TimedFloat",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("float"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("float")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -370,13 +390,16 @@ _TimedDouble_layout = Fixed("IId")
 
 
 @dataclass(slots=True)
-class TimedDouble:
+class TimedDouble(Aggregated):
     """Time-stamped value of type double."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedDouble:1.0",
         "RTC::TimedDouble",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("double"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("double")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -418,13 +441,16 @@ _TimedChar_layout = Fixed("IIc")
 
 
 @dataclass(slots=True)
-class TimedChar:
+class TimedChar(Aggregated):
     """Time-stamped value of type char."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedChar:1.0",
         "RTC::TimedChar",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("char"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("char")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -466,13 +492,16 @@ _TimedWChar_layout = Fixed("II3s")
 
 
 @dataclass(slots=True)
-class TimedWChar:
+class TimedWChar(Aggregated):
     """Time-stamped value of type wchar."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedWChar:1.0",
         "RTC::TimedWChar",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("wchar"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("wchar")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -514,13 +543,16 @@ _TimedBoolean_layout = Fixed("IIB")
 
 
 @dataclass(slots=True)
-class TimedBoolean:
+class TimedBoolean(Aggregated):
     """Time-stamped value of type boolean."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedBoolean:1.0",
         "RTC::TimedBoolean",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("boolean"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("boolean")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -562,13 +594,16 @@ _TimedOctet_layout = Fixed("IIB")
 
 
 @dataclass(slots=True)
-class TimedOctet:
+class TimedOctet(Aggregated):
     """Time-stamped value of type octet."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedOctet:1.0",
         "RTC::TimedOctet",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("octet"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("octet")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -610,13 +645,16 @@ _TimedString_layout = Layout("=III", "@4 *s")
 
 
 @dataclass(slots=True)
-class TimedString:
+class TimedString(Aggregated):
     """Time-stamped value of type string."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedString:1.0",
         "RTC::TimedString",
-        (("tm", Time._descriptor_), ("data", StringDescriptor())),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", StringDescriptor()),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -665,13 +703,16 @@ _TimedWString_layout = Layout("=III", "@4 *s")
 
 
 @dataclass(slots=True)
-class TimedWString:
+class TimedWString(Aggregated):
     """Time-stamped value of type wstring."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedWString:1.0",
         "RTC::TimedWString",
-        (("tm", Time._descriptor_), ("data", StringDescriptor(True))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", StringDescriptor(True)),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -720,15 +761,15 @@ _TimedShortSeq_layout = Layout("=III", "@4 *h")
 
 
 @dataclass(slots=True)
-class TimedShortSeq:
+class TimedShortSeq(Aggregated):
     """Time-stamped values of type short."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedShortSeq:1.0",
         "RTC::TimedShortSeq",
         (
-            ("tm", Time._descriptor_),
-            ("data", SequenceDescriptor(PrimitiveDescriptor("short"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("short"))),
         ),
     )
 
@@ -778,15 +819,15 @@ _TimedLongSeq_layout = Layout("=III", "@4 *i")
 
 
 @dataclass(slots=True)
-class TimedLongSeq:
+class TimedLongSeq(Aggregated):
     """Time-stamped values of type long."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedLongSeq:1.0",
         "RTC::TimedLongSeq",
         (
-            ("tm", Time._descriptor_),
-            ("data", SequenceDescriptor(PrimitiveDescriptor("long"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("long"))),
         ),
     )
 
@@ -836,15 +877,18 @@ _TimedUShortSeq_layout = Layout("=III", "@4 *H")
 
 
 @dataclass(slots=True)
-class TimedUShortSeq:
+class TimedUShortSeq(Aggregated):
     """Time-stamped values of type unsigned short."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedUShortSeq:1.0",
         "RTC::TimedUShortSeq",
         (
-            ("tm", Time._descriptor_),
-            ("data", SequenceDescriptor(PrimitiveDescriptor("unsigned short"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor(
+                "data",
+                SequenceDescriptor(PrimitiveDescriptor("unsigned short")),
+            ),
         ),
     )
 
@@ -894,15 +938,18 @@ _TimedULongSeq_layout = Layout("=III", "@4 *I")
 
 
 @dataclass(slots=True)
-class TimedULongSeq:
+class TimedULongSeq(Aggregated):
     """Time-stamped values of type unsigned long."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedULongSeq:1.0",
         "RTC::TimedULongSeq",
         (
-            ("tm", Time._descriptor_),
-            ("data", SequenceDescriptor(PrimitiveDescriptor("unsigned long"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor(
+                "data",
+                SequenceDescriptor(PrimitiveDescriptor("unsigned long")),
+            ),
         ),
     )
 
@@ -952,15 +999,15 @@ _TimedFloatSeq_layout = Layout("=III", "@4 *f")
 
 
 @dataclass(slots=True)
-class TimedFloatSeq:
+class TimedFloatSeq(Aggregated):
     """Time-stamped values of type float."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedFloatSeq:1.0",
         "RTC::TimedFloatSeq",
         (
-            ("tm", Time._descriptor_),
-            ("data", SequenceDescriptor(PrimitiveDescriptor("float"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("float"))),
         ),
     )
 
@@ -1010,15 +1057,15 @@ _TimedDoubleSeq_layout = Layout("=III", "@4 *d")
 
 
 @dataclass(slots=True)
-class TimedDoubleSeq:
+class TimedDoubleSeq(Aggregated):
     """Time-stamped values of type double."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedDoubleSeq:1.0",
         "RTC::TimedDoubleSeq",
         (
-            ("tm", Time._descriptor_),
-            ("data", SequenceDescriptor(PrimitiveDescriptor("double"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("double"))),
         ),
     )
 
@@ -1068,15 +1115,15 @@ _TimedCharSeq_layout = Layout("=III", "@4 *s")
 
 
 @dataclass(slots=True)
-class TimedCharSeq:
+class TimedCharSeq(Aggregated):
     """Time-stamped values of type char."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedCharSeq:1.0",
         "RTC::TimedCharSeq",
         (
-            ("tm", Time._descriptor_),
-            ("data", SequenceDescriptor(PrimitiveDescriptor("char"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("char"))),
         ),
     )
 
@@ -1127,15 +1174,15 @@ _TimedWCharSeq_layout_2 = Layout("=III", "@4 *3s/1")
 
 
 @dataclass(slots=True)
-class TimedWCharSeq:
+class TimedWCharSeq(Aggregated):
     """Time-stamped values of type wchar."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedWCharSeq:1.0",
         "RTC::TimedWCharSeq",
         (
-            ("tm", Time._descriptor_),
-            ("data", SequenceDescriptor(PrimitiveDescriptor("wchar"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("wchar"))),
         ),
     )
 
@@ -1199,15 +1246,18 @@ _TimedBooleanSeq_layout = Layout("=III", "@4 *B")
 
 
 @dataclass(slots=True)
-class TimedBooleanSeq:
+class TimedBooleanSeq(Aggregated):
     """Time-stamped values of type boolean."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedBooleanSeq:1.0",
         "RTC::TimedBooleanSeq",
         (
-            ("tm", Time._descriptor_),
-            ("data", SequenceDescriptor(PrimitiveDescriptor("boolean"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor(
+                "data",
+                SequenceDescriptor(PrimitiveDescriptor("boolean")),
+            ),
         ),
     )
 
@@ -1262,15 +1312,15 @@ _TimedOctetSeq_layout = Layout("=III", "@4 *s")
 
 
 @dataclass(slots=True)
-class TimedOctetSeq:
+class TimedOctetSeq(Aggregated):
     """Time-stamped values of type octet."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedOctetSeq:1.0",
         "RTC::TimedOctetSeq",
         (
-            ("tm", Time._descriptor_),
-            ("data", SequenceDescriptor(PrimitiveDescriptor("octet"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("octet"))),
         ),
     )
 
@@ -1321,13 +1371,16 @@ _TimedStringSeq_layout_2 = PhasedLayout("I", "@0 *s")
 
 
 @dataclass(slots=True)
-class TimedStringSeq:
+class TimedStringSeq(Aggregated):
     """Time-stamped values of type string."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedStringSeq:1.0",
         "RTC::TimedStringSeq",
-        (("tm", Time._descriptor_), ("data", SequenceDescriptor(StringDescriptor()))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", SequenceDescriptor(StringDescriptor())),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -1402,15 +1455,15 @@ _TimedWStringSeq_layout_2 = PhasedLayout("I", "@0 *s")
 
 
 @dataclass(slots=True)
-class TimedWStringSeq:
+class TimedWStringSeq(Aggregated):
     """Time-stamped values of type wstring."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedWStringSeq:1.0",
         "RTC::TimedWStringSeq",
         (
-            ("tm", Time._descriptor_),
-            ("data", SequenceDescriptor(StringDescriptor(True))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", SequenceDescriptor(StringDescriptor(True))),
         ),
     )
 

@@ -9,13 +9,18 @@ from typing import ClassVar, Self
 
 from rtgen.runtime.cdr import (
     FAILURES,
+    Aggregated,
     Buffer,
     Fixed,
     Layout,
     decoding_error,
     encoding_error,
 )
-from rtgen.runtime.descriptors import PrimitiveDescriptor, StructDescriptor
+from rtgen.runtime.descriptors import (
+    MemberDescriptor,
+    PrimitiveDescriptor,
+    StructDescriptor,
+)
 
 from .basic_data_type import Time
 
@@ -23,16 +28,16 @@ _RGBColour_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class RGBColour:
+class RGBColour(Aggregated):
     """A colour by its red, green and blue parts."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/RGBColour:1.0",
         "RTC::RGBColour",
         (
-            ("r", PrimitiveDescriptor("double")),
-            ("g", PrimitiveDescriptor("double")),
-            ("b", PrimitiveDescriptor("double")),
+            MemberDescriptor("r", PrimitiveDescriptor("double")),
+            MemberDescriptor("g", PrimitiveDescriptor("double")),
+            MemberDescriptor("b", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -77,13 +82,16 @@ _Point2D_layout = Fixed("dd")
 
 
 @dataclass(slots=True)
-class Point2D:
+class Point2D(Aggregated):
     """A point in the plane."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Point2D:1.0",
         "RTC::Point2D",
-        (("x", PrimitiveDescriptor("double")), ("y", PrimitiveDescriptor("double"))),
+        (
+            MemberDescriptor("x", PrimitiveDescriptor("double")),
+            MemberDescriptor("y", PrimitiveDescriptor("double")),
+        ),
     )
 
     x: float = 0.0
@@ -125,13 +133,16 @@ _Vector2D_layout = Fixed("dd")
 
 
 @dataclass(slots=True)
-class Vector2D:
+class Vector2D(Aggregated):
     """A vector in the plane."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Vector2D:1.0",
         "RTC::Vector2D",
-        (("x", PrimitiveDescriptor("double")), ("y", PrimitiveDescriptor("double"))),
+        (
+            MemberDescriptor("x", PrimitiveDescriptor("double")),
+            MemberDescriptor("y", PrimitiveDescriptor("double")),
+        ),
     )
 
     x: float = 0.0
@@ -173,15 +184,15 @@ _Pose2D_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class Pose2D:
+class Pose2D(Aggregated):
     """Position and heading in the plane, counter-clockwise from the x axis."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Pose2D:1.0",
         "RTC::Pose2D",
         (
-            ("position", Point2D._descriptor_),
-            ("heading", PrimitiveDescriptor("double")),
+            MemberDescriptor("position", Point2D._descriptor_),
+            MemberDescriptor("heading", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -224,16 +235,16 @@ _Velocity2D_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class Velocity2D:
+class Velocity2D(Aggregated):
     """Velocity in the plane, in the frame of the body."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Velocity2D:1.0",
         "RTC::Velocity2D",
         (
-            ("vx", PrimitiveDescriptor("double")),
-            ("vy", PrimitiveDescriptor("double")),
-            ("va", PrimitiveDescriptor("double")),
+            MemberDescriptor("vx", PrimitiveDescriptor("double")),
+            MemberDescriptor("vy", PrimitiveDescriptor("double")),
+            MemberDescriptor("va", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -278,13 +289,16 @@ _Acceleration2D_layout = Fixed("dd")
 
 
 @dataclass(slots=True)
-class Acceleration2D:
+class Acceleration2D(Aggregated):
     """Linear acceleration in the plane."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Acceleration2D:1.0",
         "RTC::Acceleration2D",
-        (("ax", PrimitiveDescriptor("double")), ("ay", PrimitiveDescriptor("double"))),
+        (
+            MemberDescriptor("ax", PrimitiveDescriptor("double")),
+            MemberDescriptor("ay", PrimitiveDescriptor("double")),
+        ),
     )
 
     ax: float = 0.0
@@ -326,13 +340,16 @@ _PoseVel2D_layout = Fixed("dddddd")
 
 
 @dataclass(slots=True)
-class PoseVel2D:
+class PoseVel2D(Aggregated):
     """Pose and velocity in the plane."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/PoseVel2D:1.0",
         "RTC::PoseVel2D",
-        (("pose", Pose2D._descriptor_), ("velocities", Velocity2D._descriptor_)),
+        (
+            MemberDescriptor("pose", Pose2D._descriptor_),
+            MemberDescriptor("velocities", Velocity2D._descriptor_),
+        ),
     )
 
     pose: Pose2D = field(default_factory=Pose2D)
@@ -398,13 +415,16 @@ _Size2D_layout = Fixed("dd")
 
 
 @dataclass(slots=True)
-class Size2D:
+class Size2D(Aggregated):
     """The size of a rectangle."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Size2D:1.0",
         "RTC::Size2D",
-        (("l", PrimitiveDescriptor("double")), ("w", PrimitiveDescriptor("double"))),
+        (
+            MemberDescriptor("l", PrimitiveDescriptor("double")),
+            MemberDescriptor("w", PrimitiveDescriptor("double")),
+        ),
     )
 
     l: float = 0.0
@@ -444,13 +464,16 @@ _Geometry2D_layout = Fixed("ddddd")
 
 
 @dataclass(slots=True)
-class Geometry2D:
+class Geometry2D(Aggregated):
     """Where a rectangular object lies, and how large it is."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Geometry2D:1.0",
         "RTC::Geometry2D",
-        (("pose", Pose2D._descriptor_), ("size", Size2D._descriptor_)),
+        (
+            MemberDescriptor("pose", Pose2D._descriptor_),
+            MemberDescriptor("size", Size2D._descriptor_),
+        ),
     )
 
     pose: Pose2D = field(default_factory=Pose2D)
@@ -514,19 +537,19 @@ _Covariance2D_layout = Fixed("dddddd")
 
 
 @dataclass(slots=True)
-class Covariance2D:
+class Covariance2D(Aggregated):
     """Upper triangle of the covariance of a planar pose (x, y, theta)."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Covariance2D:1.0",
         "RTC::Covariance2D",
         (
-            ("xx", PrimitiveDescriptor("double")),
-            ("xy", PrimitiveDescriptor("double")),
-            ("xt", PrimitiveDescriptor("double")),
-            ("yy", PrimitiveDescriptor("double")),
-            ("yt", PrimitiveDescriptor("double")),
-            ("tt", PrimitiveDescriptor("double")),
+            MemberDescriptor("xx", PrimitiveDescriptor("double")),
+            MemberDescriptor("xy", PrimitiveDescriptor("double")),
+            MemberDescriptor("xt", PrimitiveDescriptor("double")),
+            MemberDescriptor("yy", PrimitiveDescriptor("double")),
+            MemberDescriptor("yt", PrimitiveDescriptor("double")),
+            MemberDescriptor("tt", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -577,16 +600,16 @@ _PointCovariance2D_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class PointCovariance2D:
+class PointCovariance2D(Aggregated):
     """Upper triangle of the covariance of a planar point."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/PointCovariance2D:1.0",
         "RTC::PointCovariance2D",
         (
-            ("xx", PrimitiveDescriptor("double")),
-            ("xy", PrimitiveDescriptor("double")),
-            ("yy", PrimitiveDescriptor("double")),
+            MemberDescriptor("xx", PrimitiveDescriptor("double")),
+            MemberDescriptor("xy", PrimitiveDescriptor("double")),
+            MemberDescriptor("yy", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -631,15 +654,15 @@ _Carlike_layout = Fixed("dd")
 
 
 @dataclass(slots=True)
-class Carlike:
+class Carlike(Aggregated):
     """A command to a vehicle that steers like a car."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Carlike:1.0",
         "RTC::Carlike",
         (
-            ("speed", PrimitiveDescriptor("double")),
-            ("steeringAngle", PrimitiveDescriptor("double")),
+            MemberDescriptor("speed", PrimitiveDescriptor("double")),
+            MemberDescriptor("steeringAngle", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -682,15 +705,15 @@ _SpeedHeading2D_layout = Fixed("dd")
 
 
 @dataclass(slots=True)
-class SpeedHeading2D:
+class SpeedHeading2D(Aggregated):
     """Speed along a heading in the plane."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/SpeedHeading2D:1.0",
         "RTC::SpeedHeading2D",
         (
-            ("speed", PrimitiveDescriptor("double")),
-            ("heading", PrimitiveDescriptor("double")),
+            MemberDescriptor("speed", PrimitiveDescriptor("double")),
+            MemberDescriptor("heading", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -733,16 +756,16 @@ _Point3D_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class Point3D:
+class Point3D(Aggregated):
     """A point in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Point3D:1.0",
         "RTC::Point3D",
         (
-            ("x", PrimitiveDescriptor("double")),
-            ("y", PrimitiveDescriptor("double")),
-            ("z", PrimitiveDescriptor("double")),
+            MemberDescriptor("x", PrimitiveDescriptor("double")),
+            MemberDescriptor("y", PrimitiveDescriptor("double")),
+            MemberDescriptor("z", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -787,16 +810,16 @@ _Vector3D_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class Vector3D:
+class Vector3D(Aggregated):
     """A vector in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Vector3D:1.0",
         "RTC::Vector3D",
         (
-            ("x", PrimitiveDescriptor("double")),
-            ("y", PrimitiveDescriptor("double")),
-            ("z", PrimitiveDescriptor("double")),
+            MemberDescriptor("x", PrimitiveDescriptor("double")),
+            MemberDescriptor("y", PrimitiveDescriptor("double")),
+            MemberDescriptor("z", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -841,16 +864,16 @@ _Orientation3D_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class Orientation3D:
+class Orientation3D(Aggregated):
     """Orientation in space as roll, pitch and yaw."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Orientation3D:1.0",
         "RTC::Orientation3D",
         (
-            ("r", PrimitiveDescriptor("double")),
-            ("p", PrimitiveDescriptor("double")),
-            ("y", PrimitiveDescriptor("double")),
+            MemberDescriptor("r", PrimitiveDescriptor("double")),
+            MemberDescriptor("p", PrimitiveDescriptor("double")),
+            MemberDescriptor("y", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -895,15 +918,15 @@ _Pose3D_layout = Fixed("dddddd")
 
 
 @dataclass(slots=True)
-class Pose3D:
+class Pose3D(Aggregated):
     """Position and orientation in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Pose3D:1.0",
         "RTC::Pose3D",
         (
-            ("position", Point3D._descriptor_),
-            ("orientation", Orientation3D._descriptor_),
+            MemberDescriptor("position", Point3D._descriptor_),
+            MemberDescriptor("orientation", Orientation3D._descriptor_),
         ),
     )
 
@@ -966,19 +989,19 @@ _Velocity3D_layout = Fixed("dddddd")
 
 
 @dataclass(slots=True)
-class Velocity3D:
+class Velocity3D(Aggregated):
     """Linear and angular velocity in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Velocity3D:1.0",
         "RTC::Velocity3D",
         (
-            ("vx", PrimitiveDescriptor("double")),
-            ("vy", PrimitiveDescriptor("double")),
-            ("vz", PrimitiveDescriptor("double")),
-            ("vr", PrimitiveDescriptor("double")),
-            ("vp", PrimitiveDescriptor("double")),
-            ("va", PrimitiveDescriptor("double")),
+            MemberDescriptor("vx", PrimitiveDescriptor("double")),
+            MemberDescriptor("vy", PrimitiveDescriptor("double")),
+            MemberDescriptor("vz", PrimitiveDescriptor("double")),
+            MemberDescriptor("vr", PrimitiveDescriptor("double")),
+            MemberDescriptor("vp", PrimitiveDescriptor("double")),
+            MemberDescriptor("va", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -1029,16 +1052,16 @@ _AngularVelocity3D_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class AngularVelocity3D:
+class AngularVelocity3D(Aggregated):
     """Angular velocity in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/AngularVelocity3D:1.0",
         "RTC::AngularVelocity3D",
         (
-            ("avx", PrimitiveDescriptor("double")),
-            ("avy", PrimitiveDescriptor("double")),
-            ("avz", PrimitiveDescriptor("double")),
+            MemberDescriptor("avx", PrimitiveDescriptor("double")),
+            MemberDescriptor("avy", PrimitiveDescriptor("double")),
+            MemberDescriptor("avz", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -1083,16 +1106,16 @@ _Acceleration3D_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class Acceleration3D:
+class Acceleration3D(Aggregated):
     """Linear acceleration in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Acceleration3D:1.0",
         "RTC::Acceleration3D",
         (
-            ("ax", PrimitiveDescriptor("double")),
-            ("ay", PrimitiveDescriptor("double")),
-            ("az", PrimitiveDescriptor("double")),
+            MemberDescriptor("ax", PrimitiveDescriptor("double")),
+            MemberDescriptor("ay", PrimitiveDescriptor("double")),
+            MemberDescriptor("az", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -1137,16 +1160,16 @@ _AngularAcceleration3D_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class AngularAcceleration3D:
+class AngularAcceleration3D(Aggregated):
     """Angular acceleration in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/AngularAcceleration3D:1.0",
         "RTC::AngularAcceleration3D",
         (
-            ("aax", PrimitiveDescriptor("double")),
-            ("aay", PrimitiveDescriptor("double")),
-            ("aaz", PrimitiveDescriptor("double")),
+            MemberDescriptor("aax", PrimitiveDescriptor("double")),
+            MemberDescriptor("aay", PrimitiveDescriptor("double")),
+            MemberDescriptor("aaz", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -1191,13 +1214,16 @@ _PoseVel3D_layout = Fixed("dddddddddddd")
 
 
 @dataclass(slots=True)
-class PoseVel3D:
+class PoseVel3D(Aggregated):
     """Pose and velocity in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/PoseVel3D:1.0",
         "RTC::PoseVel3D",
-        (("pose", Pose3D._descriptor_), ("velocities", Velocity3D._descriptor_)),
+        (
+            MemberDescriptor("pose", Pose3D._descriptor_),
+            MemberDescriptor("velocities", Velocity3D._descriptor_),
+        ),
     )
 
     pose: Pose3D = field(default_factory=Pose3D)
@@ -1305,16 +1331,16 @@ _Size3D_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class Size3D:
+class Size3D(Aggregated):
     """The size of a box."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Size3D:1.0",
         "RTC::Size3D",
         (
-            ("l", PrimitiveDescriptor("double")),
-            ("w", PrimitiveDescriptor("double")),
-            ("h", PrimitiveDescriptor("double")),
+            MemberDescriptor("l", PrimitiveDescriptor("double")),
+            MemberDescriptor("w", PrimitiveDescriptor("double")),
+            MemberDescriptor("h", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -1357,13 +1383,16 @@ _Geometry3D_layout = Fixed("ddddddddd")
 
 
 @dataclass(slots=True)
-class Geometry3D:
+class Geometry3D(Aggregated):
     """Where a box-shaped object lies, and how large it is."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Geometry3D:1.0",
         "RTC::Geometry3D",
-        (("pose", Pose3D._descriptor_), ("size", Size3D._descriptor_)),
+        (
+            MemberDescriptor("pose", Pose3D._descriptor_),
+            MemberDescriptor("size", Size3D._descriptor_),
+        ),
     )
 
     pose: Pose3D = field(default_factory=Pose3D)
@@ -1451,34 +1480,34 @@ _Covariance3D_layout = Fixed("ddddddddddddddddddddd")
 
 
 @dataclass(slots=True)
-class Covariance3D:
+class Covariance3D(Aggregated):
     """Upper triangle of the covariance of a pose in space (x, y, z, roll, pitch, yaw)."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Covariance3D:1.0",
         "RTC::Covariance3D",
         (
-            ("xx", PrimitiveDescriptor("double")),
-            ("xy", PrimitiveDescriptor("double")),
-            ("xz", PrimitiveDescriptor("double")),
-            ("xr", PrimitiveDescriptor("double")),
-            ("xp", PrimitiveDescriptor("double")),
-            ("xa", PrimitiveDescriptor("double")),
-            ("yy", PrimitiveDescriptor("double")),
-            ("yz", PrimitiveDescriptor("double")),
-            ("yr", PrimitiveDescriptor("double")),
-            ("yp", PrimitiveDescriptor("double")),
-            ("ya", PrimitiveDescriptor("double")),
-            ("zz", PrimitiveDescriptor("double")),
-            ("zr", PrimitiveDescriptor("double")),
-            ("zp", PrimitiveDescriptor("double")),
-            ("za", PrimitiveDescriptor("double")),
-            ("rr", PrimitiveDescriptor("double")),
-            ("rp", PrimitiveDescriptor("double")),
-            ("ra", PrimitiveDescriptor("double")),
-            ("pp", PrimitiveDescriptor("double")),
-            ("pa", PrimitiveDescriptor("double")),
-            ("aa", PrimitiveDescriptor("double")),
+            MemberDescriptor("xx", PrimitiveDescriptor("double")),
+            MemberDescriptor("xy", PrimitiveDescriptor("double")),
+            MemberDescriptor("xz", PrimitiveDescriptor("double")),
+            MemberDescriptor("xr", PrimitiveDescriptor("double")),
+            MemberDescriptor("xp", PrimitiveDescriptor("double")),
+            MemberDescriptor("xa", PrimitiveDescriptor("double")),
+            MemberDescriptor("yy", PrimitiveDescriptor("double")),
+            MemberDescriptor("yz", PrimitiveDescriptor("double")),
+            MemberDescriptor("yr", PrimitiveDescriptor("double")),
+            MemberDescriptor("yp", PrimitiveDescriptor("double")),
+            MemberDescriptor("ya", PrimitiveDescriptor("double")),
+            MemberDescriptor("zz", PrimitiveDescriptor("double")),
+            MemberDescriptor("zr", PrimitiveDescriptor("double")),
+            MemberDescriptor("zp", PrimitiveDescriptor("double")),
+            MemberDescriptor("za", PrimitiveDescriptor("double")),
+            MemberDescriptor("rr", PrimitiveDescriptor("double")),
+            MemberDescriptor("rp", PrimitiveDescriptor("double")),
+            MemberDescriptor("ra", PrimitiveDescriptor("double")),
+            MemberDescriptor("pp", PrimitiveDescriptor("double")),
+            MemberDescriptor("pa", PrimitiveDescriptor("double")),
+            MemberDescriptor("aa", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -1647,15 +1676,15 @@ _SpeedHeading3D_layout = Fixed("dddd")
 
 
 @dataclass(slots=True)
-class SpeedHeading3D:
+class SpeedHeading3D(Aggregated):
     """Speed along a direction in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/SpeedHeading3D:1.0",
         "RTC::SpeedHeading3D",
         (
-            ("speed", PrimitiveDescriptor("double")),
-            ("direction", Orientation3D._descriptor_),
+            MemberDescriptor("speed", PrimitiveDescriptor("double")),
+            MemberDescriptor("direction", Orientation3D._descriptor_),
         ),
     )
 
@@ -1702,16 +1731,16 @@ _OAP_layout = Fixed("ddddddddd")
 
 
 @dataclass(slots=True)
-class OAP:
+class OAP(Aggregated):
     """A frame by its orientation and approach vectors and its origin."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/OAP:1.0",
         "RTC::OAP",
         (
-            ("orientation", Vector3D._descriptor_),
-            ("approach", Vector3D._descriptor_),
-            ("position", Vector3D._descriptor_),
+            MemberDescriptor("orientation", Vector3D._descriptor_),
+            MemberDescriptor("approach", Vector3D._descriptor_),
+            MemberDescriptor("position", Vector3D._descriptor_),
         ),
     )
 
@@ -1781,17 +1810,17 @@ _Quaternion_layout = Fixed("dddd")
 
 
 @dataclass(slots=True)
-class Quaternion:
+class Quaternion(Aggregated):
     """An orientation as a quaternion."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Quaternion:1.0",
         "RTC::Quaternion",
         (
-            ("x", PrimitiveDescriptor("double")),
-            ("y", PrimitiveDescriptor("double")),
-            ("z", PrimitiveDescriptor("double")),
-            ("w", PrimitiveDescriptor("double")),
+            MemberDescriptor("x", PrimitiveDescriptor("double")),
+            MemberDescriptor("y", PrimitiveDescriptor("double")),
+            MemberDescriptor("z", PrimitiveDescriptor("double")),
+            MemberDescriptor("w", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -1838,13 +1867,16 @@ _TimedRGBColour_layout = Fixed("IIddd")
 
 
 @dataclass(slots=True)
-class TimedRGBColour:
+class TimedRGBColour(Aggregated):
     """Time-stamped value of type RGBColour."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedRGBColour:1.0",
         "RTC::TimedRGBColour",
-        (("tm", Time._descriptor_), ("data", RGBColour._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", RGBColour._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -1891,13 +1923,16 @@ _TimedPoint2D_layout = Fixed("IIdd")
 
 
 @dataclass(slots=True)
-class TimedPoint2D:
+class TimedPoint2D(Aggregated):
     """Time-stamped value of type Point2D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedPoint2D:1.0",
         "RTC::TimedPoint2D",
-        (("tm", Time._descriptor_), ("data", Point2D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Point2D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -1941,13 +1976,16 @@ _TimedVector2D_layout = Fixed("IIdd")
 
 
 @dataclass(slots=True)
-class TimedVector2D:
+class TimedVector2D(Aggregated):
     """Time-stamped value of type Vector2D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedVector2D:1.0",
         "RTC::TimedVector2D",
-        (("tm", Time._descriptor_), ("data", Vector2D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Vector2D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -1991,13 +2029,16 @@ _TimedPose2D_layout = Fixed("IIddd")
 
 
 @dataclass(slots=True)
-class TimedPose2D:
+class TimedPose2D(Aggregated):
     """Time-stamped value of type Pose2D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedPose2D:1.0",
         "RTC::TimedPose2D",
-        (("tm", Time._descriptor_), ("data", Pose2D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Pose2D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2061,13 +2102,16 @@ _TimedVelocity2D_layout = Fixed("IIddd")
 
 
 @dataclass(slots=True)
-class TimedVelocity2D:
+class TimedVelocity2D(Aggregated):
     """Time-stamped value of type Velocity2D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedVelocity2D:1.0",
         "RTC::TimedVelocity2D",
-        (("tm", Time._descriptor_), ("data", Velocity2D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Velocity2D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2114,13 +2158,16 @@ _TimedAcceleration2D_layout = Fixed("IIdd")
 
 
 @dataclass(slots=True)
-class TimedAcceleration2D:
+class TimedAcceleration2D(Aggregated):
     """Time-stamped value of type Acceleration2D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedAcceleration2D:1.0",
         "RTC::TimedAcceleration2D",
-        (("tm", Time._descriptor_), ("data", Acceleration2D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Acceleration2D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2167,13 +2214,16 @@ _TimedPoseVel2D_layout = Fixed("IIdddddd")
 
 
 @dataclass(slots=True)
-class TimedPoseVel2D:
+class TimedPoseVel2D(Aggregated):
     """Time-stamped value of type PoseVel2D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedPoseVel2D:1.0",
         "RTC::TimedPoseVel2D",
-        (("tm", Time._descriptor_), ("data", PoseVel2D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PoseVel2D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2263,13 +2313,16 @@ _TimedSize2D_layout = Fixed("IIdd")
 
 
 @dataclass(slots=True)
-class TimedSize2D:
+class TimedSize2D(Aggregated):
     """Time-stamped value of type Size2D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedSize2D:1.0",
         "RTC::TimedSize2D",
-        (("tm", Time._descriptor_), ("data", Size2D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Size2D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2313,13 +2366,16 @@ _TimedGeometry2D_layout = Fixed("IIddddd")
 
 
 @dataclass(slots=True)
-class TimedGeometry2D:
+class TimedGeometry2D(Aggregated):
     """Time-stamped value of type Geometry2D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedGeometry2D:1.0",
         "RTC::TimedGeometry2D",
-        (("tm", Time._descriptor_), ("data", Geometry2D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Geometry2D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2403,13 +2459,16 @@ _TimedCovariance2D_layout = Fixed("IIdddddd")
 
 
 @dataclass(slots=True)
-class TimedCovariance2D:
+class TimedCovariance2D(Aggregated):
     """Time-stamped value of type Covariance2D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedCovariance2D:1.0",
         "RTC::TimedCovariance2D",
-        (("tm", Time._descriptor_), ("data", Covariance2D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Covariance2D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2477,13 +2536,16 @@ _TimedPointCovariance2D_layout = Fixed("IIddd")
 
 
 @dataclass(slots=True)
-class TimedPointCovariance2D:
+class TimedPointCovariance2D(Aggregated):
     """Time-stamped value of type PointCovariance2D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedPointCovariance2D:1.0",
         "RTC::TimedPointCovariance2D",
-        (("tm", Time._descriptor_), ("data", PointCovariance2D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PointCovariance2D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2533,13 +2595,16 @@ _TimedCarlike_layout = Fixed("IIdd")
 
 
 @dataclass(slots=True)
-class TimedCarlike:
+class TimedCarlike(Aggregated):
     """Time-stamped value of type Carlike."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedCarlike:1.0",
         "RTC::TimedCarlike",
-        (("tm", Time._descriptor_), ("data", Carlike._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Carlike._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2586,13 +2651,16 @@ _TimedSpeedHeading2D_layout = Fixed("IIdd")
 
 
 @dataclass(slots=True)
-class TimedSpeedHeading2D:
+class TimedSpeedHeading2D(Aggregated):
     """Time-stamped value of type SpeedHeading2D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedSpeedHeading2D:1.0",
         "RTC::TimedSpeedHeading2D",
-        (("tm", Time._descriptor_), ("data", SpeedHeading2D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", SpeedHeading2D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2639,13 +2707,16 @@ _TimedPoint3D_layout = Fixed("IIddd")
 
 
 @dataclass(slots=True)
-class TimedPoint3D:
+class TimedPoint3D(Aggregated):
     """Time-stamped value of type Point3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedPoint3D:1.0",
         "RTC::TimedPoint3D",
-        (("tm", Time._descriptor_), ("data", Point3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Point3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2689,13 +2760,16 @@ _TimedVector3D_layout = Fixed("IIddd")
 
 
 @dataclass(slots=True)
-class TimedVector3D:
+class TimedVector3D(Aggregated):
     """Time-stamped value of type Vector3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedVector3D:1.0",
         "RTC::TimedVector3D",
-        (("tm", Time._descriptor_), ("data", Vector3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Vector3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2739,13 +2813,16 @@ _TimedOrientation3D_layout = Fixed("IIddd")
 
 
 @dataclass(slots=True)
-class TimedOrientation3D:
+class TimedOrientation3D(Aggregated):
     """Time-stamped value of type Orientation3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedOrientation3D:1.0",
         "RTC::TimedOrientation3D",
-        (("tm", Time._descriptor_), ("data", Orientation3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Orientation3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2792,13 +2869,16 @@ _TimedPose3D_layout = Fixed("IIdddddd")
 
 
 @dataclass(slots=True)
-class TimedPose3D:
+class TimedPose3D(Aggregated):
     """Time-stamped value of type Pose3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedPose3D:1.0",
         "RTC::TimedPose3D",
-        (("tm", Time._descriptor_), ("data", Pose3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Pose3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2884,13 +2964,16 @@ _TimedVelocity3D_layout = Fixed("IIdddddd")
 
 
 @dataclass(slots=True)
-class TimedVelocity3D:
+class TimedVelocity3D(Aggregated):
     """Time-stamped value of type Velocity3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedVelocity3D:1.0",
         "RTC::TimedVelocity3D",
-        (("tm", Time._descriptor_), ("data", Velocity3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Velocity3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2958,13 +3041,16 @@ _TimedAngularVelocity3D_layout = Fixed("IIddd")
 
 
 @dataclass(slots=True)
-class TimedAngularVelocity3D:
+class TimedAngularVelocity3D(Aggregated):
     """Time-stamped value of type AngularVelocity3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedAngularVelocity3D:1.0",
         "RTC::TimedAngularVelocity3D",
-        (("tm", Time._descriptor_), ("data", AngularVelocity3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", AngularVelocity3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -3014,13 +3100,16 @@ _TimedAcceleration3D_layout = Fixed("IIddd")
 
 
 @dataclass(slots=True)
-class TimedAcceleration3D:
+class TimedAcceleration3D(Aggregated):
     """Time-stamped value of type Acceleration3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedAcceleration3D:1.0",
         "RTC::TimedAcceleration3D",
-        (("tm", Time._descriptor_), ("data", Acceleration3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Acceleration3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -3067,13 +3156,16 @@ _TimedAngularAcceleration3D_layout = Fixed("IIddd")
 
 
 @dataclass(slots=True)
-class TimedAngularAcceleration3D:
+class TimedAngularAcceleration3D(Aggregated):
     """Time-stamped value of type AngularAcceleration3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedAngularAcceleration3D:1.0",
         "RTC::TimedAngularAcceleration3D",
-        (("tm", Time._descriptor_), ("data", AngularAcceleration3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", AngularAcceleration3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -3123,13 +3215,16 @@ _TimedPoseVel3D_layout = Fixed("IIdddddddddddd")
 
 
 @dataclass(slots=True)
-class TimedPoseVel3D:
+class TimedPoseVel3D(Aggregated):
     """Time-stamped value of type PoseVel3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedPoseVel3D:1.0",
         "RTC::TimedPoseVel3D",
-        (("tm", Time._descriptor_), ("data", PoseVel3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PoseVel3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -3259,13 +3354,16 @@ _TimedSize3D_layout = Fixed("IIddd")
 
 
 @dataclass(slots=True)
-class TimedSize3D:
+class TimedSize3D(Aggregated):
     """Time-stamped value of type Size3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedSize3D:1.0",
         "RTC::TimedSize3D",
-        (("tm", Time._descriptor_), ("data", Size3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Size3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -3309,13 +3407,16 @@ _TimedGeometry3D_layout = Fixed("IIddddddddd")
 
 
 @dataclass(slots=True)
-class TimedGeometry3D:
+class TimedGeometry3D(Aggregated):
     """Time-stamped value of type Geometry3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedGeometry3D:1.0",
         "RTC::TimedGeometry3D",
-        (("tm", Time._descriptor_), ("data", Geometry3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Geometry3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -3425,13 +3526,16 @@ _TimedCovariance3D_layout = Fixed("IIddddddddddddddddddddd")
 
 
 @dataclass(slots=True)
-class TimedCovariance3D:
+class TimedCovariance3D(Aggregated):
     """Time-stamped value of type Covariance3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedCovariance3D:1.0",
         "RTC::TimedCovariance3D",
-        (("tm", Time._descriptor_), ("data", Covariance3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Covariance3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -3573,13 +3677,16 @@ _TimedSpeedHeading3D_layout = Fixed("IIdddd")
 
 
 @dataclass(slots=True)
-class TimedSpeedHeading3D:
+class TimedSpeedHeading3D(Aggregated):
     """Time-stamped value of type SpeedHeading3D."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedSpeedHeading3D:1.0",
         "RTC::TimedSpeedHeading3D",
-        (("tm", Time._descriptor_), ("data", SpeedHeading3D._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", SpeedHeading3D._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -3651,13 +3758,16 @@ _TimedOAP_layout = Fixed("IIddddddddd")
 
 
 @dataclass(slots=True)
-class TimedOAP:
+class TimedOAP(Aggregated):
     """Time-stamped value of type OAP."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedOAP:1.0",
         "RTC::TimedOAP",
-        (("tm", Time._descriptor_), ("data", OAP._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", OAP._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -3749,13 +3859,16 @@ _TimedQuaternion_layout = Fixed("IIdddd")
 
 
 @dataclass(slots=True)
-class TimedQuaternion:
+class TimedQuaternion(Aggregated):
     """Time-stamped value of type Quaternion."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedQuaternion:1.0",
         "RTC::TimedQuaternion",
-        (("tm", Time._descriptor_), ("data", Quaternion._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", Quaternion._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)

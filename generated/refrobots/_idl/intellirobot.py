@@ -9,6 +9,7 @@ from typing import ClassVar, Final, Self
 
 from rtgen.runtime.cdr import (
     FAILURES,
+    Aggregated,
     Buffer,
     Enumeration,
     Fixed,
@@ -18,6 +19,7 @@ from rtgen.runtime.cdr import (
 )
 from rtgen.runtime.descriptors import (
     EnumDescriptor,
+    MemberDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StructDescriptor,
@@ -30,19 +32,22 @@ _TimedVelocity_layout = Layout("=III", "@4 *i d d d I", "@4 *d")
 
 
 @dataclass(slots=True)
-class TimedVelocity:
+class TimedVelocity(Aggregated):
     """Travel command of the second phase."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:IIS/TimedVelocity:1.0",
         "IIS::TimedVelocity",
         (
-            ("tm", Time._descriptor_),
-            ("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            ("vx", PrimitiveDescriptor("double")),
-            ("vy", PrimitiveDescriptor("double")),
-            ("w", PrimitiveDescriptor("double")),
-            ("error", SequenceDescriptor(PrimitiveDescriptor("double"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
+            MemberDescriptor("vx", PrimitiveDescriptor("double")),
+            MemberDescriptor("vy", PrimitiveDescriptor("double")),
+            MemberDescriptor("w", PrimitiveDescriptor("double")),
+            MemberDescriptor(
+                "error",
+                SequenceDescriptor(PrimitiveDescriptor("double")),
+            ),
         ),
     )
 
@@ -124,19 +129,22 @@ _TimedPosition_layout = Layout("=III", "@4 *i d d d I", "@4 *d")
 
 
 @dataclass(slots=True)
-class TimedPosition:
+class TimedPosition(Aggregated):
     """Self-position, and target position, of the second phase."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:IIS/TimedPosition:1.0",
         "IIS::TimedPosition",
         (
-            ("tm", Time._descriptor_),
-            ("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            ("x", PrimitiveDescriptor("double")),
-            ("y", PrimitiveDescriptor("double")),
-            ("theta", PrimitiveDescriptor("double")),
-            ("error", SequenceDescriptor(PrimitiveDescriptor("double"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
+            MemberDescriptor("x", PrimitiveDescriptor("double")),
+            MemberDescriptor("y", PrimitiveDescriptor("double")),
+            MemberDescriptor("theta", PrimitiveDescriptor("double")),
+            MemberDescriptor(
+                "error",
+                SequenceDescriptor(PrimitiveDescriptor("double")),
+            ),
         ),
     )
 
@@ -218,17 +226,20 @@ _TimedPose2D_layout = Layout("=III", "@4 *i d d d I", "@4 *d")
 
 
 @dataclass(slots=True)
-class TimedPose2D:
+class TimedPose2D(Aggregated):
     """A pose in the plane: self-position, goal, or one waypoint of a path."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:IIS/TimedPose2D:1.0",
         "IIS::TimedPose2D",
         (
-            ("tm", Time._descriptor_),
-            ("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            ("data", Pose2D._descriptor_),
-            ("error", SequenceDescriptor(PrimitiveDescriptor("double"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
+            MemberDescriptor("data", Pose2D._descriptor_),
+            MemberDescriptor(
+                "error",
+                SequenceDescriptor(PrimitiveDescriptor("double")),
+            ),
         ),
     )
 
@@ -321,7 +332,7 @@ _TimedPath2DSeq_layout_3 = Layout("=III", "@4 *i I", "*24s/8 I", "*24s/8 I", "*d
 
 
 @dataclass(slots=True)
-class TimedPath2DSeq:
+class TimedPath2DSeq(Aggregated):
     """A path: the first pose is the start, the last one the goal. The headings between
     them, and the speeds, need not be kept.
     """
@@ -330,11 +341,14 @@ class TimedPath2DSeq:
         "IDL:IIS/TimedPath2DSeq:1.0",
         "IIS::TimedPath2DSeq",
         (
-            ("tm", Time._descriptor_),
-            ("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            ("pose", SequenceDescriptor(Pose2D._descriptor_)),
-            ("velocity", SequenceDescriptor(Velocity2D._descriptor_)),
-            ("error", SequenceDescriptor(PrimitiveDescriptor("double"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
+            MemberDescriptor("pose", SequenceDescriptor(Pose2D._descriptor_)),
+            MemberDescriptor("velocity", SequenceDescriptor(Velocity2D._descriptor_)),
+            MemberDescriptor(
+                "error",
+                SequenceDescriptor(PrimitiveDescriptor("double")),
+            ),
         ),
     )
 
@@ -465,17 +479,20 @@ _TimedVelocity2D_layout = Layout("=III", "@4 *i d d d I", "@4 *d")
 
 
 @dataclass(slots=True)
-class TimedVelocity2D:
+class TimedVelocity2D(Aggregated):
     """Velocity in the frame of the body: travel command and travel information."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:IIS/TimedVelocity2D:1.0",
         "IIS::TimedVelocity2D",
         (
-            ("tm", Time._descriptor_),
-            ("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            ("data", Velocity2D._descriptor_),
-            ("error", SequenceDescriptor(PrimitiveDescriptor("double"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
+            MemberDescriptor("data", Velocity2D._descriptor_),
+            MemberDescriptor(
+                "error",
+                SequenceDescriptor(PrimitiveDescriptor("double")),
+            ),
         ),
     )
 
@@ -559,17 +576,20 @@ _TimedPose2DSeq_layout_2 = Layout("=III", "@4 *i I", "*24s/8 I", "*d")
 
 
 @dataclass(slots=True)
-class TimedPose2DSeq:
+class TimedPose2DSeq(Aggregated):
     """A list of goals; only the first one counts, and an empty list clears the goal."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:IIS/TimedPose2DSeq:1.0",
         "IIS::TimedPose2DSeq",
         (
-            ("tm", Time._descriptor_),
-            ("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            ("data", SequenceDescriptor(Pose2D._descriptor_)),
-            ("error", SequenceDescriptor(PrimitiveDescriptor("double"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
+            MemberDescriptor("data", SequenceDescriptor(Pose2D._descriptor_)),
+            MemberDescriptor(
+                "error",
+                SequenceDescriptor(PrimitiveDescriptor("double")),
+            ),
         ),
     )
 
@@ -710,13 +730,16 @@ _TimedState_layout = Fixed("IIi")
 
 
 @dataclass(slots=True)
-class TimedState:
+class TimedState(Aggregated):
     """The state of the navigation. OpenRTM's `RTC::TimedState` holds a short instead."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:IIS/TimedState:1.0",
         "IIS::TimedState",
-        (("tm", Time._descriptor_), ("data", PrimitiveDescriptor("long"))),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("data", PrimitiveDescriptor("long")),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -797,22 +820,22 @@ _Path_layout = Fixed("hh4xddddddII")
 
 
 @dataclass(slots=True)
-class Path:
+class Path(Aggregated):
     """One waypoint, and how to travel to it."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:IIS/Path:1.0",
         "IIS::Path",
         (
-            ("type", PrimitiveDescriptor("short")),
-            ("coordinate", PrimitiveDescriptor("short")),
-            ("x", PrimitiveDescriptor("double")),
-            ("y", PrimitiveDescriptor("double")),
-            ("theta", PrimitiveDescriptor("double")),
-            ("v", PrimitiveDescriptor("double")),
-            ("w", PrimitiveDescriptor("double")),
-            ("r", PrimitiveDescriptor("double")),
-            ("tm", Time._descriptor_),
+            MemberDescriptor("type", PrimitiveDescriptor("short")),
+            MemberDescriptor("coordinate", PrimitiveDescriptor("short")),
+            MemberDescriptor("x", PrimitiveDescriptor("double")),
+            MemberDescriptor("y", PrimitiveDescriptor("double")),
+            MemberDescriptor("theta", PrimitiveDescriptor("double")),
+            MemberDescriptor("v", PrimitiveDescriptor("double")),
+            MemberDescriptor("w", PrimitiveDescriptor("double")),
+            MemberDescriptor("r", PrimitiveDescriptor("double")),
+            MemberDescriptor("tm", Time._descriptor_),
         ),
     )
 

@@ -10,6 +10,7 @@ from typing import ClassVar, Self, TypeAlias
 from rtgen.runtime.cdr import (
     BOOLEAN,
     FAILURES,
+    Aggregated,
     Buffer,
     Enumeration,
     Fixed,
@@ -22,7 +23,9 @@ from rtgen.runtime.cdr import (
 )
 from rtgen.runtime.cdr_values import text_octets, text_value
 from rtgen.runtime.descriptors import (
+    AliasDescriptor,
     EnumDescriptor,
+    MemberDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
@@ -148,16 +151,16 @@ _ActArrayActuatorPos_layout = Fixed("IIH6xd")
 
 
 @dataclass(slots=True)
-class ActArrayActuatorPos:
+class ActArrayActuatorPos(Aggregated):
     """Wanted position of one actuator of an array."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/ActArrayActuatorPos:1.0",
         "RTC::ActArrayActuatorPos",
         (
-            ("tm", Time._descriptor_),
-            ("index", PrimitiveDescriptor("unsigned short")),
-            ("position", PrimitiveDescriptor("double")),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
+            MemberDescriptor("position", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -203,16 +206,16 @@ _ActArrayActuatorSpeed_layout = Fixed("IIH6xd")
 
 
 @dataclass(slots=True)
-class ActArrayActuatorSpeed:
+class ActArrayActuatorSpeed(Aggregated):
     """Wanted speed of one actuator of an array."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/ActArrayActuatorSpeed:1.0",
         "RTC::ActArrayActuatorSpeed",
         (
-            ("tm", Time._descriptor_),
-            ("index", PrimitiveDescriptor("unsigned short")),
-            ("speed", PrimitiveDescriptor("double")),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
+            MemberDescriptor("speed", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -258,16 +261,16 @@ _ActArrayActuatorCurrent_layout = Fixed("IIH6xd")
 
 
 @dataclass(slots=True)
-class ActArrayActuatorCurrent:
+class ActArrayActuatorCurrent(Aggregated):
     """Wanted current of one actuator of an array."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/ActArrayActuatorCurrent:1.0",
         "RTC::ActArrayActuatorCurrent",
         (
-            ("tm", Time._descriptor_),
-            ("index", PrimitiveDescriptor("unsigned short")),
-            ("current", PrimitiveDescriptor("double")),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
+            MemberDescriptor("current", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -314,18 +317,18 @@ _Actuator_layout = Fixed("ddddI")
 
 
 @dataclass(slots=True)
-class Actuator:
+class Actuator(Aggregated):
     """What one actuator is doing."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Actuator:1.0",
         "RTC::Actuator",
         (
-            ("position", PrimitiveDescriptor("double")),
-            ("speed", PrimitiveDescriptor("double")),
-            ("accel", PrimitiveDescriptor("double")),
-            ("current", PrimitiveDescriptor("double")),
-            ("status", ActArrayActuatorStatus._descriptor_),
+            MemberDescriptor("position", PrimitiveDescriptor("double")),
+            MemberDescriptor("speed", PrimitiveDescriptor("double")),
+            MemberDescriptor("accel", PrimitiveDescriptor("double")),
+            MemberDescriptor("current", PrimitiveDescriptor("double")),
+            MemberDescriptor("status", ActArrayActuatorStatus._descriptor_),
         ),
     )
 
@@ -389,6 +392,11 @@ class Actuator:
 
 ActuatorList: TypeAlias = list[Actuator]
 """Actuators, by index."""
+_ActuatorList_alias = AliasDescriptor(
+    "IDL:RTC/ActuatorList:1.0",
+    "RTC::ActuatorList",
+    SequenceDescriptor(Actuator._descriptor_),
+)
 
 
 _ActuatorListCodec_layout = Settled("=I")
@@ -398,8 +406,7 @@ _ActuatorListCodec_layout_2 = PhasedLayout("d d d d I")
 class ActuatorListCodec:
     """The codec of `RTC::ActuatorList`."""
 
-    _alias_ = "RTC::ActuatorList"
-    _descriptor_ = SequenceDescriptor(Actuator._descriptor_)
+    _descriptor_ = _ActuatorList_alias
 
     @staticmethod
     def to_cdr(value: ActuatorList, little_endian: bool = True) -> bytes:
@@ -480,15 +487,15 @@ _ActArrayState_layout_2 = PhasedLayout("d d d d I")
 
 
 @dataclass(slots=True)
-class ActArrayState:
+class ActArrayState(Aggregated):
     """What every actuator of an array is doing."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/ActArrayState:1.0",
         "RTC::ActArrayState",
         (
-            ("tm", Time._descriptor_),
-            ("actuators", SequenceDescriptor(Actuator._descriptor_)),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("actuators", _ActuatorList_alias),
         ),
     )
 
@@ -591,22 +598,22 @@ _ActArrayActuatorGeometry_layout = Fixed("I4xdddddddddddB")
 
 
 @dataclass(slots=True)
-class ActArrayActuatorGeometry:
+class ActArrayActuatorGeometry(Aggregated):
     """The build of one actuator and its range of motion."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/ActArrayActuatorGeometry:1.0",
         "RTC::ActArrayActuatorGeometry",
         (
-            ("type", ActArrayActuatorType._descriptor_),
-            ("length", PrimitiveDescriptor("double")),
-            ("orientation", Orientation3D._descriptor_),
-            ("axis", Vector3D._descriptor_),
-            ("minRange", PrimitiveDescriptor("double")),
-            ("centre", PrimitiveDescriptor("double")),
-            ("maxRange", PrimitiveDescriptor("double")),
-            ("homePosition", PrimitiveDescriptor("double")),
-            ("hasBrakes", PrimitiveDescriptor("boolean")),
+            MemberDescriptor("type", ActArrayActuatorType._descriptor_),
+            MemberDescriptor("length", PrimitiveDescriptor("double")),
+            MemberDescriptor("orientation", Orientation3D._descriptor_),
+            MemberDescriptor("axis", Vector3D._descriptor_),
+            MemberDescriptor("minRange", PrimitiveDescriptor("double")),
+            MemberDescriptor("centre", PrimitiveDescriptor("double")),
+            MemberDescriptor("maxRange", PrimitiveDescriptor("double")),
+            MemberDescriptor("homePosition", PrimitiveDescriptor("double")),
+            MemberDescriptor("hasBrakes", PrimitiveDescriptor("boolean")),
         ),
     )
 
@@ -709,6 +716,11 @@ class ActArrayActuatorGeometry:
 
 ActArrayActuatorGeometryList: TypeAlias = list[ActArrayActuatorGeometry]
 """Builds of actuators, by index."""
+_ActArrayActuatorGeometryList_alias = AliasDescriptor(
+    "IDL:RTC/ActArrayActuatorGeometryList:1.0",
+    "RTC::ActArrayActuatorGeometryList",
+    SequenceDescriptor(ActArrayActuatorGeometry._descriptor_),
+)
 
 
 _ActArrayActuatorGeometryListCodec_layout = Settled("=I")
@@ -718,8 +730,7 @@ _ActArrayActuatorGeometryListCodec_layout_2 = PhasedLayout("I d d d d d d d d d 
 class ActArrayActuatorGeometryListCodec:
     """The codec of `RTC::ActArrayActuatorGeometryList`."""
 
-    _alias_ = "RTC::ActArrayActuatorGeometryList"
-    _descriptor_ = SequenceDescriptor(ActArrayActuatorGeometry._descriptor_)
+    _descriptor_ = _ActArrayActuatorGeometryList_alias
 
     @staticmethod
     def to_cdr(
@@ -838,18 +849,15 @@ _ActArrayGeometry_layout_2 = PhasedLayout("I d d d d d d d d d d d B")
 
 
 @dataclass(slots=True)
-class ActArrayGeometry:
+class ActArrayGeometry(Aggregated):
     """The build of an array of actuators."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/ActArrayGeometry:1.0",
         "RTC::ActArrayGeometry",
         (
-            ("arrayGeometry", Geometry3D._descriptor_),
-            (
-                "actuatorGeometry",
-                SequenceDescriptor(ActArrayActuatorGeometry._descriptor_),
-            ),
+            MemberDescriptor("arrayGeometry", Geometry3D._descriptor_),
+            MemberDescriptor("actuatorGeometry", _ActArrayActuatorGeometryList_alias),
         ),
     )
 
@@ -1058,16 +1066,16 @@ _BumperGeometry_layout = Fixed("dddddddddd")
 
 
 @dataclass(slots=True)
-class BumperGeometry:
+class BumperGeometry(Aggregated):
     """The build of one bumper."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/BumperGeometry:1.0",
         "RTC::BumperGeometry",
         (
-            ("pose", Pose3D._descriptor_),
-            ("size", Size3D._descriptor_),
-            ("roc", PrimitiveDescriptor("double")),
+            MemberDescriptor("pose", Pose3D._descriptor_),
+            MemberDescriptor("size", Size3D._descriptor_),
+            MemberDescriptor("roc", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -1160,6 +1168,11 @@ class BumperGeometry:
 
 BumperGeometryList: TypeAlias = list[BumperGeometry]
 """Builds of bumpers."""
+_BumperGeometryList_alias = AliasDescriptor(
+    "IDL:RTC/BumperGeometryList:1.0",
+    "RTC::BumperGeometryList",
+    SequenceDescriptor(BumperGeometry._descriptor_),
+)
 
 
 _BumperGeometryListCodec_layout = Fixed("dddddddddd")
@@ -1169,8 +1182,7 @@ _BumperGeometryListCodec_layout_2 = Layout("=I", "@4 *80s/8")
 class BumperGeometryListCodec:
     """The codec of `RTC::BumperGeometryList`."""
 
-    _alias_ = "RTC::BumperGeometryList"
-    _descriptor_ = SequenceDescriptor(BumperGeometry._descriptor_)
+    _descriptor_ = _BumperGeometryList_alias
 
     @staticmethod
     def to_cdr(value: BumperGeometryList, little_endian: bool = True) -> bytes:
@@ -1260,15 +1272,15 @@ _BumperArrayGeometry_layout_2 = Layout("=dddddddddI", "@4 *80s/8")
 
 
 @dataclass(slots=True)
-class BumperArrayGeometry:
+class BumperArrayGeometry(Aggregated):
     """The build of an array of bumpers."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/BumperArrayGeometry:1.0",
         "RTC::BumperArrayGeometry",
         (
-            ("arrayGeometry", Geometry3D._descriptor_),
-            ("bumperGeometry", SequenceDescriptor(BumperGeometry._descriptor_)),
+            MemberDescriptor("arrayGeometry", Geometry3D._descriptor_),
+            MemberDescriptor("bumperGeometry", _BumperGeometryList_alias),
         ),
     )
 
@@ -1452,20 +1464,23 @@ _CameraImage_layout = Layout("=IIHHHxxI", "@4 *s d I", "@4 *s")
 
 
 @dataclass(slots=True)
-class CameraImage:
+class CameraImage(Aggregated):
     """One image of a camera."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/CameraImage:1.0",
         "RTC::CameraImage",
         (
-            ("tm", Time._descriptor_),
-            ("width", PrimitiveDescriptor("unsigned short")),
-            ("height", PrimitiveDescriptor("unsigned short")),
-            ("bpp", PrimitiveDescriptor("unsigned short")),
-            ("format", StringDescriptor()),
-            ("fDiv", PrimitiveDescriptor("double")),
-            ("pixels", SequenceDescriptor(PrimitiveDescriptor("octet"))),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("width", PrimitiveDescriptor("unsigned short")),
+            MemberDescriptor("height", PrimitiveDescriptor("unsigned short")),
+            MemberDescriptor("bpp", PrimitiveDescriptor("unsigned short")),
+            MemberDescriptor("format", StringDescriptor()),
+            MemberDescriptor("fDiv", PrimitiveDescriptor("double")),
+            MemberDescriptor(
+                "pixels",
+                SequenceDescriptor(PrimitiveDescriptor("octet")),
+            ),
         ),
     )
 
@@ -1556,19 +1571,19 @@ _CameraInfo_layout = Fixed("dddddddd")
 
 
 @dataclass(slots=True)
-class CameraInfo:
+class CameraInfo(Aggregated):
     """The intrinsic calibration of a camera."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/CameraInfo:1.0",
         "RTC::CameraInfo",
         (
-            ("focalLength", Vector2D._descriptor_),
-            ("principalPoint", Point2D._descriptor_),
-            ("k1", PrimitiveDescriptor("double")),
-            ("k2", PrimitiveDescriptor("double")),
-            ("p1", PrimitiveDescriptor("double")),
-            ("p2", PrimitiveDescriptor("double")),
+            MemberDescriptor("focalLength", Vector2D._descriptor_),
+            MemberDescriptor("principalPoint", Point2D._descriptor_),
+            MemberDescriptor("k1", PrimitiveDescriptor("double")),
+            MemberDescriptor("k2", PrimitiveDescriptor("double")),
+            MemberDescriptor("p1", PrimitiveDescriptor("double")),
+            MemberDescriptor("p2", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -1650,18 +1665,18 @@ _FiducialInfo_layout = Fixed("I4xdddddddddddddddddd")
 
 
 @dataclass(slots=True)
-class FiducialInfo:
+class FiducialInfo(Aggregated):
     """One detected fiducial mark."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/FiducialInfo:1.0",
         "RTC::FiducialInfo",
         (
-            ("id", PrimitiveDescriptor("unsigned long")),
-            ("pose", Pose3D._descriptor_),
-            ("poseUncertainty", Pose3D._descriptor_),
-            ("size", Size3D._descriptor_),
-            ("sizeUncertainty", Size3D._descriptor_),
+            MemberDescriptor("id", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("pose", Pose3D._descriptor_),
+            MemberDescriptor("poseUncertainty", Pose3D._descriptor_),
+            MemberDescriptor("size", Size3D._descriptor_),
+            MemberDescriptor("sizeUncertainty", Size3D._descriptor_),
         ),
     )
 
@@ -1807,6 +1822,11 @@ class FiducialInfo:
 
 FiducialInfoList: TypeAlias = list[FiducialInfo]
 """Detected fiducial marks."""
+_FiducialInfoList_alias = AliasDescriptor(
+    "IDL:RTC/FiducialInfoList:1.0",
+    "RTC::FiducialInfoList",
+    SequenceDescriptor(FiducialInfo._descriptor_),
+)
 
 
 _FiducialInfoListCodec_layout = Settled("=I")
@@ -1816,8 +1836,7 @@ _FiducialInfoListCodec_layout_2 = PhasedLayout("I d d d d d d d d d d d d d d d 
 class FiducialInfoListCodec:
     """The codec of `RTC::FiducialInfoList`."""
 
-    _alias_ = "RTC::FiducialInfoList"
-    _descriptor_ = SequenceDescriptor(FiducialInfo._descriptor_)
+    _descriptor_ = _FiducialInfoList_alias
 
     @staticmethod
     def to_cdr(value: FiducialInfoList, little_endian: bool = True) -> bytes:
@@ -1958,15 +1977,15 @@ _Fiducials_layout_2 = PhasedLayout("I d d d d d d d d d d d d d d d d d d")
 
 
 @dataclass(slots=True)
-class Fiducials:
+class Fiducials(Aggregated):
     """All fiducial marks of one observation."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Fiducials:1.0",
         "RTC::Fiducials",
         (
-            ("tm", Time._descriptor_),
-            ("fiducialsList", SequenceDescriptor(FiducialInfo._descriptor_)),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("fiducialsList", _FiducialInfoList_alias),
         ),
     )
 
@@ -2160,16 +2179,16 @@ _FiducialFOV_layout = Fixed("ddd")
 
 
 @dataclass(slots=True)
-class FiducialFOV:
+class FiducialFOV(Aggregated):
     """The field in which a sensor sees fiducial marks."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/FiducialFOV:1.0",
         "RTC::FiducialFOV",
         (
-            ("minRange", PrimitiveDescriptor("double")),
-            ("maxRange", PrimitiveDescriptor("double")),
-            ("viewAngle", PrimitiveDescriptor("double")),
+            MemberDescriptor("minRange", PrimitiveDescriptor("double")),
+            MemberDescriptor("maxRange", PrimitiveDescriptor("double")),
+            MemberDescriptor("viewAngle", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -2214,15 +2233,15 @@ _GPSTime_layout = Fixed("II")
 
 
 @dataclass(slots=True)
-class GPSTime:
+class GPSTime(Aggregated):
     """The time that a GPS receiver tells."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/GPSTime:1.0",
         "RTC::GPSTime",
         (
-            ("sec", PrimitiveDescriptor("unsigned long")),
-            ("msec", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("sec", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("msec", PrimitiveDescriptor("unsigned long")),
         ),
     )
 
@@ -2266,25 +2285,25 @@ _GPSData_layout = Fixed("IIIIddddddddHxxI")
 
 
 @dataclass(slots=True)
-class GPSData:
+class GPSData(Aggregated):
     """One fix of a GPS receiver."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/GPSData:1.0",
         "RTC::GPSData",
         (
-            ("tm", Time._descriptor_),
-            ("timeFromGPS", GPSTime._descriptor_),
-            ("latitude", PrimitiveDescriptor("double")),
-            ("longitude", PrimitiveDescriptor("double")),
-            ("altitude", PrimitiveDescriptor("double")),
-            ("horizontalError", PrimitiveDescriptor("double")),
-            ("verticalError", PrimitiveDescriptor("double")),
-            ("heading", PrimitiveDescriptor("double")),
-            ("horizontalSpeed", PrimitiveDescriptor("double")),
-            ("verticalSpeed", PrimitiveDescriptor("double")),
-            ("numSatellites", PrimitiveDescriptor("unsigned short")),
-            ("fixType", GPSFixType._descriptor_),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("timeFromGPS", GPSTime._descriptor_),
+            MemberDescriptor("latitude", PrimitiveDescriptor("double")),
+            MemberDescriptor("longitude", PrimitiveDescriptor("double")),
+            MemberDescriptor("altitude", PrimitiveDescriptor("double")),
+            MemberDescriptor("horizontalError", PrimitiveDescriptor("double")),
+            MemberDescriptor("verticalError", PrimitiveDescriptor("double")),
+            MemberDescriptor("heading", PrimitiveDescriptor("double")),
+            MemberDescriptor("horizontalSpeed", PrimitiveDescriptor("double")),
+            MemberDescriptor("verticalSpeed", PrimitiveDescriptor("double")),
+            MemberDescriptor("numSatellites", PrimitiveDescriptor("unsigned short")),
+            MemberDescriptor("fixType", GPSFixType._descriptor_),
         ),
     )
 
@@ -2404,13 +2423,16 @@ _GripperState_layout = Fixed("III")
 
 
 @dataclass(slots=True)
-class GripperState:
+class GripperState(Aggregated):
     """What a gripper is doing."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/GripperState:1.0",
         "RTC::GripperState",
-        (("tm", Time._descriptor_), ("status", GripperStatus._descriptor_)),
+        (
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("status", GripperStatus._descriptor_),
+        ),
     )
 
     tm: Time = field(default_factory=Time)
@@ -2452,13 +2474,16 @@ _GripperGeometry_layout = Fixed("dddddddddddddddddd")
 
 
 @dataclass(slots=True)
-class GripperGeometry:
+class GripperGeometry(Aggregated):
     """The outer and inner size of a gripper."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/GripperGeometry:1.0",
         "RTC::GripperGeometry",
-        (("exterior", Geometry3D._descriptor_), ("interior", Geometry3D._descriptor_)),
+        (
+            MemberDescriptor("exterior", Geometry3D._descriptor_),
+            MemberDescriptor("interior", Geometry3D._descriptor_),
+        ),
     )
 
     exterior: Geometry3D = field(default_factory=Geometry3D)
@@ -2618,20 +2643,20 @@ _INSData_layout = Fixed("IIddddddddddddd")
 
 
 @dataclass(slots=True)
-class INSData:
+class INSData(Aggregated):
     """One solution of an inertial navigation system."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/INSData:1.0",
         "RTC::INSData",
         (
-            ("tm", Time._descriptor_),
-            ("latitude", PrimitiveDescriptor("double")),
-            ("longitude", PrimitiveDescriptor("double")),
-            ("altitude", PrimitiveDescriptor("double")),
-            ("heightAMSL", PrimitiveDescriptor("double")),
-            ("velocityENU", Velocity3D._descriptor_),
-            ("orientation", Orientation3D._descriptor_),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("latitude", PrimitiveDescriptor("double")),
+            MemberDescriptor("longitude", PrimitiveDescriptor("double")),
+            MemberDescriptor("altitude", PrimitiveDescriptor("double")),
+            MemberDescriptor("heightAMSL", PrimitiveDescriptor("double")),
+            MemberDescriptor("velocityENU", Velocity3D._descriptor_),
+            MemberDescriptor("orientation", Orientation3D._descriptor_),
         ),
     )
 
@@ -2752,16 +2777,16 @@ _LimbState_layout = Fixed("IIdddddddddI")
 
 
 @dataclass(slots=True)
-class LimbState:
+class LimbState(Aggregated):
     """Where the end of a limb is, and what the limb is doing."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/LimbState:1.0",
         "RTC::LimbState",
         (
-            ("tm", Time._descriptor_),
-            ("oapMatrix", OAP._descriptor_),
-            ("status", LimbStatus._descriptor_),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("oapMatrix", OAP._descriptor_),
+            MemberDescriptor("status", LimbStatus._descriptor_),
         ),
     )
 
@@ -2879,16 +2904,16 @@ _Hypothesis2D_layout = Fixed("dddddddddd")
 
 
 @dataclass(slots=True)
-class Hypothesis2D:
+class Hypothesis2D(Aggregated):
     """One guess at a planar pose."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Hypothesis2D:1.0",
         "RTC::Hypothesis2D",
         (
-            ("mean", Pose2D._descriptor_),
-            ("covariance", Covariance2D._descriptor_),
-            ("weight", PrimitiveDescriptor("double")),
+            MemberDescriptor("mean", Pose2D._descriptor_),
+            MemberDescriptor("covariance", Covariance2D._descriptor_),
+            MemberDescriptor("weight", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -2978,6 +3003,11 @@ class Hypothesis2D:
 
 Hypothesis2DList: TypeAlias = list[Hypothesis2D]
 """Guesses at a planar pose."""
+_Hypothesis2DList_alias = AliasDescriptor(
+    "IDL:RTC/Hypothesis2DList:1.0",
+    "RTC::Hypothesis2DList",
+    SequenceDescriptor(Hypothesis2D._descriptor_),
+)
 
 
 _Hypothesis2DListCodec_layout = Fixed("dddddddddd")
@@ -2987,8 +3017,7 @@ _Hypothesis2DListCodec_layout_2 = Layout("=I", "@4 *80s/8")
 class Hypothesis2DListCodec:
     """The codec of `RTC::Hypothesis2DList`."""
 
-    _alias_ = "RTC::Hypothesis2DList"
-    _descriptor_ = SequenceDescriptor(Hypothesis2D._descriptor_)
+    _descriptor_ = _Hypothesis2DList_alias
 
     @staticmethod
     def to_cdr(value: Hypothesis2DList, little_endian: bool = True) -> bytes:
@@ -3078,15 +3107,15 @@ _Hypotheses2D_layout_2 = Layout("=III", "@4 *80s/8")
 
 
 @dataclass(slots=True)
-class Hypotheses2D:
+class Hypotheses2D(Aggregated):
     """All guesses at a planar pose."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Hypotheses2D:1.0",
         "RTC::Hypotheses2D",
         (
-            ("tm", Time._descriptor_),
-            ("hypotheses", SequenceDescriptor(Hypothesis2D._descriptor_)),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("hypotheses", _Hypothesis2DList_alias),
         ),
     )
 
@@ -3202,16 +3231,16 @@ _Hypothesis3D_layout = Fixed("dddddddddddddddddddddddddddd")
 
 
 @dataclass(slots=True)
-class Hypothesis3D:
+class Hypothesis3D(Aggregated):
     """One guess at a pose in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Hypothesis3D:1.0",
         "RTC::Hypothesis3D",
         (
-            ("mean", Pose3D._descriptor_),
-            ("covariance", Covariance3D._descriptor_),
-            ("weight", PrimitiveDescriptor("double")),
+            MemberDescriptor("mean", Pose3D._descriptor_),
+            MemberDescriptor("covariance", Covariance3D._descriptor_),
+            MemberDescriptor("weight", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -3383,6 +3412,11 @@ class Hypothesis3D:
 
 Hypothesis3DList: TypeAlias = list[Hypothesis3D]
 """Guesses at a pose in space."""
+_Hypothesis3DList_alias = AliasDescriptor(
+    "IDL:RTC/Hypothesis3DList:1.0",
+    "RTC::Hypothesis3DList",
+    SequenceDescriptor(Hypothesis3D._descriptor_),
+)
 
 
 _Hypothesis3DListCodec_layout = Fixed("dddddddddddddddddddddddddddd")
@@ -3392,8 +3426,7 @@ _Hypothesis3DListCodec_layout_2 = Layout("=I", "@4 *224s/8")
 class Hypothesis3DListCodec:
     """The codec of `RTC::Hypothesis3DList`."""
 
-    _alias_ = "RTC::Hypothesis3DList"
-    _descriptor_ = SequenceDescriptor(Hypothesis3D._descriptor_)
+    _descriptor_ = _Hypothesis3DList_alias
 
     @staticmethod
     def to_cdr(value: Hypothesis3DList, little_endian: bool = True) -> bytes:
@@ -3523,15 +3556,15 @@ _Hypotheses3D_layout_2 = Layout("=III", "@4 *224s/8")
 
 
 @dataclass(slots=True)
-class Hypotheses3D:
+class Hypotheses3D(Aggregated):
     """All guesses at a pose in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Hypotheses3D:1.0",
         "RTC::Hypotheses3D",
         (
-            ("tm", Time._descriptor_),
-            ("hypotheses", SequenceDescriptor(Hypothesis3D._descriptor_)),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("hypotheses", _Hypothesis3DList_alias),
         ),
     )
 
@@ -3710,18 +3743,18 @@ _OGMapConfig_layout = Fixed("ddIIddd")
 
 
 @dataclass(slots=True)
-class OGMapConfig:
+class OGMapConfig(Aggregated):
     """Scale, size and place of an occupancy grid map."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/OGMapConfig:1.0",
         "RTC::OGMapConfig",
         (
-            ("xScale", PrimitiveDescriptor("double")),
-            ("yScale", PrimitiveDescriptor("double")),
-            ("width", PrimitiveDescriptor("unsigned long")),
-            ("height", PrimitiveDescriptor("unsigned long")),
-            ("origin", Pose2D._descriptor_),
+            MemberDescriptor("xScale", PrimitiveDescriptor("double")),
+            MemberDescriptor("yScale", PrimitiveDescriptor("double")),
+            MemberDescriptor("width", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("height", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("origin", Pose2D._descriptor_),
         ),
     )
 
@@ -3800,6 +3833,11 @@ class OGMapConfig:
 
 OGMapCells: TypeAlias = bytes
 """Cells of an occupancy grid map."""
+_OGMapCells_alias = AliasDescriptor(
+    "IDL:RTC/OGMapCells:1.0",
+    "RTC::OGMapCells",
+    SequenceDescriptor(PrimitiveDescriptor("octet")),
+)
 
 
 _OGMapCellsCodec_layout = Layout("=I", "@4 *s")
@@ -3808,8 +3846,7 @@ _OGMapCellsCodec_layout = Layout("=I", "@4 *s")
 class OGMapCellsCodec:
     """The codec of `RTC::OGMapCells`."""
 
-    _alias_ = "RTC::OGMapCells"
-    _descriptor_ = SequenceDescriptor(PrimitiveDescriptor("octet"))
+    _descriptor_ = _OGMapCells_alias
 
     @staticmethod
     def to_cdr(value: OGMapCells, little_endian: bool = True) -> bytes:
@@ -3855,18 +3892,18 @@ _OGMapTile_layout = Layout("=IIIII", "@4 *s")
 
 
 @dataclass(slots=True)
-class OGMapTile:
+class OGMapTile(Aggregated):
     """A rectangular part of an occupancy grid map."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/OGMapTile:1.0",
         "RTC::OGMapTile",
         (
-            ("column", PrimitiveDescriptor("unsigned long")),
-            ("row", PrimitiveDescriptor("unsigned long")),
-            ("width", PrimitiveDescriptor("unsigned long")),
-            ("height", PrimitiveDescriptor("unsigned long")),
-            ("cells", SequenceDescriptor(PrimitiveDescriptor("octet"))),
+            MemberDescriptor("column", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("row", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("width", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("height", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("cells", _OGMapCells_alias),
         ),
     )
 
@@ -3929,16 +3966,16 @@ _PointFeature_layout = Fixed("dddddd")
 
 
 @dataclass(slots=True)
-class PointFeature:
+class PointFeature(Aggregated):
     """A point-like feature of the surroundings."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/PointFeature:1.0",
         "RTC::PointFeature",
         (
-            ("probability", PrimitiveDescriptor("double")),
-            ("position", Point2D._descriptor_),
-            ("covariance", PointCovariance2D._descriptor_),
+            MemberDescriptor("probability", PrimitiveDescriptor("double")),
+            MemberDescriptor("position", Point2D._descriptor_),
+            MemberDescriptor("covariance", PointCovariance2D._descriptor_),
         ),
     )
 
@@ -4006,16 +4043,16 @@ _PoseFeature_layout = Fixed("dddddddddd")
 
 
 @dataclass(slots=True)
-class PoseFeature:
+class PoseFeature(Aggregated):
     """A feature of the surroundings that has a direction."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/PoseFeature:1.0",
         "RTC::PoseFeature",
         (
-            ("probability", PrimitiveDescriptor("double")),
-            ("position", Pose2D._descriptor_),
-            ("covariance", Covariance2D._descriptor_),
+            MemberDescriptor("probability", PrimitiveDescriptor("double")),
+            MemberDescriptor("position", Pose2D._descriptor_),
+            MemberDescriptor("covariance", Covariance2D._descriptor_),
         ),
     )
 
@@ -4110,21 +4147,21 @@ _LineFeature_layout = Fixed("ddddddddddBB")
 
 
 @dataclass(slots=True)
-class LineFeature:
+class LineFeature(Aggregated):
     """A straight feature of the surroundings."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/LineFeature:1.0",
         "RTC::LineFeature",
         (
-            ("probability", PrimitiveDescriptor("double")),
-            ("rho", PrimitiveDescriptor("double")),
-            ("alpha", PrimitiveDescriptor("double")),
-            ("covariance", PointCovariance2D._descriptor_),
-            ("start", Point2D._descriptor_),
-            ("end", Point2D._descriptor_),
-            ("startSighted", PrimitiveDescriptor("boolean")),
-            ("endSighted", PrimitiveDescriptor("boolean")),
+            MemberDescriptor("probability", PrimitiveDescriptor("double")),
+            MemberDescriptor("rho", PrimitiveDescriptor("double")),
+            MemberDescriptor("alpha", PrimitiveDescriptor("double")),
+            MemberDescriptor("covariance", PointCovariance2D._descriptor_),
+            MemberDescriptor("start", Point2D._descriptor_),
+            MemberDescriptor("end", Point2D._descriptor_),
+            MemberDescriptor("startSighted", PrimitiveDescriptor("boolean")),
+            MemberDescriptor("endSighted", PrimitiveDescriptor("boolean")),
         ),
     )
 
@@ -4221,6 +4258,11 @@ class LineFeature:
 
 PointFeatureList: TypeAlias = list[PointFeature]
 """Point-like features."""
+_PointFeatureList_alias = AliasDescriptor(
+    "IDL:RTC/PointFeatureList:1.0",
+    "RTC::PointFeatureList",
+    SequenceDescriptor(PointFeature._descriptor_),
+)
 
 
 _PointFeatureListCodec_layout = Fixed("dddddd")
@@ -4230,8 +4272,7 @@ _PointFeatureListCodec_layout_2 = Layout("=I", "@4 *48s/8")
 class PointFeatureListCodec:
     """The codec of `RTC::PointFeatureList`."""
 
-    _alias_ = "RTC::PointFeatureList"
-    _descriptor_ = SequenceDescriptor(PointFeature._descriptor_)
+    _descriptor_ = _PointFeatureList_alias
 
     @staticmethod
     def to_cdr(value: PointFeatureList, little_endian: bool = True) -> bytes:
@@ -4307,6 +4348,11 @@ class PointFeatureListCodec:
 
 PoseFeatureList: TypeAlias = list[PoseFeature]
 """Features with a direction."""
+_PoseFeatureList_alias = AliasDescriptor(
+    "IDL:RTC/PoseFeatureList:1.0",
+    "RTC::PoseFeatureList",
+    SequenceDescriptor(PoseFeature._descriptor_),
+)
 
 
 _PoseFeatureListCodec_layout = Fixed("dddddddddd")
@@ -4316,8 +4362,7 @@ _PoseFeatureListCodec_layout_2 = Layout("=I", "@4 *80s/8")
 class PoseFeatureListCodec:
     """The codec of `RTC::PoseFeatureList`."""
 
-    _alias_ = "RTC::PoseFeatureList"
-    _descriptor_ = SequenceDescriptor(PoseFeature._descriptor_)
+    _descriptor_ = _PoseFeatureList_alias
 
     @staticmethod
     def to_cdr(value: PoseFeatureList, little_endian: bool = True) -> bytes:
@@ -4407,6 +4452,11 @@ class PoseFeatureListCodec:
 
 LineFeatureList: TypeAlias = list[LineFeature]
 """Straight features."""
+_LineFeatureList_alias = AliasDescriptor(
+    "IDL:RTC/LineFeatureList:1.0",
+    "RTC::LineFeatureList",
+    SequenceDescriptor(LineFeature._descriptor_),
+)
 
 
 _LineFeatureListCodec_layout = Settled("=I")
@@ -4416,8 +4466,7 @@ _LineFeatureListCodec_layout_2 = PhasedLayout("d d d d d d d d d d B B")
 class LineFeatureListCodec:
     """The codec of `RTC::LineFeatureList`."""
 
-    _alias_ = "RTC::LineFeatureList"
-    _descriptor_ = SequenceDescriptor(LineFeature._descriptor_)
+    _descriptor_ = _LineFeatureList_alias
 
     @staticmethod
     def to_cdr(value: LineFeatureList, little_endian: bool = True) -> bytes:
@@ -4526,17 +4575,17 @@ _Features_layout_4 = PhasedLayout("d d d d d d d d d d B B")
 
 
 @dataclass(slots=True)
-class Features:
+class Features(Aggregated):
     """All features of one observation."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Features:1.0",
         "RTC::Features",
         (
-            ("tm", Time._descriptor_),
-            ("pointFeatures", SequenceDescriptor(PointFeature._descriptor_)),
-            ("poseFeatures", SequenceDescriptor(PoseFeature._descriptor_)),
-            ("lineFeatures", SequenceDescriptor(LineFeature._descriptor_)),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("pointFeatures", _PointFeatureList_alias),
+            MemberDescriptor("poseFeatures", _PoseFeatureList_alias),
+            MemberDescriptor("lineFeatures", _LineFeatureList_alias),
         ),
     )
 
@@ -4799,6 +4848,11 @@ class Features:
 
 MulticameraImageList: TypeAlias = list[CameraImage]
 """Images, one for each camera."""
+_MulticameraImageList_alias = AliasDescriptor(
+    "IDL:RTC/MulticameraImageList:1.0",
+    "RTC::MulticameraImageList",
+    SequenceDescriptor(CameraImage._descriptor_),
+)
 
 
 _MulticameraImageListCodec_layout = Settled("=I")
@@ -4808,8 +4862,7 @@ _MulticameraImageListCodec_layout_2 = PhasedLayout("I I H H H I", "*s d I", "@4 
 class MulticameraImageListCodec:
     """The codec of `RTC::MulticameraImageList`."""
 
-    _alias_ = "RTC::MulticameraImageList"
-    _descriptor_ = SequenceDescriptor(CameraImage._descriptor_)
+    _descriptor_ = _MulticameraImageList_alias
 
     @staticmethod
     def to_cdr(value: MulticameraImageList, little_endian: bool = True) -> bytes:
@@ -4908,15 +4961,15 @@ _MultiCameraImages_layout_2 = PhasedLayout("I I H H H I", "*s d I", "@4 *s")
 
 
 @dataclass(slots=True)
-class MultiCameraImages:
+class MultiCameraImages(Aggregated):
     """Images that several cameras took together."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/MultiCameraImages:1.0",
         "RTC::MultiCameraImages",
         (
-            ("tm", Time._descriptor_),
-            ("images", SequenceDescriptor(CameraImage._descriptor_)),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("images", _MulticameraImageList_alias),
         ),
     )
 
@@ -5037,6 +5090,11 @@ class MultiCameraImages:
 
 MulticameraGeometryList: TypeAlias = list[Geometry3D]
 """Mountings, one for each camera."""
+_MulticameraGeometryList_alias = AliasDescriptor(
+    "IDL:RTC/MulticameraGeometryList:1.0",
+    "RTC::MulticameraGeometryList",
+    SequenceDescriptor(Geometry3D._descriptor_),
+)
 
 
 _MulticameraGeometryListCodec_layout = Fixed("ddddddddd")
@@ -5046,8 +5104,7 @@ _MulticameraGeometryListCodec_layout_2 = Layout("=I", "@4 *72s/8")
 class MulticameraGeometryListCodec:
     """The codec of `RTC::MulticameraGeometryList`."""
 
-    _alias_ = "RTC::MulticameraGeometryList"
-    _descriptor_ = SequenceDescriptor(Geometry3D._descriptor_)
+    _descriptor_ = _MulticameraGeometryList_alias
 
     @staticmethod
     def to_cdr(value: MulticameraGeometryList, little_endian: bool = True) -> bytes:
@@ -5139,15 +5196,15 @@ _MulticameraGeometry_layout_2 = Layout("=dddddddddI", "@4 *72s/8")
 
 
 @dataclass(slots=True)
-class MulticameraGeometry:
+class MulticameraGeometry(Aggregated):
     """Where the cameras of a set are mounted."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/MulticameraGeometry:1.0",
         "RTC::MulticameraGeometry",
         (
-            ("geometry", Geometry3D._descriptor_),
-            ("cameraGeometries", SequenceDescriptor(Geometry3D._descriptor_)),
+            MemberDescriptor("geometry", Geometry3D._descriptor_),
+            MemberDescriptor("cameraGeometries", _MulticameraGeometryList_alias),
         ),
     )
 
@@ -5320,18 +5377,18 @@ _Waypoint2D_layout = Fixed("dddddIIddd")
 
 
 @dataclass(slots=True)
-class Waypoint2D:
+class Waypoint2D(Aggregated):
     """One point of a planar path, with its tolerances."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Waypoint2D:1.0",
         "RTC::Waypoint2D",
         (
-            ("target", Pose2D._descriptor_),
-            ("distanceTolerance", PrimitiveDescriptor("double")),
-            ("headingTolerance", PrimitiveDescriptor("double")),
-            ("timeLimit", Time._descriptor_),
-            ("maxSpeed", Velocity2D._descriptor_),
+            MemberDescriptor("target", Pose2D._descriptor_),
+            MemberDescriptor("distanceTolerance", PrimitiveDescriptor("double")),
+            MemberDescriptor("headingTolerance", PrimitiveDescriptor("double")),
+            MemberDescriptor("timeLimit", Time._descriptor_),
+            MemberDescriptor("maxSpeed", Velocity2D._descriptor_),
         ),
     )
 
@@ -5418,6 +5475,11 @@ class Waypoint2D:
 
 Waypoint2DList: TypeAlias = list[Waypoint2D]
 """Points of a planar path."""
+_Waypoint2DList_alias = AliasDescriptor(
+    "IDL:RTC/Waypoint2DList:1.0",
+    "RTC::Waypoint2DList",
+    SequenceDescriptor(Waypoint2D._descriptor_),
+)
 
 
 _Waypoint2DListCodec_layout = Fixed("dddddIIddd")
@@ -5427,8 +5489,7 @@ _Waypoint2DListCodec_layout_2 = Layout("=I", "@4 *72s/8")
 class Waypoint2DListCodec:
     """The codec of `RTC::Waypoint2DList`."""
 
-    _alias_ = "RTC::Waypoint2DList"
-    _descriptor_ = SequenceDescriptor(Waypoint2D._descriptor_)
+    _descriptor_ = _Waypoint2DList_alias
 
     @staticmethod
     def to_cdr(value: Waypoint2DList, little_endian: bool = True) -> bytes:
@@ -5516,15 +5577,15 @@ _Path2D_layout_2 = Layout("=III", "@4 *72s/8")
 
 
 @dataclass(slots=True)
-class Path2D:
+class Path2D(Aggregated):
     """A planar path."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Path2D:1.0",
         "RTC::Path2D",
         (
-            ("tm", Time._descriptor_),
-            ("waypoints", SequenceDescriptor(Waypoint2D._descriptor_)),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("waypoints", _Waypoint2DList_alias),
         ),
     )
 
@@ -5631,18 +5692,18 @@ _Waypoint3D_layout = Fixed("ddddddddIIdddddd")
 
 
 @dataclass(slots=True)
-class Waypoint3D:
+class Waypoint3D(Aggregated):
     """One point of a path in space, with its tolerances."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Waypoint3D:1.0",
         "RTC::Waypoint3D",
         (
-            ("target", Pose3D._descriptor_),
-            ("distanceTolerance", PrimitiveDescriptor("double")),
-            ("headingTolerance", PrimitiveDescriptor("double")),
-            ("timeLimit", Time._descriptor_),
-            ("maxSpeed", Velocity3D._descriptor_),
+            MemberDescriptor("target", Pose3D._descriptor_),
+            MemberDescriptor("distanceTolerance", PrimitiveDescriptor("double")),
+            MemberDescriptor("headingTolerance", PrimitiveDescriptor("double")),
+            MemberDescriptor("timeLimit", Time._descriptor_),
+            MemberDescriptor("maxSpeed", Velocity3D._descriptor_),
         ),
     )
 
@@ -5771,6 +5832,11 @@ class Waypoint3D:
 
 Waypoint3DList: TypeAlias = list[Waypoint3D]
 """Points of a path in space."""
+_Waypoint3DList_alias = AliasDescriptor(
+    "IDL:RTC/Waypoint3DList:1.0",
+    "RTC::Waypoint3DList",
+    SequenceDescriptor(Waypoint3D._descriptor_),
+)
 
 
 _Waypoint3DListCodec_layout = Fixed("ddddddddIIdddddd")
@@ -5780,8 +5846,7 @@ _Waypoint3DListCodec_layout_2 = Layout("=I", "@4 *120s/8")
 class Waypoint3DListCodec:
     """The codec of `RTC::Waypoint3DList`."""
 
-    _alias_ = "RTC::Waypoint3DList"
-    _descriptor_ = SequenceDescriptor(Waypoint3D._descriptor_)
+    _descriptor_ = _Waypoint3DList_alias
 
     @staticmethod
     def to_cdr(value: Waypoint3DList, little_endian: bool = True) -> bytes:
@@ -5890,15 +5955,15 @@ _Path3D_layout_2 = Layout("=III", "@4 *120s/8")
 
 
 @dataclass(slots=True)
-class Path3D:
+class Path3D(Aggregated):
     """A path in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Path3D:1.0",
         "RTC::Path3D",
         (
-            ("tm", Time._descriptor_),
-            ("waypoints", SequenceDescriptor(Waypoint3D._descriptor_)),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("waypoints", _Waypoint3DList_alias),
         ),
     )
 
@@ -6041,13 +6106,16 @@ _PointCloudPoint_layout = Fixed("dddddd")
 
 
 @dataclass(slots=True)
-class PointCloudPoint:
+class PointCloudPoint(Aggregated):
     """A coloured point in space."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/PointCloudPoint:1.0",
         "RTC::PointCloudPoint",
-        (("point", Point3D._descriptor_), ("colour", RGBColour._descriptor_)),
+        (
+            MemberDescriptor("point", Point3D._descriptor_),
+            MemberDescriptor("colour", RGBColour._descriptor_),
+        ),
     )
 
     point: Point3D = field(default_factory=Point3D)
@@ -6095,6 +6163,11 @@ class PointCloudPoint:
 
 PointCloudPointList: TypeAlias = list[PointCloudPoint]
 """Points of a cloud."""
+_PointCloudPointList_alias = AliasDescriptor(
+    "IDL:RTC/PointCloudPointList:1.0",
+    "RTC::PointCloudPointList",
+    SequenceDescriptor(PointCloudPoint._descriptor_),
+)
 
 
 _PointCloudPointListCodec_layout = Fixed("dddddd")
@@ -6104,8 +6177,7 @@ _PointCloudPointListCodec_layout_2 = Layout("=I", "@4 *48s/8")
 class PointCloudPointListCodec:
     """The codec of `RTC::PointCloudPointList`."""
 
-    _alias_ = "RTC::PointCloudPointList"
-    _descriptor_ = SequenceDescriptor(PointCloudPoint._descriptor_)
+    _descriptor_ = _PointCloudPointList_alias
 
     @staticmethod
     def to_cdr(value: PointCloudPointList, little_endian: bool = True) -> bytes:
@@ -6183,15 +6255,15 @@ _PointCloud_layout_2 = Layout("=III", "@4 *48s/8")
 
 
 @dataclass(slots=True)
-class PointCloud:
+class PointCloud(Aggregated):
     """Points of one observation."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/PointCloud:1.0",
         "RTC::PointCloud",
         (
-            ("tm", Time._descriptor_),
-            ("points", SequenceDescriptor(PointCloudPoint._descriptor_)),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("points", _PointCloudPointList_alias),
         ),
     )
 
@@ -6284,16 +6356,16 @@ _PanTiltAngles_layout = Fixed("IIdd")
 
 
 @dataclass(slots=True)
-class PanTiltAngles:
+class PanTiltAngles(Aggregated):
     """The angles of a pan-tilt unit."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/PanTiltAngles:1.0",
         "RTC::PanTiltAngles",
         (
-            ("tm", Time._descriptor_),
-            ("pan", PrimitiveDescriptor("double")),
-            ("tilt", PrimitiveDescriptor("double")),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("pan", PrimitiveDescriptor("double")),
+            MemberDescriptor("tilt", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -6339,17 +6411,17 @@ _PanTiltState_layout = Fixed("IIIIdddd")
 
 
 @dataclass(slots=True)
-class PanTiltState:
+class PanTiltState(Aggregated):
     """Angles and speeds of a pan-tilt unit."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/PanTiltState:1.0",
         "RTC::PanTiltState",
         (
-            ("tm", Time._descriptor_),
-            ("angles", PanTiltAngles._descriptor_),
-            ("panSpeed", PrimitiveDescriptor("double")),
-            ("tiltSpeed", PrimitiveDescriptor("double")),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("angles", PanTiltAngles._descriptor_),
+            MemberDescriptor("panSpeed", PrimitiveDescriptor("double")),
+            MemberDescriptor("tiltSpeed", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -6430,6 +6502,11 @@ class PanTiltState:
 
 ElementGeometryList: TypeAlias = list[Geometry3D]
 """Mountings of the elements of a range sensor."""
+_ElementGeometryList_alias = AliasDescriptor(
+    "IDL:RTC/ElementGeometryList:1.0",
+    "RTC::ElementGeometryList",
+    SequenceDescriptor(Geometry3D._descriptor_),
+)
 
 
 _ElementGeometryListCodec_layout = Fixed("ddddddddd")
@@ -6439,8 +6516,7 @@ _ElementGeometryListCodec_layout_2 = Layout("=I", "@4 *72s/8")
 class ElementGeometryListCodec:
     """The codec of `RTC::ElementGeometryList`."""
 
-    _alias_ = "RTC::ElementGeometryList"
-    _descriptor_ = SequenceDescriptor(Geometry3D._descriptor_)
+    _descriptor_ = _ElementGeometryList_alias
 
     @staticmethod
     def to_cdr(value: ElementGeometryList, little_endian: bool = True) -> bytes:
@@ -6528,15 +6604,15 @@ _RangerGeometry_layout_2 = Layout("=dddddddddI", "@4 *72s/8")
 
 
 @dataclass(slots=True)
-class RangerGeometry:
+class RangerGeometry(Aggregated):
     """Where a range sensor and its elements are mounted."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/RangerGeometry:1.0",
         "RTC::RangerGeometry",
         (
-            ("geometry", Geometry3D._descriptor_),
-            ("elementGeometries", SequenceDescriptor(Geometry3D._descriptor_)),
+            MemberDescriptor("geometry", Geometry3D._descriptor_),
+            MemberDescriptor("elementGeometries", _ElementGeometryList_alias),
         ),
     )
 
@@ -6709,20 +6785,20 @@ _RangerConfig_layout = Fixed("ddddddd")
 
 
 @dataclass(slots=True)
-class RangerConfig:
+class RangerConfig(Aggregated):
     """The settings of a range sensor."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/RangerConfig:1.0",
         "RTC::RangerConfig",
         (
-            ("minAngle", PrimitiveDescriptor("double")),
-            ("maxAngle", PrimitiveDescriptor("double")),
-            ("angularRes", PrimitiveDescriptor("double")),
-            ("minRange", PrimitiveDescriptor("double")),
-            ("maxRange", PrimitiveDescriptor("double")),
-            ("rangeRes", PrimitiveDescriptor("double")),
-            ("frequency", PrimitiveDescriptor("double")),
+            MemberDescriptor("minAngle", PrimitiveDescriptor("double")),
+            MemberDescriptor("maxAngle", PrimitiveDescriptor("double")),
+            MemberDescriptor("angularRes", PrimitiveDescriptor("double")),
+            MemberDescriptor("minRange", PrimitiveDescriptor("double")),
+            MemberDescriptor("maxRange", PrimitiveDescriptor("double")),
+            MemberDescriptor("rangeRes", PrimitiveDescriptor("double")),
+            MemberDescriptor("frequency", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -6805,6 +6881,11 @@ class RangerConfig:
 
 RangeList: TypeAlias = list[float]
 """Ranges [m]."""
+_RangeList_alias = AliasDescriptor(
+    "IDL:RTC/RangeList:1.0",
+    "RTC::RangeList",
+    SequenceDescriptor(PrimitiveDescriptor("double")),
+)
 
 
 _RangeListCodec_layout = Layout("=I", "@4 *d")
@@ -6813,8 +6894,7 @@ _RangeListCodec_layout = Layout("=I", "@4 *d")
 class RangeListCodec:
     """The codec of `RTC::RangeList`."""
 
-    _alias_ = "RTC::RangeList"
-    _descriptor_ = SequenceDescriptor(PrimitiveDescriptor("double"))
+    _descriptor_ = _RangeList_alias
 
     @staticmethod
     def to_cdr(value: RangeList, little_endian: bool = True) -> bytes:
@@ -6865,17 +6945,17 @@ _RangeData_layout_2 = Layout(
 
 
 @dataclass(slots=True)
-class RangeData:
+class RangeData(Aggregated):
     """One scan of a range sensor."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/RangeData:1.0",
         "RTC::RangeData",
         (
-            ("tm", Time._descriptor_),
-            ("ranges", SequenceDescriptor(PrimitiveDescriptor("double"))),
-            ("geometry", RangerGeometry._descriptor_),
-            ("config", RangerConfig._descriptor_),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("ranges", _RangeList_alias),
+            MemberDescriptor("geometry", RangerGeometry._descriptor_),
+            MemberDescriptor("config", RangerConfig._descriptor_),
         ),
     )
 
@@ -7119,6 +7199,11 @@ class RangeData:
 
 IntensityList: TypeAlias = list[float]
 """Intensities, 0 to 1."""
+_IntensityList_alias = AliasDescriptor(
+    "IDL:RTC/IntensityList:1.0",
+    "RTC::IntensityList",
+    SequenceDescriptor(PrimitiveDescriptor("double")),
+)
 
 
 _IntensityListCodec_layout = Layout("=I", "@4 *d")
@@ -7127,8 +7212,7 @@ _IntensityListCodec_layout = Layout("=I", "@4 *d")
 class IntensityListCodec:
     """The codec of `RTC::IntensityList`."""
 
-    _alias_ = "RTC::IntensityList"
-    _descriptor_ = SequenceDescriptor(PrimitiveDescriptor("double"))
+    _descriptor_ = _IntensityList_alias
 
     @staticmethod
     def to_cdr(value: IntensityList, little_endian: bool = True) -> bytes:
@@ -7179,17 +7263,17 @@ _IntensityData_layout_2 = Layout(
 
 
 @dataclass(slots=True)
-class IntensityData:
+class IntensityData(Aggregated):
     """The intensities of one scan of a range sensor."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/IntensityData:1.0",
         "RTC::IntensityData",
         (
-            ("tm", Time._descriptor_),
-            ("intensities", SequenceDescriptor(PrimitiveDescriptor("double"))),
-            ("geometry", RangerGeometry._descriptor_),
-            ("config", RangerConfig._descriptor_),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("intensities", _IntensityList_alias),
+            MemberDescriptor("geometry", RangerGeometry._descriptor_),
+            MemberDescriptor("config", RangerConfig._descriptor_),
         ),
     )
 
@@ -7433,6 +7517,11 @@ class IntensityData:
 
 MulticameraInfoList: TypeAlias = list[CameraInfo]
 """Calibrations, one for each camera."""
+_MulticameraInfoList_alias = AliasDescriptor(
+    "IDL:RTC/MulticameraInfoList:1.0",
+    "RTC::MulticameraInfoList",
+    SequenceDescriptor(CameraInfo._descriptor_),
+)
 
 
 _MulticameraInfoListCodec_layout = Fixed("dddddddd")
@@ -7442,8 +7531,7 @@ _MulticameraInfoListCodec_layout_2 = Layout("=I", "@4 *64s/8")
 class MulticameraInfoListCodec:
     """The codec of `RTC::MulticameraInfoList`."""
 
-    _alias_ = "RTC::MulticameraInfoList"
-    _descriptor_ = SequenceDescriptor(CameraInfo._descriptor_)
+    _descriptor_ = _MulticameraInfoList_alias
 
     @staticmethod
     def to_cdr(value: MulticameraInfoList, little_endian: bool = True) -> bytes:
@@ -7524,6 +7612,11 @@ class MulticameraInfoListCodec:
 
 RFIDTagData: TypeAlias = bytes
 """What an RFID tag holds."""
+_RFIDTagData_alias = AliasDescriptor(
+    "IDL:RTC/RFIDTagData:1.0",
+    "RTC::RFIDTagData",
+    SequenceDescriptor(PrimitiveDescriptor("octet")),
+)
 
 
 _RFIDTagDataCodec_layout = Layout("=I", "@4 *s")
@@ -7532,8 +7625,7 @@ _RFIDTagDataCodec_layout = Layout("=I", "@4 *s")
 class RFIDTagDataCodec:
     """The codec of `RTC::RFIDTagData`."""
 
-    _alias_ = "RTC::RFIDTagData"
-    _descriptor_ = SequenceDescriptor(PrimitiveDescriptor("octet"))
+    _descriptor_ = _RFIDTagData_alias
 
     @staticmethod
     def to_cdr(value: RFIDTagData, little_endian: bool = True) -> bytes:

@@ -9,13 +9,18 @@ from typing import ClassVar, Self
 
 from rtgen.runtime.cdr import (
     FAILURES,
+    Aggregated,
     Buffer,
     Fixed,
     Layout,
     decoding_error,
     encoding_error,
 )
-from rtgen.runtime.descriptors import PrimitiveDescriptor, StructDescriptor
+from rtgen.runtime.descriptors import (
+    MemberDescriptor,
+    PrimitiveDescriptor,
+    StructDescriptor,
+)
 
 from .basic_data_type import Time
 
@@ -23,16 +28,16 @@ _TimedVelocity_layout = Fixed("IIdd")
 
 
 @dataclass(slots=True)
-class TimedVelocity:
+class TimedVelocity(Aggregated):
     """Velocity of a robot that moves forward and turns, in the frame of its body."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedVelocity:1.0",
         "RTC::TimedVelocity",
         (
-            ("tm", Time._descriptor_),
-            ("v", PrimitiveDescriptor("double")),
-            ("w", PrimitiveDescriptor("double")),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("v", PrimitiveDescriptor("double")),
+            MemberDescriptor("w", PrimitiveDescriptor("double")),
         ),
     )
 

@@ -63,13 +63,27 @@ class Declaration(Documented):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Member(Documented):
-    """A field of a struct or exception."""
+    """A field of a struct or exception.
+
+    `id` is its member id where a definition gives one, as a number or as a hash of a name; None
+    stands for the one after that of the member before (DDS-XTypes 1.3, 7.3.1.2.1).
+    """
 
     name: str
     type: Type
     optional: bool = False
     key: bool = False
     id: int | None = None
+    must_understand: bool = False
+    external: bool = False
+
+
+class Extensibility(StrEnum):
+    """How a type may change between versions (DDS-XTypes 1.3, 7.2.2.4.3)."""
+
+    FINAL = "final"
+    APPENDABLE = "appendable"
+    MUTABLE = "mutable"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -78,6 +92,8 @@ class Struct(Declaration):
 
     members: tuple[Member, ...]
     base: ScopedName | None = None
+    extensibility: Extensibility = Extensibility.FINAL
+    nested: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,6 +111,8 @@ class Case(Documented):
     default: bool
     name: str
     type: Type
+    id: int | None = None
+    external: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,6 +121,8 @@ class Union(Declaration):
 
     switch: Type
     cases: tuple[Case, ...]
+    extensibility: Extensibility = Extensibility.FINAL
+    nested: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,9 +135,10 @@ class Enumerator(Documented):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Enum(Declaration):
-    """An enum; its enumerators live in the scope that holds it."""
+    """An enum; its enumerators live in the scope that holds it. `bound` is in bits."""
 
     members: tuple[Enumerator, ...]
+    bound: int = 32
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

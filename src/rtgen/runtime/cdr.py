@@ -88,8 +88,8 @@ def decoding_error(
 
 
 def _name(type_: Any) -> str:
-    """The unscoped name of a generated type, or of the alias that a codec is for."""
-    return str(getattr(type_, "_alias_", type_._descriptor_)).rpartition("::")[2]
+    """The unscoped name of a generated type, or of the typedef that a codec is for."""
+    return str(type_._descriptor_.name).rpartition("::")[2]
 
 
 class Fixed:
@@ -266,7 +266,15 @@ class Flags(IntFlag):
     _descriptor_: ClassVar[FlagsDescriptor]
 
 
-class Composite:
+class Aggregated:
+    """The base of generated structs and unions."""
+
+    __slots__ = ()
+
+    _descriptor_: ClassVar[Any]
+
+
+class Composite(Aggregated):
     """The base of generated types that other codecs call: unions, recursive structs."""
 
     __slots__ = ()
@@ -311,7 +319,7 @@ class Union(Composite):
     value: Any
 
     def _selected_(self, name: str) -> Any:
-        """The value, if the discriminator selects the branch of that name."""
+        """The value, if the discriminator selects the branch of that name (as in IDL)."""
         branch = self._descriptor_.branch(self.discriminator)
         if branch is None or branch.name != name:
             raise AttributeError(f"{self.discriminator!r} does not select {name}")
@@ -324,7 +332,7 @@ class UserException(Exception):
     _descriptor_: ClassVar[ExceptionDescriptor]
 
     def _values(self) -> tuple[object, ...]:
-        return tuple(getattr(self, name) for name, _ in self._descriptor_.members)
+        return tuple(getattr(self, m.attribute) for m in self._descriptor_.members)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, type(self)) or not isinstance(self, type(other)):
@@ -336,7 +344,7 @@ class UserException(Exception):
 
     def __str__(self) -> str:
         pairs = zip(self._descriptor_.members, self._values(), strict=True)
-        return ", ".join(f"{name}={value!r}" for (name, _), value in pairs)
+        return ", ".join(f"{member.attribute}={value!r}" for member, value in pairs)
 
     def __reduce__(self) -> tuple[type[Self], tuple[object, ...]]:
         return (type(self), self._values())

@@ -23,6 +23,7 @@ from rtgen.runtime.cdr_values import (
     write_reference,
 )
 from rtgen.runtime.descriptors import (
+    AliasDescriptor,
     ArrayDescriptor,
     Descriptor,
     EnumDescriptor,
@@ -32,11 +33,13 @@ from rtgen.runtime.descriptors import (
     InterfaceDescriptor,
     LinkDescriptor,
     MapDescriptor,
+    MemberDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
     StructDescriptor,
     UnionDescriptor,
+    plain,
 )
 
 _CODES = {
@@ -55,12 +58,20 @@ _CODES = {
 }
 _OCTETS = SequenceDescriptor(PrimitiveDescriptor("octet"))
 _PROFILE = StructDescriptor(
-    "", "", (("tag", PrimitiveDescriptor("unsigned long")), ("octets", _OCTETS))
+    "",
+    "",
+    (
+        MemberDescriptor("tag", PrimitiveDescriptor("unsigned long")),
+        MemberDescriptor("octets", _OCTETS),
+    ),
 )
 _REFERENCE = StructDescriptor(
     "",
     "",
-    (("type_id", StringDescriptor()), ("profiles", SequenceDescriptor(_PROFILE))),
+    (
+        MemberDescriptor("type_id", StringDescriptor()),
+        MemberDescriptor("profiles", SequenceDescriptor(_PROFILE)),
+    ),
 )
 _TEXTS = {"octet": (bytes, bytearray), "uint8": (bytes, bytearray), "char": (str,)}
 
@@ -113,8 +124,8 @@ def _fail(path: str, action: Callable[[], object]) -> None:
 
 def _check(descriptor: Descriptor, value: Any, path: str) -> None:
     match descriptor:
-        case LinkDescriptor(target=target):
-            _check(target(), value, path)
+        case LinkDescriptor() | AliasDescriptor():
+            _check(plain(descriptor), value, path)
         case PrimitiveDescriptor(name):
             _fail(path, lambda: _check_primitive(name, value))
         case StringDescriptor(wide, bound):
@@ -142,9 +153,9 @@ def _check(descriptor: Descriptor, value: Any, path: str) -> None:
                 _check(key, k, f"{path}[{k!r}]")
                 _check(item, v, f"{path}[{k!r}]")
         case StructDescriptor(members=fields) | ExceptionDescriptor(members=fields):
-            for name, type_ in fields:
-                inner = _member(value, name, descriptor.name, path)
-                _check(type_, inner, f"{path}.{name}")
+            for field in fields:
+                inner = _member(value, field.attribute, descriptor.name, path)
+                _check(field.type, inner, f"{path}.{field.name}")
         case UnionDescriptor():
             _check_union(descriptor, value, path)
         case InterfaceDescriptor():
@@ -214,6 +225,7 @@ def _check_bound(length: int, bound: int | None, unit: str, path: str) -> None:
 
 def _check_text(element: Descriptor, value: Any, path: str) -> bool:
     """Whether the sequence or array is `bytes` or `str`; that it is one, then."""
+    element = plain(element)
     types = (
         _TEXTS.get(element.name) if isinstance(element, PrimitiveDescriptor) else None
     )
@@ -320,8 +332,8 @@ class _Scan:
 
     def value(self, descriptor: Descriptor, path: str) -> Any:
         match descriptor:
-            case LinkDescriptor(target=target):
-                self.value(target(), path)
+            case LinkDescriptor() | AliasDescriptor():
+                return self.value(plain(descriptor), path)
             case PrimitiveDescriptor(name):
                 return self._primitive(name, path)
             case StringDescriptor(wide, bound):
@@ -354,8 +366,8 @@ class _Scan:
                     self.value(key, f"{path}[{index}]")
                     self.value(item, f"{path}[{index}]")
             case StructDescriptor(members=fields) | ExceptionDescriptor(members=fields):
-                for name, type_ in fields:
-                    self.value(type_, f"{path}.{name}")
+                for field in fields:
+                    self.value(field.type, f"{path}.{field.name}")
             case UnionDescriptor(switch=switch):
                 branch = descriptor.branch(self.value(switch, f"{path}.discriminator"))
                 if branch is not None:
@@ -413,7 +425,9 @@ def _least(element: Descriptor) -> int:
         case ArrayDescriptor(element=inner, dimensions=dimensions):
             return _least(inner) * prod(dimensions)
         case StructDescriptor(members=members):
-            return sum(_least(type_) for _, type_ in members)
+            return sum(_least(member.type) for member in members)
+        case AliasDescriptor(target=target):
+            return _least(target)
         case LinkDescriptor() | PrimitiveDescriptor("char"):
             return 1
         case PrimitiveDescriptor() | InterfaceDescriptor():

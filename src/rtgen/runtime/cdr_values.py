@@ -38,17 +38,19 @@ def wide_octets(text: str) -> bytes:
     return b"\xff\xfe" + text.encode("utf-16-le") if text else b""
 
 
-def wide_value(octets: bytes) -> str:
-    """The wstring of octets with a byte-order mark, or without one big-endian (GIOP 1.2)."""
+def wide_value(octets: bytes, bound: int | None = None) -> str:
+    """The wstring of octets with a byte-order mark, or without one big-endian (GIOP 1.2).
+
+    `bound` is in UTF-16 units. Raises ValueError.
+    """
+    encoding = "utf-16-be"
     mark = octets[:2]
-    if mark == b"\xff\xfe":
-        return _no_nul(octets[2:].decode("utf-16-le"))
-    if mark == b"\xfe\xff":
+    if mark in (b"\xff\xfe", b"\xfe\xff"):
         octets = octets[2:]
-    return _no_nul(octets.decode("utf-16-be"))
-
-
-def _no_nul(text: str) -> str:
+        encoding = "utf-16-le" if mark == b"\xff\xfe" else encoding
+    if bound is not None and len(octets) > 2 * bound:
+        raise ValueError("wrong length")
+    text = octets.decode(encoding)
     if "\0" in text:
         raise ValueError("a wstring cannot hold NUL")
     return text

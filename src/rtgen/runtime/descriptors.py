@@ -7,10 +7,13 @@ the place of a value that could not be marshalled. Codecs do not look at them.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from typing import Any, ClassVar, Protocol, Self, TypeAlias
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar, Final, Protocol, Self, TypeAlias, TypeVar
 
 from rtgen.runtime.cdr import Buffer
+
+NEXT: Final = -1
+"""The member id that follows that of the member before."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,10 +95,21 @@ class _Named:
 
 
 @dataclass(frozen=True, slots=True)
+class AliasDescriptor(_Named):
+    """A typedef: what the types that it is used in are compared by is its target."""
+
+    target: Descriptor
+
+    def __str__(self) -> str:
+        return str(self.target)
+
+
+@dataclass(frozen=True, slots=True)
 class EnumDescriptor(_Named):
-    """An enum: its members in order, by number."""
+    """An enum: its members in order with their numbers, and the bits it has at most."""
 
     members: tuple[tuple[str, int], ...]
+    bound: int = 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,17 +121,75 @@ class FlagsDescriptor(_Named):
 
 
 @dataclass(frozen=True, slots=True)
-class StructDescriptor(_Named):
-    """A struct: its members in the order of the wire, by their Python names."""
+class BitfieldDescriptor:
+    """A field of a bitset: its width and the bit it begins at, the least significant being 0.
 
-    members: tuple[tuple[str, Descriptor], ...]
+    `signed`: it is in two's complement; `boolean`: its one bit is a bool.
+    """
+
+    name: str
+    bits: int
+    position: int
+    signed: bool = False
+    boolean: bool = False
+    attribute: str = ""
+
+    def __post_init__(self) -> None:
+        _name_attribute(self)
+
+
+@dataclass(frozen=True, slots=True)
+class BitsetDescriptor(_Named):
+    """A bitset: its named fields, those of its base first, and how many bits it has."""
+
+    fields: tuple[BitfieldDescriptor, ...]
+    bound: int
+
+
+@dataclass(frozen=True, slots=True)
+class MemberDescriptor:
+    """A member of a struct: its name in the definition, its type, and its attribute in Python.
+
+    `id` is the member id of DDS-XTypes (1.3, 7.3.1.2.1); NEXT stands for the one after that of
+    the member before, and is replaced by that number in the descriptor of the struct.
+    """
+
+    name: str
+    type: Descriptor
+    attribute: str = ""
+    id: int = NEXT
+    optional: bool = False
+    key: bool = False
+    must_understand: bool = False
+    external: bool = False
+
+    def __post_init__(self) -> None:
+        _name_attribute(self)
+
+
+@dataclass(frozen=True, slots=True)
+class StructDescriptor(_Named):
+    """A struct: its members in the order of the wire, those of its bases first.
+
+    `extensibility` is `final`, `appendable` or `mutable`; `nested`: it is no topic by itself.
+    """
+
+    members: tuple[MemberDescriptor, ...]
+    extensibility: str = "final"
+    nested: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "members", _numbered(self.members, 0))
 
 
 @dataclass(frozen=True, slots=True)
 class ExceptionDescriptor(_Named):
     """A user exception: as a struct."""
 
-    members: tuple[tuple[str, Descriptor], ...]
+    members: tuple[MemberDescriptor, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "members", _numbered(self.members, 0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,14 +200,25 @@ class BranchDescriptor:
     default: bool
     name: str
     type: Descriptor
+    attribute: str = ""
+    id: int = NEXT
+    external: bool = False
+
+    def __post_init__(self) -> None:
+        _name_attribute(self)
 
 
 @dataclass(frozen=True, slots=True)
 class UnionDescriptor(_Named):
-    """A union: its discriminator and its branches in order."""
+    """A union: its discriminator (member id 0) and its branches in order."""
 
     switch: Descriptor
     branches: tuple[BranchDescriptor, ...]
+    extensibility: str = "final"
+    nested: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "branches", _numbered(self.branches, 1))
 
     def branch(self, discriminator: int | str | bool) -> BranchDescriptor | None:
         """The branch that a value of the discriminator selects, or None."""
@@ -165,8 +248,41 @@ class LinkDescriptor(_Named):
     target: Callable[[], Descriptor] = field(compare=False, repr=False)
 
 
+def _name_attribute(
+    entry: BitfieldDescriptor | MemberDescriptor | BranchDescriptor,
+) -> None:
+    if not entry.attribute:
+        object.__setattr__(entry, "attribute", entry.name)
+
+
+_E = TypeVar("_E", MemberDescriptor, BranchDescriptor)
+
+
+def _numbered(entries: tuple[_E, ...], first: int) -> tuple[_E, ...]:
+    """The members with their ids settled."""
+    numbered = []
+    following = first
+    for entry in entries:
+        if entry.id == NEXT:
+            entry = replace(entry, id=following)
+        following = entry.id + 1
+        numbered.append(entry)
+    return tuple(numbered)
+
+
+def plain(descriptor: Descriptor) -> Descriptor:
+    """The type behind typedefs, and behind the link of a recursive one."""
+    while isinstance(descriptor, AliasDescriptor | LinkDescriptor):
+        if isinstance(descriptor, AliasDescriptor):
+            descriptor = descriptor.target
+        else:
+            descriptor = descriptor.target()
+    return descriptor
+
+
 Descriptor: TypeAlias = (
     PrimitiveDescriptor
+    | AliasDescriptor
     | StringDescriptor
     | FixedDescriptor
     | SequenceDescriptor
@@ -174,6 +290,7 @@ Descriptor: TypeAlias = (
     | MapDescriptor
     | EnumDescriptor
     | FlagsDescriptor
+    | BitsetDescriptor
     | StructDescriptor
     | ExceptionDescriptor
     | UnionDescriptor
@@ -223,8 +340,7 @@ def difference(a: Descriptor, b: Descriptor) -> str | None:
 
 def _lines(descriptor: Descriptor) -> Iterator[str]:
     """The definition as text, with the structs inside of it taken apart."""
-    if isinstance(descriptor, LinkDescriptor):
-        descriptor = descriptor.target()
+    descriptor = plain(descriptor)
     if isinstance(descriptor, _Named):
         yield f"{descriptor.name}  {descriptor.repository_id}"
     yield from _inside(descriptor, "  ")
@@ -232,10 +348,16 @@ def _lines(descriptor: Descriptor) -> Iterator[str]:
 
 def _inside(descriptor: Descriptor, margin: str) -> Iterator[str]:
     match descriptor:
+        case AliasDescriptor(target=target):
+            yield from _inside(target, margin)
         case StructDescriptor(members=members) | ExceptionDescriptor(members=members):
-            for name, type_ in members:
-                yield f"{margin}{type_} {name}"
-                yield from _inside(type_, margin + "  ")
+            for member in members:
+                optional = "@optional " if member.optional else ""
+                yield f"{margin}{optional}{member.type} {member.name}"
+                yield from _inside(member.type, margin + "  ")
+        case BitsetDescriptor(fields=fields):
+            for bits in fields:
+                yield f"{margin}bitfield<{bits.bits}> {bits.name} at {bits.position}"
         case EnumDescriptor(members=enumerators) | FlagsDescriptor(members=enumerators):
             yield margin + ", ".join(
                 f"{name} = {number}" for name, number in enumerators

@@ -10,6 +10,11 @@ from decimal import Decimal
 from enum import Enum
 from typing import Any, TextIO
 
+from rtgen.runtime.descriptors import (
+    EnumDescriptor,
+    ExceptionDescriptor,
+    StructDescriptor,
+)
 from rtgen.runtime.records import Record, SampleRecord
 
 
@@ -48,7 +53,15 @@ def _fields(record: Record) -> dict[str, Any]:
 
 
 def plain(value: object) -> Any:
-    """A generated value as what JSON knows."""
+    """A generated value as what JSON knows, with the names that the definition has."""
+    descriptor = getattr(value, "_descriptor_", None)
+    if isinstance(descriptor, EnumDescriptor):
+        return next(name for name, number in descriptor.members if number == value)
+    if isinstance(descriptor, StructDescriptor | ExceptionDescriptor):
+        return {
+            member.name: plain(getattr(value, member.attribute))
+            for member in descriptor.members
+        }
     if isinstance(value, Enum):
         return value.name
     if value is None or isinstance(value, bool | int | str):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 HOMES = {
+    "Aggregated": "rtgen.runtime.cdr",
+    "AliasDescriptor": "rtgen.runtime.descriptors",
     "Any": "typing",
     "ArrayDescriptor": "rtgen.runtime.descriptors",
     "BOOLEAN": "rtgen.runtime.cdr",
@@ -24,6 +26,7 @@ HOMES = {
     "Layout": "rtgen.runtime.cdr",
     "LinkDescriptor": "rtgen.runtime.descriptors",
     "MapDescriptor": "rtgen.runtime.descriptors",
+    "MemberDescriptor": "rtgen.runtime.descriptors",
     "ObjectReference": "rtgen.runtime.cdr_values",
     "PhasedLayout": "rtgen.runtime.cdr",
     "PrimitiveDescriptor": "rtgen.runtime.descriptors",

@@ -16,7 +16,11 @@ from rtgen.runtime import (
     ReturnCode_t,
     System,
 )
-from rtgen.runtime.descriptors import PrimitiveDescriptor, StructDescriptor
+from rtgen.runtime.descriptors import (
+    MemberDescriptor,
+    PrimitiveDescriptor,
+    StructDescriptor,
+)
 
 SECOND = 1_000_000_000
 MS = 1_000_000
@@ -80,13 +84,19 @@ class TimedList:
 _LONG = PrimitiveDescriptor("long")
 _ULONG = PrimitiveDescriptor("unsigned long")
 Time._descriptor_ = StructDescriptor(
-    "IDL:RTC/Time:1.0", "Time", (("sec", _ULONG), ("nsec", _ULONG))
+    "IDL:RTC/Time:1.0",
+    "Time",
+    (MemberDescriptor("sec", _ULONG), MemberDescriptor("nsec", _ULONG)),
 )
 TimedLong._descriptor_ = StructDescriptor(
-    "IDL:RTC/TimedLong:1.0", "TimedLong", (("tm", Time._descriptor_), ("data", _LONG))
+    "IDL:RTC/TimedLong:1.0",
+    "TimedLong",
+    (MemberDescriptor("tm", Time._descriptor_), MemberDescriptor("data", _LONG)),
 )
 TimedList._descriptor_ = StructDescriptor(
-    "IDL:RTC/TimedList:1.0", "TimedList", (("data", PrimitiveDescriptor("octet")),)
+    "IDL:RTC/TimedList:1.0",
+    "TimedList",
+    (MemberDescriptor("data", PrimitiveDescriptor("octet")),),
 )
 
 
@@ -96,7 +106,7 @@ class OtherTimedLong(TimedLong):
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/TimedLong:1.0",
         "TimedLong",
-        (("tm", Time._descriptor_), ("data", _ULONG)),
+        (MemberDescriptor("tm", Time._descriptor_), MemberDescriptor("data", _ULONG)),
     )
 
 

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from rtgen.runtime.cdr_values import ObjectReference
 from rtgen.runtime.descriptors import (
+    AliasDescriptor,
     ArrayDescriptor,
     Descriptor,
     EnumDescriptor,
@@ -26,6 +27,7 @@ from rtgen.runtime.descriptors import (
     StringDescriptor,
     StructDescriptor,
     UnionDescriptor,
+    plain,
 )
 
 _BITS = {
@@ -73,11 +75,15 @@ def values(descriptor: Descriptor, depth: int = 0) -> st.SearchStrategy[Any]:
             most = min(bound or _LONGEST, _LONGEST)
             return st.dictionaries(values(key), values(value), max_size=most)
         case StructDescriptor(members=fields) | ExceptionDescriptor(members=fields):
-            return st.fixed_dictionaries({n: values(t, depth) for n, t in fields})
+            return st.fixed_dictionaries(
+                {m.name: values(m.type, depth) for m in fields}
+            )
         case UnionDescriptor():
             return values(descriptor.switch).flatmap(
                 lambda d: st.tuples(st.just(d), _branch(descriptor, d, depth))
             )
+        case AliasDescriptor(target=target):
+            return values(target, depth)
         case LinkDescriptor(target=target):
             return st.deferred(lambda: values(target(), depth + 1))
         case InterfaceDescriptor():
@@ -126,6 +132,7 @@ def _primitive(name: str) -> st.SearchStrategy[Any]:
 def _joined(
     element: Descriptor, lists: st.SearchStrategy[Any]
 ) -> st.SearchStrategy[Any]:
+    element = plain(element)
     if isinstance(element, PrimitiveDescriptor):
         if element.name in ("octet", "uint8"):
             return lists.map(bytes)
@@ -160,7 +167,7 @@ def build(descriptor: Descriptor, tree: Any, types: dict[str, type[Any]]) -> Any
                 build(key, k, types): build(value, v, types) for k, v in tree.items()
             }
         case StructDescriptor(members=fields) | ExceptionDescriptor(members=fields):
-            parts = [build(t, tree[n], types) for n, t in fields]
+            parts = [build(m.type, tree[m.name], types) for m in fields]
             return types[descriptor.repository_id](*parts)
         case EnumDescriptor() | FlagsDescriptor():
             return types[descriptor.repository_id](tree)
@@ -170,6 +177,6 @@ def build(descriptor: Descriptor, tree: Any, types: dict[str, type[Any]]) -> Any
             inner = None if branch is None else build(branch.type, value, types)
             chosen = build(descriptor.switch, discriminator, types)
             return types[descriptor.repository_id](chosen, inner)
-        case LinkDescriptor(target=target):
-            return build(target(), tree, types)
+        case LinkDescriptor() | AliasDescriptor():
+            return build(plain(descriptor), tree, types)
     return tree

@@ -18,7 +18,9 @@ from hypothesis import strategies as st
 from rtgen.runtime.cdr import SHAPES_KEPT, CdrError
 from rtgen.runtime.cdr_faults import _Scan
 from rtgen.runtime.descriptors import (
+    AliasDescriptor,
     InterfaceDescriptor,
+    MemberDescriptor,
     SequenceDescriptor,
     StructDescriptor,
     difference,
@@ -39,8 +41,12 @@ def test(package: ModuleType) -> Any:
 
 @pytest.fixture(scope="module")
 def types(package: ModuleType) -> dict[str, type[Any]]:
-    found = [t for t in emitted.classes(package) if not hasattr(t, "_alias_")]
-    return {t._descriptor_.repository_id: t for t in found}
+    found = {t._descriptor_.repository_id: t for t in emitted.classes(package)}
+    return {
+        name: t
+        for name, t in found.items()
+        if not isinstance(t._descriptor_, AliasDescriptor)
+    }
 
 
 def marshalled(types: dict[str, type[Any]]) -> list[type[Any]]:
@@ -132,6 +138,15 @@ def test_aliases_have_codecs(test: Any) -> None:
     with pytest.raises(CdrError) as caught:
         test.LongsCodec.to_cdr([1, 1 << 40])
     assert caught.value.path == "Longs[1]"
+
+
+def test_the_bound_of_a_wide_string_without_a_mark(test: Any) -> None:
+    octets = bytearray(test.Texts(d="abcde").to_cdr())
+    place = octets.index(b"\xff\xfe")
+    octets[place] = 0
+    with pytest.raises(CdrError) as caught:
+        test.Texts.from_cdr(octets)
+    assert caught.value.path == "Texts.d"
 
 
 def changed(value: Any, path: str, wrong: Any) -> Any:
@@ -379,10 +394,14 @@ def test_exceptions(test: Any) -> None:
 
 def test_differences_are_shown() -> None:
     a = StructDescriptor(
-        "IDL:A:1.0", "A", (("x", SequenceDescriptor(InterfaceDescriptor("", "I"))),)
+        "IDL:A:1.0",
+        "A",
+        (MemberDescriptor("x", SequenceDescriptor(InterfaceDescriptor("", "I"))),),
     )
     b = StructDescriptor(
-        "IDL:A:1.0", "A", (("y", SequenceDescriptor(InterfaceDescriptor("", "I"))),)
+        "IDL:A:1.0",
+        "A",
+        (MemberDescriptor("y", SequenceDescriptor(InterfaceDescriptor("", "I"))),),
     )
     assert difference(a, a) is None
     shown = difference(a, b)

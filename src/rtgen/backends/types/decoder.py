@@ -115,8 +115,8 @@ class Decoder:
                 return each(tables.unpacked, atom, raw) or raw
             case TextArray(text=text):
                 return tables.unpacked_text(text, raw)
-            case TextSequence(text=text):
-                return tables.unpacked_text(text, raw)
+            case TextSequence(text=text, bound=bound):
+                return tables.unpacked_text(text, raw, bound)
         return raw
 
     def _run(self, run: Run, prefix: Path) -> None:

@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from rtgen.backends.python_text import string_literal
 from rtgen.backends.types.scope import Scope
 from rtgen.layouts.cdr_types import CdrTypes
 from rtgen.model import (
     ArrayType,
     Bitmask,
+    Case,
     Enum,
     EnumeratorName,
     ExceptionDecl,
+    Extensibility,
     FixedType,
     Interface,
     MapType,
+    Member,
     Model,
     NamedType,
     Operation,
@@ -22,6 +27,7 @@ from rtgen.model import (
     StringType,
     Struct,
     Type,
+    Typedef,
     Union,
 )
 from rtgen.model.declarations import ConstantValue, Declaration
@@ -32,8 +38,14 @@ class Descriptions:
     """Writes descriptors into one module."""
 
     def __init__(
-        self, model: Model, names: PythonNames, types: CdrTypes, scope: Scope
+        self,
+        model: Model,
+        names: PythonNames,
+        types: CdrTypes,
+        scope: Scope,
+        is_ahead: Callable[[Type], bool],
     ) -> None:
+        self._is_ahead = is_ahead
         self._model = model
         self._names = names
         self._types = types
@@ -41,7 +53,6 @@ class Descriptions:
 
     def of(self, type_: Type) -> str:
         """The descriptor of a type where it is used."""
-        type_ = self._model.unalias(type_)
         py = self._py
         match type_:
             case PrimitiveType(kind):
@@ -61,10 +72,13 @@ class Descriptions:
                 bounded = "" if bound is None else f", {bound}"
                 return f"{py.MapDescriptor}({self.of(key)}, {self.of(value)}{bounded})"
             case NamedType(name):
+                declaration = self._model.find(name)
+                if isinstance(declaration, Typedef):
+                    return py.alias(name)
                 declared = py.reference(name)
-                if not self._types.is_recursive(name):
+                if not (self._types.is_recursive(name) or self._is_ahead(type_)):
                     return f"{declared}._descriptor_"
-                head = self._head(self._model.find(name))
+                head = self._head(declaration)
                 return f"{py.LinkDescriptor}({head}, lambda: {declared}._descriptor_)"
 
     def struct(self, declaration: Struct | ExceptionDecl) -> str:
@@ -72,27 +86,38 @@ class Descriptions:
         py = self._py
         is_struct = isinstance(declaration, Struct)
         kind = py.StructDescriptor if is_struct else py.ExceptionDescriptor
-        pairs = [
-            f'("{name}", {self.of(t)})' for name, t in self.all_members(declaration)
-        ]
-        return f"{kind}({self._head(declaration)}, {_tuple(pairs)})"
+        members = _tuple(self._members(declaration))
+        more = _traits(declaration)
+        return f"{kind}({self._head(declaration)}, {members}{more})"
 
-    def all_members(
-        self, declaration: Struct | ExceptionDecl
-    ) -> list[tuple[str, Type]]:
-        """Python name and type of the members, inherited ones first."""
-        inherited: list[tuple[str, Type]] = []
+    def _members(self, declaration: Struct | ExceptionDecl) -> list[str]:
+        """The descriptors of the members, inherited ones first."""
+        inherited: list[str] = []
         if isinstance(declaration, Struct) and declaration.base is not None:
             base = self._model.find(declaration.base)
             assert isinstance(base, Struct)
-            inherited = self.all_members(base)
+            inherited = self._members(base)
         names = self._names.members(declaration)
-        return inherited + [(names[m.name], m.type) for m in declaration.members]
+        return inherited + [self._member(m, names[m.name]) for m in declaration.members]
+
+    def _member(self, member: Member, attribute: str) -> str:
+        facts = [f'"{member.name}"', self.of(member.type)]
+        facts += _differing(member, attribute)
+        for flag in ("optional", "key", "must_understand", "external"):
+            facts += [f"{flag}=True"] * getattr(member, flag)
+        return f"{self._py.MemberDescriptor}({', '.join(facts)})"
+
+    def alias(self, declaration: Typedef) -> str:
+        """The descriptor of a typedef."""
+        target = self.of(declaration.type)
+        return f"{self._py.AliasDescriptor}({self._head(declaration)}, {target})"
 
     def enum(self, declaration: Enum) -> str:
         """The descriptor of an enum."""
         pairs = [f'("{m.name}", {m.value})' for m in declaration.members]
-        return f"{self._py.EnumDescriptor}({self._head(declaration)}, {_tuple(pairs)})"
+        facts = [self._head(declaration), _tuple(pairs)]
+        facts += [] if declaration.bound == 32 else [str(declaration.bound)]
+        return f"{self._py.EnumDescriptor}({', '.join(facts)})"
 
     def flags(self, declaration: Bitmask) -> str:
         """The descriptor of a bitmask."""
@@ -109,11 +134,14 @@ class Descriptions:
         branches = []
         for case in declaration.cases:
             labels = [self.label(declaration, label) for label in case.labels]
-            branch = f'{_tuple(labels)}, {case.default}, "{names[case.name]}"'
-            branches.append(f"{py.BranchDescriptor}({branch}, {self.of(case.type)})")
+            facts = [_tuple(labels), str(case.default), f'"{case.name}"']
+            facts += [self.of(case.type), *_differing(case, names[case.name])]
+            facts += ["external=True"] * case.external
+            branches.append(f"{py.BranchDescriptor}({', '.join(facts)})")
         switch = self.of(declaration.switch)
         head = self._head(declaration)
-        return f"{py.UnionDescriptor}({head}, {switch}, {_tuple(branches)})"
+        more = _traits(declaration)
+        return f"{py.UnionDescriptor}({head}, {switch}, {_tuple(branches)}{more})"
 
     def label(self, declaration: Union, value: ConstantValue) -> str:
         """The expression for a label."""
@@ -148,6 +176,22 @@ def signature(operation: Operation) -> str:
     return (
         f"{oneway}{operation.returns} {operation.name}({', '.join(parameters)}){ending}"
     )
+
+
+def _differing(entry: Member | Case, attribute: str) -> list[str]:
+    """The Python name and the member id, where they are not what one would expect."""
+    facts = [] if attribute == entry.name else [f'attribute="{attribute}"']
+    return facts if entry.id is None else [*facts, f"id={entry.id}"]
+
+
+def _traits(declaration: Struct | Union | ExceptionDecl) -> str:
+    """Extensibility and `nested`, where they are not the usual ones."""
+    text = ""
+    if isinstance(declaration, ExceptionDecl):
+        return text
+    if declaration.extensibility is not Extensibility.FINAL:
+        text = f', extensibility="{declaration.extensibility}"'
+    return f"{text}, nested=True" if declaration.nested else text
 
 
 def _tuple(items: list[str]) -> str:

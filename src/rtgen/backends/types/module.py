@@ -74,7 +74,7 @@ class TypesModule:
         self._waiting: list[Typedef] = []
         self.codecs: set[ScopedName] = set()
         self._mapping = PythonMapping(model, self.scope.reference, self.scope.spell)
-        self._describe = Descriptions(model, names, types, self.scope)
+        self._describe = Descriptions(model, names, types, self.scope, self._is_ahead)
         self._unions = Unions(names, types, self.scope, self._tables, self._describe)
         self._interfaces = Interfaces(model, names, self.scope, self._describe)
 
@@ -168,7 +168,7 @@ class TypesModule:
             bases.append(self.scope.Composite)
         if declaration.base is not None:
             bases.append(self.scope.reference(declaration.base))
-        return ", ".join(bases)
+        return ", ".join(bases or [self.scope.Aggregated])
 
     def _is_composite(self, name: tuple[str, ...] | None) -> bool:
         while name is not None:
@@ -319,7 +319,8 @@ class TypesModule:
         if self._is_ahead(declaration.type):
             annotation = f'"{annotation}"'
         doc = docstring(declaration.doc, 0)
-        return f"{name}: {self.scope.TypeAlias} = {annotation}\n{doc}"
+        descriptor = f"{self.scope.alias(declaration.name)} = {self._describe.alias(declaration)}"
+        return f"{name}: {self.scope.TypeAlias} = {annotation}\n{doc}{descriptor}\n"
 
     def _is_ahead(self, type_: Type, through_aliases: bool = False) -> bool:
         """Whether the type names a class of this module that is defined further down."""
@@ -362,8 +363,7 @@ class TypesModule:
             py=self.scope,
             name=name,
             scoped=declaration.scoped,
-            alias=string_literal(declaration.scoped),
-            descriptor=self._describe.of(plain),
+            descriptor=self.scope.alias(declaration.name),
             type=type_,
             constants=codec.constants,
             encode=codec.encode,

@@ -54,6 +54,11 @@ class Scope:
             path.removeprefix("_idl."), self._names.companion(name, suffix)
         )
 
+    def alias(self, name: ScopedName) -> str:
+        """The constant that describes a typedef."""
+        path, class_name = self._names.implementation(name)
+        return self._declared(path.removeprefix("_idl."), f"_{class_name}_alias")
+
     def _declared(self, module: str, class_name: str) -> str:
         if module == self._module:
             return class_name

@@ -119,7 +119,7 @@ class Unions:
                 _Branch(
                     name=name,
                     idl_name=case.name,
-                    key=string_literal(name),
+                    key=string_literal(case.name),
                     type=type_,
                     doc=self._doc(case),
                     constructor=constructors[f"of_{name}"],

@@ -79,15 +79,16 @@ class Tables:
         function = py.text_octets if text is Text.STRING else py.wide_octets
         return f"{function}({value})"
 
-    def unpacked_text(self, text: Text, raw: str) -> str:
-        """The way back."""
+    def unpacked_text(self, text: Text, raw: str, bound: int | None = None) -> str:
+        """The way back; `bound` is that of a wide string, whose mark can be missing."""
         py = self.scope
         if text is Text.OCTETS:
             return raw
         if text is Text.CHARACTERS:
             return f'{raw}.decode("latin-1")'
-        function = py.text_value if text is Text.STRING else py.wide_value
-        return f"{function}({raw})"
+        if text is Text.STRING:
+            return f"{py.text_value}({raw})"
+        return f"{py.wide_value}({raw}{'' if bound is None else f', {bound}'})"
 
 
 def each(convert: Callable[[Atom, str], str], atom: Atom, items: str) -> str | None:

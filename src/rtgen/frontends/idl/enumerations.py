@@ -65,7 +65,7 @@ class Enumerations:
             return None
         if node.mask:
             return Bitmask(**common, members=tuple(members), bound=bound)
-        return Enum(**common, members=tuple(members))
+        return Enum(**common, members=tuple(members), bound=bound)
 
     def _written_well(self, node: tree.Enum, unit: Unit, entity: Entity) -> bool:
         good = True

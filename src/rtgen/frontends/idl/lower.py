@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic
-from rtgen.frontends.idl import tree
-from rtgen.frontends.idl.annotations import PLACES, Annotations, flag, integer
+from rtgen.frontends.idl import traits, tree
+from rtgen.frontends.idl.annotations import PLACES, Annotations, flag
 from rtgen.frontends.idl.components import Components
 from rtgen.frontends.idl.docs import Docs
 from rtgen.frontends.idl.enumerations import Enumerations
@@ -124,14 +124,16 @@ class Lowering:
 
     # Structs and the like
 
-    def _members(self, body: tree.Body, unit: Unit) -> tuple[Member, ...] | None:
+    def _members(
+        self, body: tree.Body, unit: Unit, hashed: bool = False
+    ) -> tuple[Member, ...] | None:
         members: list[Member] = []
         whole = True
         for item in body.items:
             if isinstance(item.node, tree.Member):
                 doc = self.doc(item, unit)
                 for declarator in item.node.declarators:
-                    member = self._member(declarator, item, doc, unit)
+                    member = self._member(declarator, item, doc, unit, hashed)
                     if member is None:
                         whole = False
                     else:
@@ -139,13 +141,18 @@ class Lowering:
         return tuple(members) if whole else None
 
     def _member(
-        self, declarator: tree.Declarator, item: tree.Item, doc: str, unit: Unit
+        self,
+        declarator: tree.Declarator,
+        item: tree.Item,
+        doc: str,
+        unit: Unit,
+        hashed: bool = False,
     ) -> Member | None:
         entity = self._tables.entities[declarator.name]
         type_ = self._types.of_entity(entity)
         if type_ is None or entity.poisoned:
             return None
-        if not item.annotations:
+        if not item.annotations and not hashed:
             return Member(span=entity.span, doc=doc, name=entity.name, type=type_)
         found = self._annotations.of(item.annotations, "member", unit, type_)
         return Member(
@@ -156,15 +163,21 @@ class Lowering:
             type=type_,
             optional=flag(found, "optional"),
             key=flag(found, "key"),
-            id=integer(found, "id"),
+            id=traits.member_id(entity.name, found, hashed),
+            must_understand=flag(found, "must_understand"),
+            external=flag(found, "external"),
         )
 
     def _struct(self, entity: Entity, node: tree.Struct) -> Declaration | None:
-        members = self._members(node.body, entity.unit)
+        common = self.common(entity)
+        annotations = common["annotations"]
+        hashed = traits.hashes_ids(annotations)
+        members = self._members(node.body, entity.unit, hashed)
         base = self._target(node.base)
         if members is None or (node.base is not None and base is None):
             return None
-        return Struct(**self.common(entity), members=members, base=base)
+        of_type = traits.of_type(annotations)
+        return Struct(**common, **of_type, members=members, base=base)
 
     def _exception(self, entity: Entity, node: tree.Struct) -> Declaration | None:
         members = self._members(node.body, entity.unit)
@@ -187,20 +200,28 @@ class Lowering:
         switch = self._types.of_node(node.switch, entity.unit)
         if switch is None or not self._types.can_switch(switch):
             return None
+        common = self.common(entity)
+        hashed = traits.hashes_ids(common["annotations"])
         cases = []
         whole = True
         for item in node.body.items:
             if isinstance(item.node, tree.Case):
-                case = self._case(item, item.node, switch, entity.unit)
+                case = self._case(item, item.node, switch, entity.unit, hashed)
                 whole = whole and case is not None
                 if case is not None:
                     cases.append(case)
         if not whole:
             return None
-        return Union(**self.common(entity), switch=switch, cases=tuple(cases))
+        of_type = traits.of_type(common["annotations"])
+        return Union(**common, **of_type, switch=switch, cases=tuple(cases))
 
     def _case(
-        self, item: tree.Item, node: tree.Case, switch: Type, unit: Unit
+        self,
+        item: tree.Item,
+        node: tree.Case,
+        switch: Type,
+        unit: Unit,
+        hashed: bool,
     ) -> Case | None:
         labels: list[ConstantValue] = []
         whole = True
@@ -216,14 +237,17 @@ class Lowering:
         type_ = self._types.of_entity(entity)
         if type_ is None or entity.poisoned or not whole:
             return None
+        found = self._annotations.of(item.annotations, "case", unit, type_)
         return Case(
             span=entity.span,
             doc=self.doc(item, unit),
-            annotations=self._annotations.of(item.annotations, "case", unit, type_),
+            annotations=found,
             labels=tuple(labels),
             default=any(label.value is None for label in node.labels),
             name=entity.name,
             type=type_,
+            id=traits.member_id(entity.name, found, hashed),
+            external=flag(found, "external"),
         )
 
     def _enum(self, entity: Entity, node: tree.Enum) -> Declaration | None:

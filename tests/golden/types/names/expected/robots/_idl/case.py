@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Self
 
 from rtgen.runtime.cdr import (
     FAILURES,
+    Aggregated,
     Buffer,
     Enumeration,
     Layout,
@@ -23,6 +24,7 @@ from rtgen.runtime.cdr_values import text_octets, text_value
 from rtgen.runtime.descriptors import (
     BranchDescriptor,
     EnumDescriptor,
+    MemberDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
@@ -50,17 +52,21 @@ _Values_layout = Layout("=iiI", "@4 *i d")
 
 
 @dataclass(slots=True)
-class Values:
+class Values(Aggregated):
     """`Import::Values`."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:Import/Values:1.0",
         "Import::Values",
         (
-            ("from_", PrimitiveDescriptor("long")),
-            ("to_cdr_", PrimitiveDescriptor("long")),
-            ("list", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            ("field", PrimitiveDescriptor("double")),
+            MemberDescriptor("from", PrimitiveDescriptor("long"), attribute="from_"),
+            MemberDescriptor(
+                "to_cdr",
+                PrimitiveDescriptor("long"),
+                attribute="to_cdr_",
+            ),
+            MemberDescriptor("list", SequenceDescriptor(PrimitiveDescriptor("long"))),
+            MemberDescriptor("field", PrimitiveDescriptor("double")),
         ),
     )
 
@@ -120,8 +126,9 @@ class Either(Union):
             BranchDescriptor(
                 (Choice.None_,),
                 False,
-                "value_",
+                "value",
                 PrimitiveDescriptor("long"),
+                attribute="value_",
             ),
             BranchDescriptor((Choice.mro_,), False, "text", StringDescriptor()),
         ),
@@ -138,7 +145,7 @@ class Either(Union):
     @property
     def value_(self) -> int:
         """The value, if the branch `value` is selected."""
-        value: int = self._selected_("value_")
+        value: int = self._selected_("value")
         return value
 
     @classmethod

@@ -10,6 +10,7 @@ from typing import ClassVar, Final, Self, TypeAlias
 
 from rtgen.runtime.cdr import (
     FAILURES,
+    Aggregated,
     Buffer,
     Enumeration,
     Fixed,
@@ -21,10 +22,12 @@ from rtgen.runtime.cdr import (
 )
 from rtgen.runtime.cdr_values import text_octets, text_value
 from rtgen.runtime.descriptors import (
+    AliasDescriptor,
     ArrayDescriptor,
     EnumDescriptor,
     ExceptionDescriptor,
     InterfaceDescriptor,
+    MemberDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
@@ -36,15 +39,15 @@ _Time_layout = Fixed("II")
 
 
 @dataclass(slots=True)
-class Time:
+class Time(Aggregated):
     """A point in time."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:RTC/Time:1.0",
         "RTC::Time",
         (
-            ("sec", PrimitiveDescriptor("unsigned long")),
-            ("nsec", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("sec", PrimitiveDescriptor("unsigned long")),
+            MemberDescriptor("nsec", PrimitiveDescriptor("unsigned long")),
         ),
     )
 
@@ -96,17 +99,20 @@ _TimedPose_layout = Layout("=III", "@4 *i", "3d I")
 
 
 @dataclass(slots=True)
-class TimedPose:
+class TimedPose(Aggregated):
     """Where something is."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:IIS/TimedPose:1.0",
         "IIS::TimedPose",
         (
-            ("tm", Time._descriptor_),
-            ("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            ("pose", ArrayDescriptor(PrimitiveDescriptor("double"), (3,))),
-            ("state", Status._descriptor_),
+            MemberDescriptor("tm", Time._descriptor_),
+            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
+            MemberDescriptor(
+                "pose",
+                ArrayDescriptor(PrimitiveDescriptor("double"), (3,)),
+            ),
+            MemberDescriptor("state", Status._descriptor_),
         ),
     )
 
@@ -174,6 +180,11 @@ class TimedPose:
 
 
 Ranges: TypeAlias = list[float]
+_Ranges_alias = AliasDescriptor(
+    "IDL:IIS/Ranges:1.0",
+    "IIS::Ranges",
+    SequenceDescriptor(PrimitiveDescriptor("double")),
+)
 
 
 _RangesCodec_layout = Layout("=I", "@4 *d")
@@ -182,8 +193,7 @@ _RangesCodec_layout = Layout("=I", "@4 *d")
 class RangesCodec:
     """The codec of `IIS::Ranges`."""
 
-    _alias_ = "IIS::Ranges"
-    _descriptor_ = SequenceDescriptor(PrimitiveDescriptor("double"))
+    _descriptor_ = _Ranges_alias
 
     @staticmethod
     def to_cdr(value: Ranges, little_endian: bool = True) -> bytes:
@@ -233,7 +243,7 @@ class Halt_Busy(UserException):
     _descriptor_: ClassVar[ExceptionDescriptor] = ExceptionDescriptor(
         "IDL:Halt/Busy:1.0",
         "Halt::Busy",
-        (("reason", StringDescriptor()),),
+        (MemberDescriptor("reason", StringDescriptor()),),
     )
 
     reason: str = ""

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Self, TypeAlias
 
 from rtgen.runtime.cdr import (
     FAILURES,
+    Aggregated,
     Buffer,
     Enumeration,
     Fixed,
@@ -23,10 +24,12 @@ from rtgen.runtime.cdr import (
 )
 from rtgen.runtime.cdr_values import text_octets, text_value
 from rtgen.runtime.descriptors import (
+    AliasDescriptor,
     BranchDescriptor,
     EnumDescriptor,
     ExceptionDescriptor,
     InterfaceDescriptor,
+    MemberDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
@@ -39,13 +42,16 @@ _Point_layout = Fixed("dd")
 
 
 @dataclass(slots=True)
-class Point:
+class Point(Aggregated):
     """A place in the plane."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:Shapes/Point:1.0",
         "Shapes::Point",
-        (("x", PrimitiveDescriptor("double")), ("y", PrimitiveDescriptor("double"))),
+        (
+            MemberDescriptor("x", PrimitiveDescriptor("double")),
+            MemberDescriptor("y", PrimitiveDescriptor("double")),
+        ),
     )
 
     x: float = 0.0
@@ -81,6 +87,11 @@ class Point:
 
 
 Outline: TypeAlias = list[Point]
+_Outline_alias = AliasDescriptor(
+    "IDL:Shapes/Outline:1.0",
+    "Shapes::Outline",
+    SequenceDescriptor(Point._descriptor_),
+)
 
 
 _OutlineCodec_layout = Fixed("dd")
@@ -90,8 +101,7 @@ _OutlineCodec_layout_2 = Layout("=I", "@4 *16s/8")
 class OutlineCodec:
     """The codec of `Shapes::Outline`."""
 
-    _alias_ = "Shapes::Outline"
-    _descriptor_ = SequenceDescriptor(Point._descriptor_)
+    _descriptor_ = _Outline_alias
 
     @staticmethod
     def to_cdr(value: Outline, little_endian: bool = True) -> bytes:
@@ -175,12 +185,7 @@ class Shape(Union):
         Colour._descriptor_,
         (
             BranchDescriptor((Colour.RED,), False, "where", Point._descriptor_),
-            BranchDescriptor(
-                (Colour.GREEN,),
-                False,
-                "around",
-                SequenceDescriptor(Point._descriptor_),
-            ),
+            BranchDescriptor((Colour.GREEN,), False, "around", _Outline_alias),
         ),
     )
 
@@ -290,7 +295,7 @@ class Blocked(UserException):
     _descriptor_: ClassVar[ExceptionDescriptor] = ExceptionDescriptor(
         "IDL:Shapes/Blocked:1.0",
         "Shapes::Blocked",
-        (("reason", StringDescriptor()),),
+        (MemberDescriptor("reason", StringDescriptor()),),
     )
 
     reason: str = ""

@@ -10,6 +10,7 @@ from typing import ClassVar, Self
 
 from rtgen.runtime.cdr import (
     FAILURES,
+    Aggregated,
     Buffer,
     Fixed,
     Layout,
@@ -18,6 +19,7 @@ from rtgen.runtime.cdr import (
 )
 from rtgen.runtime.descriptors import (
     InterfaceDescriptor,
+    MemberDescriptor,
     PrimitiveDescriptor,
     StructDescriptor,
 )
@@ -27,13 +29,16 @@ _Velocity_layout = Fixed("dd")
 
 
 @dataclass(slots=True)
-class Velocity:
+class Velocity(Aggregated):
     """`Drive::Velocity`."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:Drive/Velocity:1.0",
         "Drive::Velocity",
-        (("vx", PrimitiveDescriptor("double")), ("va", PrimitiveDescriptor("double"))),
+        (
+            MemberDescriptor("vx", PrimitiveDescriptor("double")),
+            MemberDescriptor("va", PrimitiveDescriptor("double")),
+        ),
     )
 
     vx: float = 0.0
