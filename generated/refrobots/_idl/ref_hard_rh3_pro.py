@@ -43,13 +43,11 @@ class RefHardStub(RefHard, Stub):
 class RefHardSkeleton(Skeleton):
     """Calls a servant of `RefHard` by operation name."""
 
-    _servant: RefHard
-
     def __init__(self, servant: RefHard) -> None:
         super().__init__(servant)
 
     def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant = self._servant
+        servant: RefHard = self._servant
         match operation:
             case "Stop":
                 return self._call_(operation, servant.Stop, arguments, 0)

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import logging
 from abc import ABC
 from collections.abc import Callable
 from functools import partial
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias, TypeVar, cast
 
 from rtgen.runtime.descriptors import InterfaceDescriptor
+
+log = logging.getLogger("rtgen.runtime")
+
+_T = TypeVar("_T")
 
 Invoker: TypeAlias = Callable[[str, tuple[object, ...]], object]
 """Carries a call: operation name (`_get_x`, `_set_x` for an attribute), `in` and `inout`
@@ -44,8 +49,12 @@ class Stub:
     def __init__(self, invoker: Invoker) -> None:
         self._invoker = invoker
 
-    def _invoke_(self, operation: str, *arguments: object) -> Any:
-        return self._invoker(operation, arguments)
+    def _invoke_(self, operation: str, *arguments: object) -> None:
+        self._invoker(operation, arguments)
+
+    # What the invoker gives is of the type that the generated method declares.
+    def _obtain_(self, operation: str, *arguments: object) -> _T:  # type: ignore[type-var]
+        return cast(_T, self._invoker(operation, arguments))
 
 
 class Skeleton:
@@ -70,10 +79,7 @@ class Skeleton:
         count: int,
         raises: tuple[type[Exception], ...] = (),
     ) -> object:
-        if len(arguments) != count:
-            raise BadOperation(
-                f"{operation} takes {count} arguments, not {len(arguments)}"
-            )
+        _check_count(operation, arguments, count)
         declared: tuple[type[Exception], ...] = (*raises, ServiceError)
         try:
             return method(*arguments)
@@ -83,6 +89,21 @@ class Skeleton:
             raise UnknownException(
                 f"{operation}: {type(error).__name__}: {error}"
             ) from error
+
+    def _send_(
+        self,
+        operation: str,
+        method: Callable[..., object],
+        arguments: tuple[object, ...],
+        count: int,
+    ) -> object:
+        """A oneway operation: nobody waits for it, so its failure is logged only."""
+        _check_count(operation, arguments, count)
+        try:
+            method(*arguments)
+        except Exception as error:
+            log.warning("oneway %s failed", operation, exc_info=error)
+        return None
 
     def _get_(
         self,
@@ -103,3 +124,8 @@ class Skeleton:
     ) -> object:
         put = partial(setattr, self._servant, attribute)
         return self._call_(operation, put, arguments, 1, raises)
+
+
+def _check_count(operation: str, arguments: tuple[object, ...], count: int) -> None:
+    if len(arguments) != count:
+        raise BadOperation(f"{operation} takes {count} arguments, not {len(arguments)}")

@@ -11,7 +11,6 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import PurePosixPath
 from typing import TypeAlias
 
 from rtgen.model import (
@@ -42,7 +41,8 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.components import Component
-from rtgen.typemap.python_names import identifier, module_name, scope_modules
+from rtgen.typemap.implementation_modules import implementation_modules
+from rtgen.typemap.python_names import identifier, scope_modules
 from rtgen.typemap.python_support import HOMES
 
 
@@ -292,7 +292,7 @@ class PythonNames:
     def __init__(self, model: Model, package: str) -> None:
         self.package = package
         self._model = model
-        self._modules = self._name_modules()
+        self._modules = implementation_modules(model)
         self._classes: dict[ScopedName, str] = {}
         for module in dict.fromkeys(self._modules.values()):
             self._name_classes(module)
@@ -387,6 +387,31 @@ class PythonNames:
         own = OWN_NAMES[type(declaration)]
         return distinct((e.name for e in entries), own.union(inherited))
 
+    def operations(self, declaration: Interface) -> dict[str, str]:
+        """The Python names of the attributes and operations that an interface adds."""
+        taken = {self._attribute(inner.name) for inner in self.inside(declaration.name)}
+        for base in declaration.bases:
+            taken.update(self._lineage(base))
+        attributes = [attribute.name for attribute in declaration.attributes]
+        operations = [operation.name for operation in declaration.operations]
+        return distinct(attributes + operations, taken)
+
+    def _lineage(self, name: ScopedName) -> Iterator[str]:
+        """The Python names of the operations of an interface and its bases."""
+        declaration = self._model.find(name)
+        assert isinstance(declaration, Interface)
+        yield from self.operations(declaration).values()
+        for base in declaration.bases:
+            yield from self._lineage(base)
+
+    def bases(self, declaration: Interface) -> list[ScopedName]:
+        """The bases of an interface as its classes have them: the latest declared first.
+
+        Where all classes keep one order, in which the derived stand before their bases, Python
+        finds a method resolution order for everything that IDL allows.
+        """
+        return sorted(declaration.bases, key=self._places.__getitem__, reverse=True)
+
     def attribute_names(self, module: str) -> frozenset[str]:
         """The attributes that classes of an implementation module have in class scope."""
         found: set[str] = set()
@@ -394,9 +419,8 @@ class PythonNames:
             match declaration:
                 case Struct() | ExceptionDecl() | Union():
                     found.update(self.members(declaration).values())
-                case Interface(attributes=attributes, operations=operations):
-                    found.update(identifier(a.name) for a in attributes)
-                    found.update(identifier(o.name) for o in operations)
+                case Interface():
+                    found.update(self.operations(declaration).values())
             if self.is_nested(declaration.name):
                 found.add(self._attribute(declaration.name))
         return frozenset(found)
@@ -414,6 +438,10 @@ class PythonNames:
     @cached_property
     def _names(self) -> frozenset[ScopedName]:
         return frozenset(d.name for d in self._model.declarations)
+
+    @cached_property
+    def _places(self) -> dict[ScopedName, int]:
+        return {d.name: place for place, d in enumerate(self._model.declarations)}
 
     @cached_property
     def _by_module(self) -> dict[str, list[Declaration]]:
@@ -458,28 +486,6 @@ class PythonNames:
             if isinstance(d, Enum | Bitmask)
             for e in d.members
         }
-
-    def _name_modules(self) -> dict[str, str]:
-        """Displayed path to module name; a file included inside a scope goes with its includer."""
-        modules: dict[str, str] = {}
-        taken: set[str] = set()
-        for file in sorted(self._model.files, key=lambda f: f.belongs_to is not None):
-            if file.belongs_to is not None:
-                continue
-            stem = module_name(PurePosixPath(file.key).stem)
-            name, number = stem, 1
-            while name in taken:
-                number += 1
-                name = f"{stem}_{number}"
-            taken.add(name)
-            modules[file.name] = name
-        owners = {f.name: f.belongs_to for f in self._model.files}
-        for file in self._model.files:
-            owner = file.name
-            while (above := owners.get(owner)) is not None:
-                owner = above
-            modules[file.name] = modules[owner]
-        return {f.name: modules[f.name] for f in self._model.files}
 
     def _name_classes(self, module: str) -> None:
         declarations = self.declarations(module)

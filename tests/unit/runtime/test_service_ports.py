@@ -50,7 +50,7 @@ class AdderStub(Adder, Stub):
         self._invoke_("add", what)
 
     def all(self) -> tuple[TimedList, list[TimedList]]:
-        return self._invoke_("all")
+        return self._obtain_("all")
 
 
 class AdderSkeleton(Skeleton):

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from rtgen.backends.python_text import string_literal
 from rtgen.backends.types.scope import Scope
 from rtgen.layouts.cdr_types import CdrTypes
 from rtgen.model import (
     ArrayType,
+    Attribute,
     Bitmask,
     Case,
     Enum,
@@ -23,6 +24,7 @@ from rtgen.model import (
     NamedType,
     Operation,
     PrimitiveType,
+    ScopedName,
     SequenceType,
     StringType,
     Struct,
@@ -75,6 +77,9 @@ class Descriptions:
                 declaration = self._model.find(name)
                 if isinstance(declaration, Typedef):
                     return py.alias(name)
+                if isinstance(declaration, Interface):
+                    # A reference to an object: the operations are not part of the data.
+                    return f"{py.InterfaceDescriptor}({self._head(declaration)})"
                 declared = py.reference(name)
                 if not (self._types.is_recursive(name) or self._is_ahead(type_)):
                     return f"{declared}._descriptor_"
@@ -152,12 +157,8 @@ class Descriptions:
 
     def interface(self, declaration: Interface) -> str:
         """The descriptor of an interface."""
-        texts = []
-        for attribute in declaration.attributes:
-            readonly = "readonly " if attribute.readonly else ""
-            texts.append(f"{readonly}attribute {attribute.type} {attribute.name}")
-        for operation in declaration.operations:
-            texts.append(signature(operation))
+        texts = [attribute_text(attribute) for attribute in declaration.attributes]
+        texts += [signature(operation) for operation in declaration.operations]
         bases = [f"{self._py.reference(b)}._descriptor_" for b in declaration.bases]
         operations = _tuple([string_literal(text) for text in texts])
         head = self._head(declaration)
@@ -167,15 +168,29 @@ class Descriptions:
         return f"{string_literal(declaration.repository_id)}, {string_literal(declaration.scoped)}"
 
 
+def attribute_text(attribute: Attribute) -> str:
+    """An attribute as IDL writes it, on one line."""
+    if attribute.readonly:
+        raises = _raises("raises", attribute.get_raises)
+        return f"readonly attribute {attribute.type} {attribute.name}{raises}"
+    raises = _raises("getraises", attribute.get_raises)
+    raises += _raises("setraises", attribute.set_raises)
+    return f"attribute {attribute.type} {attribute.name}{raises}"
+
+
 def signature(operation: Operation) -> str:
     """An operation as IDL writes it, on one line."""
     parameters = [f"{p.direction} {p.type} {p.name}" for p in operation.parameters]
-    oneway = "oneway " if operation.oneway else ""
-    raises = ", ".join("::".join(name) for name in operation.raises)
-    ending = f" raises ({raises})" if raises else ""
-    return (
-        f"{oneway}{operation.returns} {operation.name}({', '.join(parameters)}){ending}"
-    )
+    text = f"{operation.returns} {operation.name}({', '.join(parameters)})"
+    text += _raises("raises", operation.raises)
+    if operation.context:
+        text += f" context ({', '.join(map(string_literal, operation.context))})"
+    return f"oneway {text}" if operation.oneway else text
+
+
+def _raises(word: str, names: Sequence[ScopedName]) -> str:
+    listed = ", ".join("::".join(name) for name in dict.fromkeys(names))
+    return f" {word} ({listed})" if listed else ""
 
 
 def _differing(entry: Member | Case, attribute: str) -> list[str]:

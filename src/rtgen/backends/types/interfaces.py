@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rtgen.backends.python_text import docstring, string_literal
 from rtgen.backends.rendering import render
-from rtgen.backends.types.descriptions import Descriptions, signature
+from rtgen.backends.types.descriptions import Descriptions, attribute_text, signature
 from rtgen.backends.types.scope import Scope
 from rtgen.model import (
     VOID,
@@ -20,7 +20,6 @@ from rtgen.model import (
     Type,
 )
 from rtgen.typemap.idl_python import PythonMapping, PythonNames, distinct
-from rtgen.typemap.python_names import identifier
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +45,7 @@ class _Operation:
     call: str
     count: int
     raises: str
+    dispatcher: str
 
 
 class Interfaces:
@@ -66,9 +66,11 @@ class Interfaces:
         py = self._py
         name = py.reference(declaration.name)
         stub, skeleton = py.Stub, py.Skeleton
-        stub_bases = [py.companion(base, "Stub") for base in declaration.bases]
-        skeleton_bases = [py.companion(base, "Skeleton") for base in declaration.bases]
-        bases = [py.reference(base) for base in declaration.bases]
+        ordered = self._names.bases(declaration)
+        called = self._names.operations(declaration)
+        stub_bases = [py.companion(base, "Stub") for base in ordered]
+        skeleton_bases = [py.companion(base, "Skeleton") for base in ordered]
+        bases = [py.reference(base) for base in ordered]
         doc = declaration.doc or f"`{declaration.scoped}`."
         return render(
             "types/interface.py.j2",
@@ -79,30 +81,29 @@ class Interfaces:
             docstring=docstring(doc, 4),
             descriptor=self._describe.interface(declaration),
             nested=nested,
-            attributes=[self._attribute(a) for a in declaration.attributes],
-            operations=[self._operation(o) for o in declaration.operations],
+            attributes=[self._attribute(a, called) for a in declaration.attributes],
+            operations=[self._operation(o, called) for o in declaration.operations],
             stub=py.companion(declaration.name, "Stub"),
             stub_bases=", ".join([name, *(stub_bases or [stub])]),
             skeleton=py.companion(declaration.name, "Skeleton"),
             skeleton_bases=", ".join(skeleton_bases or [skeleton]),
         )
 
-    def _attribute(self, attribute: Attribute) -> _Attribute:
-        readonly = "readonly " if attribute.readonly else ""
-        idl = f"{readonly}attribute {attribute.type} {attribute.name}"
+    def _attribute(self, attribute: Attribute, called: dict[str, str]) -> _Attribute:
+        name = called[attribute.name]
         return _Attribute(
-            name=identifier(attribute.name),
+            name=name,
             type=self._mapping.annotation(attribute.type),
-            docstring=docstring(attribute.doc or f"`{idl}`.", 8),
+            docstring=docstring(attribute.doc or f"`{attribute_text(attribute)}`.", 8),
             readonly=attribute.readonly,
-            key=string_literal(identifier(attribute.name)),
+            key=string_literal(name),
             get=string_literal(f"_get_{attribute.name}"),
             set=string_literal(f"_set_{attribute.name}"),
             get_raises=self._raises(attribute.get_raises),
             set_raises=self._raises(attribute.set_raises),
         )
 
-    def _operation(self, operation: Operation) -> _Operation:
+    def _operation(self, operation: Operation, called: dict[str, str]) -> _Operation:
         names = distinct((p.name for p in operation.parameters), ("self",))
         given = [p for p in operation.parameters if p.direction is not Direction.OUT]
         annotated = [
@@ -110,7 +111,7 @@ class Interfaces:
         ]
         key = string_literal(operation.name)
         return _Operation(
-            name=identifier(operation.name),
+            name=called[operation.name],
             parameters=", ".join(["self", *annotated]),
             result=self._result(operation),
             docstring=docstring(operation.doc or f"`{signature(operation)}`.", 8),
@@ -118,6 +119,7 @@ class Interfaces:
             call=", ".join([key, *(names[p.name] for p in given)]),
             count=len(given),
             raises=self._raises(operation.raises),
+            dispatcher="_send_" if operation.oneway else "_call_",
         )
 
     def _result(self, operation: Operation) -> str:

@@ -308,8 +308,7 @@ class HaltStub(Halt, Stub):
 
     @property
     def halted(self) -> bool:
-        _result: bool = self._invoke_("_get_halted")
-        return _result
+        return self._obtain_("_get_halted")
 
     def stop(self) -> None:
         self._invoke_("stop")
@@ -318,13 +317,11 @@ class HaltStub(Halt, Stub):
 class HaltSkeleton(Skeleton):
     """Calls a servant of `Halt` by operation name."""
 
-    _servant: Halt
-
     def __init__(self, servant: Halt) -> None:
         super().__init__(servant)
 
     def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant = self._servant
+        servant: Halt = self._servant
         match operation:
             case "_get_halted":
                 return self._get_(operation, "halted", arguments)

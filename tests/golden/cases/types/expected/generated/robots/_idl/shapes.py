@@ -362,24 +362,20 @@ class MoverStub(Mover, Stub):
 
     @property
     def speed(self) -> float:
-        _result: float = self._invoke_("_get_speed")
-        return _result
+        return self._obtain_("_get_speed")
 
     def move(self, to: Point) -> float:
-        _result: float = self._invoke_("move", to)
-        return _result
+        return self._obtain_("move", to)
 
 
 class MoverSkeleton(Skeleton):
     """Calls a servant of `Shapes::Mover` by operation name."""
 
-    _servant: Mover
-
     def __init__(self, servant: Mover) -> None:
         super().__init__(servant)
 
     def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant = self._servant
+        servant: Mover = self._servant
         match operation:
             case "_get_speed":
                 return self._get_(operation, "speed", arguments)

@@ -99,13 +99,11 @@ class SafetyStub(Safety, Stub):
 class SafetySkeleton(Skeleton):
     """Calls a servant of `Drive::Safety` by operation name."""
 
-    _servant: Safety
-
     def __init__(self, servant: Safety) -> None:
         super().__init__(servant)
 
     def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant = self._servant
+        servant: Safety = self._servant
         match operation:
             case "Stop":
                 return self._call_(operation, servant.Stop, arguments, 0)

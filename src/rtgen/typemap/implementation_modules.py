@@ -1,0 +1,145 @@
+"""Which implementation module the declarations of each definition file stand in.
+
+One module for each file, but for two cases in which a file is no unit of its own: it is included
+inside a scope, or it needs a file that needs it (an include in mid-file, or files that name each
+other's interfaces). Such files share a module, since modules that import each other cannot be
+imported in any order.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from pathlib import PurePosixPath
+
+from rtgen.model import (
+    ArrayType,
+    Attribute,
+    Bitset,
+    Const,
+    Declaration,
+    ExceptionDecl,
+    Interface,
+    MapType,
+    Model,
+    NamedType,
+    Operation,
+    ScopedName,
+    SequenceType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+    ValueBox,
+    Valuetype,
+)
+from rtgen.typemap.python_names import module_name
+
+
+def implementation_modules(model: Model) -> dict[str, str]:
+    """Displayed path of each file to the name of its module."""
+    owners = _owners(model)
+    modules: dict[str, str] = {}
+    for file in model.files:
+        if owners[file.name] != file.name:
+            continue
+        stem = name = module_name(PurePosixPath(file.key).stem)
+        number = 1
+        while name in modules.values():
+            number += 1
+            name = f"{stem}_{number}"
+        modules[file.name] = name
+    return {file.name: modules[owners[file.name]] for file in model.files}
+
+
+def _owners(model: Model) -> dict[str, str]:
+    """Each file to the one whose module it is in."""
+    includers = {file.name: file.belongs_to for file in model.files}
+    owners = {}
+    for file in model.files:
+        owner = file.name
+        while (above := includers.get(owner)) is not None:
+            owner = above
+        owners[file.name] = owner
+    needs = _needs(model, owners)
+    reached = {name: _reachable(needs, name) for name in needs}
+    for file in model.files:
+        owner = owners[file.name]
+        together = (
+            [n for n in reached[owner] if owner in reached[n]]
+            if owner in reached
+            else []
+        )
+        if together:
+            order = list(owners)
+            owners[file.name] = min(together, key=order.index)
+    return owners
+
+
+def _needs(model: Model, owners: dict[str, str]) -> dict[str, set[str]]:
+    """The files that the declarations of each file refer to, other than itself."""
+    files = {d.name: owners[d.file] for d in model.declarations}
+    needs: dict[str, set[str]] = {}
+    for declaration in model.declarations:
+        own = files[declaration.name]
+        others = {files[name] for name in referred(declaration) if name in files}
+        needs.setdefault(own, set()).update(others - {own})
+    return needs
+
+
+def _reachable(needs: dict[str, set[str]], start: str) -> set[str]:
+    found: set[str] = set()
+    waiting = list(needs[start])
+    while waiting:
+        name = waiting.pop()
+        if name not in found:
+            found.add(name)
+            waiting.extend(needs.get(name, ()))
+    return found
+
+
+def referred(declaration: Declaration) -> Iterator[ScopedName]:
+    """The names that stand in a declaration: types, bases, exceptions."""
+    match declaration:
+        case Struct(members=members, base=base):
+            yield from (base,) if base else ()
+            yield from _in_types(m.type for m in members)
+        case Bitset(base=base):
+            yield from (base,) if base else ()
+        case ExceptionDecl(members=members):
+            yield from _in_types(m.type for m in members)
+        case Union(switch=switch, cases=cases):
+            yield from _in_types((switch, *(c.type for c in cases)))
+        case Const(type=type_) | Typedef(type=type_) | ValueBox(type=type_):
+            yield from _in_types((type_,))
+        case Interface(bases=bases, attributes=attributes, operations=operations):
+            yield from bases
+            yield from _in_calls(attributes, operations)
+        case Valuetype():
+            yield from (*declaration.bases, *declaration.supports)
+            yield from _in_types(m.type for m in declaration.state)
+            calls = (*declaration.operations, *declaration.factories)
+            yield from _in_calls(declaration.attributes, calls)
+
+
+def _in_calls(
+    attributes: Iterable[Attribute], operations: Iterable[Operation]
+) -> Iterator[ScopedName]:
+    for attribute in attributes:
+        yield from (*attribute.get_raises, *attribute.set_raises)
+        yield from _in_types((attribute.type,))
+    for operation in operations:
+        yield from operation.raises
+        yield from _in_types(
+            (operation.returns, *(p.type for p in operation.parameters))
+        )
+
+
+def _in_types(types: Iterable[Type]) -> Iterator[ScopedName]:
+    for type_ in types:
+        match type_:
+            case NamedType(name):
+                yield name
+            case SequenceType(element) | ArrayType(element):
+                yield from _in_types((element,))
+            case MapType(key, value):
+                yield from _in_types((key, value))
