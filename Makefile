@@ -52,14 +52,14 @@ clean:
 $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
-$(VENV)/demo.stamp: pyproject.toml | $(VENV)/bin/python
+$(VENV)/demo.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot]"
 	touch $@
 
-$(VENV)/test.stamp: pyproject.toml | $(VENV)/bin/python
+$(VENV)/test.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot,test]"
 	touch $@
 
-$(VENV)/bench.stamp: pyproject.toml | $(VENV)/bin/python
+$(VENV)/bench.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot,test,bench]"
 	touch $@

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 
 _PACKAGE = Path(__file__).resolve().parent
 _FOLDERS = (_PACKAGE / "grammars", _PACKAGE.parents[1] / "grammars")
 
 
-@cache
-def grammar(name: str) -> str:
-    """The text of a grammar, by its file name (`idl.lark`); FileNotFoundError if there is none."""
+def grammar_file(name: str) -> Path:
+    """The path of a grammar (`idl.lark`); FileNotFoundError if there is none."""
     for folder in _FOLDERS:
         path = folder / name
         if path.is_file():
-            return path.read_text(encoding="utf-8")
+            return path
     raise FileNotFoundError(f"the grammar {name} is missing from this installation")

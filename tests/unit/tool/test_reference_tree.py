@@ -107,7 +107,7 @@ def test_a_run_from_the_cache_loads_neither_front_ends_nor_back_ends(
         ).stdout
         for _ in range(2)
     ]
-    assert "lark" in told[0]
+    assert "rtgen.model" in told[0]
     assert told[1] == "0 []\n"
 
 

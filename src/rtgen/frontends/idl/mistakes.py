@@ -14,7 +14,7 @@ from rtgen.frontends.idl.unit import Unit
 from rtgen.frontends.idl.words import RESERVED, shown
 
 if TYPE_CHECKING:
-    from lark import Token
+    from rtgen.frontends.lalr import Token
 
 _WORDS_BY_TERMINAL = {"TEXT": "string", "WTEXT": "wstring"}
 _FEW = 6

@@ -1,4 +1,4 @@
-"""Text to syntax tree: lark's LALR parser, and recovery so that one mistake hides no other.
+"""Text to syntax tree: an LALR(1) parser, and recovery so that one mistake hides no other.
 
 After a mistake the parser's stack goes back to the innermost list of declarations, the text is
 passed over to the end of the broken declaration, and parsing goes on behind it.
@@ -9,19 +9,15 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING, Any
 
 from rtgen.diagnostics import Diagnostic
+from rtgen.frontends import lalr
 from rtgen.frontends.idl import mistakes, tree
 from rtgen.frontends.idl.builder import Builder
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.unit import Unit
-from rtgen.frontends.idl.words import RESERVED, TERMINALS
-from rtgen.resources import grammar
-
-if TYPE_CHECKING:
-    from lark import Lark, Token
-    from lark.exceptions import UnexpectedInput
+from rtgen.frontends.idl.words import RESERVED
+from rtgen.frontends.lalr import END, Token, token
 
 MAX_ERRORS = 50
 """After so many syntax errors in one file the rest of it is not read."""
@@ -42,37 +38,9 @@ _TEMPLATE_WORDS = frozenset(
 _CLOSER = "\x01"
 
 
-class _AlwaysNames:
-    """Lets the contextual lexer see an identifier in every state, so `structure` is no `struct`."""
-
-    always_accept = ("IDENT",)
-
-    @staticmethod
-    def process(stream: Any) -> Any:
-        return stream
-
-
-def _reserve(token: Token) -> Token:
-    """An identifier that is a reserved word is that word's terminal, whatever the state."""
-    if token in RESERVED:
-        token.type = TERMINALS[token]
-    return token
-
-
 @cache
-def _parser() -> Lark:
-    from lark import Lark
-
-    return Lark(
-        grammar("idl.lark"),
-        parser="lalr",
-        lexer="contextual",
-        start="specification",
-        transformer=Builder(),
-        postlex=_AlwaysNames(),
-        lexer_callbacks={"IDENT": _reserve},
-        maybe_placeholders=False,
-    )
+def _grammar() -> lalr.Grammar:
+    return lalr.load("idl", Builder(), RESERVED)
 
 
 def parse(unit: Unit, report: Callable[[Diagnostic], None]) -> tuple[tree.Item, ...]:
@@ -85,46 +53,19 @@ class _Run:
         self._unit = unit
         self._report = report
         self._text = _mark_closers(unit.text) if ">>" in unit.text else unit.text
-        self._parser: Any = _parser().parse_interactive(
-            self._text
-        )  # lark leaves it untyped
+        self._parser = lalr.Parser(_grammar(), self._text)
         self._errors = 0
         self._last_error = -1
 
     def result(self) -> tuple[tree.Item, ...]:
-        from lark.exceptions import UnexpectedCharacters, UnexpectedToken
-
         while True:
             try:
-                state = self._parser.parser_state
-                feed = state.feed_token
-                for token in self._parser.lexer_thread.lex(state):
-                    feed(token)
-                items: tuple[tree.Item, ...] = self._finish()
+                items: tuple[tree.Item, ...] = self._parser.run()
                 return items
-            except UnexpectedToken as error:
-                self._unexpected(error.token, error)
-            except UnexpectedCharacters as error:
-                self._bad_character(error)
-
-    def _finish(self) -> tuple[tree.Item, ...]:
-        end = self._token("$END", len(self._text))
-        result: tuple[tree.Item, ...] = self._parser.parser_state.feed_token(end, True)
-        return result
-
-    def _token(self, type_: str, start: int, value: str = "") -> Token:
-        from lark import Token
-
-        return Token(type_, value, start_pos=start, end_pos=start + len(value))
-
-    @property
-    def _position(self) -> int:
-        place: int = self._parser.lexer_thread.state.line_ctr.char_pos
-        return place
-
-    @_position.setter
-    def _position(self, offset: int) -> None:
-        self._parser.lexer_thread.state.line_ctr.char_pos = offset
+            except lalr.UnexpectedTokenError as error:
+                self._unexpected(error.token)
+            except lalr.UnexpectedCharacterError:
+                self._bad_character()
 
     def _emit(self, diagnostic: Diagnostic, offset: int) -> None:
         """Report it, unless a mistake at the very same place is reported already."""
@@ -140,48 +81,38 @@ class _Run:
                     span, f"{MAX_ERRORS} syntax errors: the rest is not read"
                 )
             )
-            self._position = len(self._text)
+            self._parser.position = len(self._text)
             self._errors += 1
 
-    def _unexpected(self, token: Token, error: UnexpectedInput) -> None:
-        state = self._parser
-        accepted = set(state.accepts())
+    def _unexpected(self, found: Token) -> None:
+        parser = self._parser
+        accepted = parser.accepts()
         if (
             "ERROR" in accepted
         ):  # between declarations, where a `;` would be one too many
             accepted.discard("SEMI")
-        last = self._last_end(token)
+        last = len(self._text[: found.start_pos].rstrip())
         opening = self._opening()
-        mistake = mistakes.explain(self._unit, token, accepted, last, opening)
+        mistake = mistakes.explain(self._unit, found, accepted, last, opening)
         if mistake is not None:
-            self._emit(
-                mistake.diagnostic, last if mistake.semicolon else token.start_pos or 0
-            )
+            start = found.start_pos
+            self._emit(mistake.diagnostic, last if mistake.semicolon else start)
             if mistake.semicolon:
-                state.feed_token(self._token("SEMI", last, ";"))
-                self._position = token.start_pos or 0
-                if token.type == "$END":
-                    self._position = len(self._text)
+                parser.feed(token("SEMI", last, ";"))
+                parser.position = start
                 return
-        self._resume(token)
-
-    def _last_end(self, token: Token) -> int:
-        """Where the token before the unexpected one ends."""
-        start = token.start_pos if token.start_pos is not None else len(self._text)
-        if token.type == "$END":
-            start = len(self._text)
-        return len(self._text[:start].rstrip())
+        self._resume(found)
 
     def _opening(self) -> int | None:
         """The place of the innermost brace that is open."""
-        for value in reversed(self._parser.parser_state.value_stack):
+        for value in reversed(self._parser.values):
             if getattr(value, "type", None) == "LBRACE":
                 place: int = value.start_pos
                 return place
         return None
 
-    def _bad_character(self, error: UnexpectedInput) -> None:
-        start = self._position
+    def _bad_character(self) -> None:
+        start = self._parser.position
         text = self._text
         if text[start] == '"' or text.startswith('L"', start):
             line_end = text.find("\n", start)
@@ -191,28 +122,25 @@ class _Run:
             self._emit(
                 syntax.UNCLOSED_TEXT.at(span, "this string is never closed"), start
             )
-            self._position = end
+            self._parser.position = end
             if "STRING" in self._parser.accepts():
-                self._parser.feed_token(self._token("STRING", start, '""'))
+                self._parser.feed(token("STRING", start, '""'))
                 return
         else:
             self._emit(mistakes.bad_character(self._unit, text, start), start)
             meant, length = mistakes.meant(text, start)
-            self._position = start + length
+            self._parser.position = start + length
             if meant is not None and meant in self._parser.accepts():
-                self._parser.feed_token(
-                    self._token(meant, start, text[start : start + length])
-                )
+                self._parser.feed(token(meant, start, text[start : start + length]))
                 return
         if self._errors > MAX_ERRORS:
-            self._position = len(text)
+            self._parser.position = len(text)
 
-    def _resume(self, token: Token) -> None:
+    def _resume(self, found: Token) -> None:
         """Go back to a list of declarations and pass over the rest of the broken one."""
-        state = self._parser.parser_state
-        start = len(self._text) if token.type == "$END" else token.start_pos or 0
+        start = found.start_pos
         depth = self._unwind()
-        state.feed_token(self._token("ERROR", start))
+        self._parser.feed(token("ERROR", start))
         if self._errors > MAX_ERRORS:
             start = len(self._text)
         position = self._behind(start, depth)
@@ -220,7 +148,7 @@ class _Run:
         if stuck and "RBRACE" not in self._parser.accepts():
             rest = _END_OF_DECLARATION.match(self._text, start + 1)
             position = rest.end() if rest else start + 1
-        self._position = position
+        self._parser.position = position
         if position >= len(self._text):
             self._close()
 
@@ -245,33 +173,30 @@ class _Run:
 
     def _unwind(self) -> int:
         """Go back to the innermost list of declarations, and say how many braces were open."""
-        state = self._parser.parser_state
-        states = state.parse_conf.states
+        parser = self._parser
         depth = 0
-        while len(state.state_stack) > 1 and (
-            depth < 0 or "ERROR" not in states[state.position]
-        ):
-            state.state_stack.pop()
-            kind = getattr(state.value_stack.pop(), "type", None)
+        while len(parser.states) > 1 and (depth < 0 or not parser.takes("ERROR")):
+            parser.states.pop()
+            kind = getattr(parser.values.pop(), "type", None)
             depth += (kind == "LBRACE") - (kind == "RBRACE")
         return depth
 
     def _close(self) -> None:
         """Close what is open at the end of the text, to keep what was read before."""
         end = len(self._text)
-        state = self._parser.parser_state
-        for _ in range(min(3 * len(state.state_stack), MOST_CLOSED)):
-            accepted = self._parser.accepts()
-            if "$END" in accepted:
+        parser = self._parser
+        for _ in range(min(3 * len(parser.states), MOST_CLOSED)):
+            accepted = parser.accepts()
+            if END in accepted:
                 return
             if "RBRACE" in accepted:
-                state.feed_token(self._token("RBRACE", end, "}"))
+                parser.feed(token("RBRACE", end, "}"))
             elif "SEMI" in accepted:
-                state.feed_token(self._token("SEMI", end, ";"))
+                parser.feed(token("SEMI", end, ";"))
             else:
                 self._unwind()
-                state.feed_token(self._token("ERROR", end))
-        del state.state_stack[1:], state.value_stack[:]
+                parser.feed(token("ERROR", end))
+        del parser.states[1:], parser.values[:]
 
 
 def _mark_closers(text: str) -> str:
@@ -283,21 +208,21 @@ def _mark_closers(text: str) -> str:
     closers = []
     open_templates = 0
     previous = ""
-    for index, (token, offset) in enumerate(tokens):
-        if token == "<" and previous in _TEMPLATE_WORDS:
+    for index, (mark, offset) in enumerate(tokens):
+        if mark == "<" and previous in _TEMPLATE_WORDS:
             open_templates += 1
-        elif token == ">":
+        elif mark == ">":
             open_templates = max(open_templates - 1, 0)
-        elif token in (";", "{", "}"):
+        elif mark in (";", "{", "}"):
             open_templates = 0
         elif (
-            token == ">>"
+            mark == ">>"
             and open_templates >= 2
             and not _closed(tokens, index, open_templates)
         ):
             closers.append(offset)
             open_templates -= 2
-        previous = token
+        previous = mark
     parts: list[str] = []
     start = 0
     for offset in closers:
@@ -309,10 +234,10 @@ def _mark_closers(text: str) -> str:
 
 def _closed(tokens: list[tuple[str, int]], index: int, needed: int) -> bool:
     """Whether the tokens behind `index` close that many templates without it."""
-    for token, _ in tokens[index + 1 : index + 1000]:
-        if token in (";", "{", "}"):
+    for mark, _ in tokens[index + 1 : index + 1000]:
+        if mark in (";", "{", "}"):
             break
-        needed += (token == "<") - token.count(">") * (token in (">", ">>"))
+        needed += (mark == "<") - mark.count(">") * (mark in (">", ">>"))
         if needed <= 0:
             return True
     return False

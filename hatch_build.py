@@ -1,0 +1,25 @@
+"""Makes the tables of the grammars before rtgen is packed or installed in place."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+
+class TablesHook(BuildHookInterface):  # type: ignore[type-arg]
+    """Runs for the wheel only; the sources hold grammars, not tables."""
+
+    PLUGIN_NAME = "custom"
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Write the tables beside the grammars."""
+        if self.target_name == "wheel":
+            root = Path(self.root)
+            sys.path.insert(0, str(root / "src"))
+            from rtgen.frontends.lalr_tables import write
+
+            for grammar in sorted((root / "grammars").glob("*.lark")):
+                write(grammar)
