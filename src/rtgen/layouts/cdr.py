@@ -25,6 +25,7 @@ class Form(Enum):
     WIDE_CHARACTER = auto()
     ENUMERATOR = auto()
     FLAGS = auto()
+    BITS = auto()
     QUAD = auto()
     FIXED = auto()
 
@@ -42,8 +43,8 @@ class Text(Enum):
 class Atom:
     """A value of fixed size: its `struct` code, its size and alignment in octets.
 
-    `name` is that of the enum or bitmask, `digits` and `scale` those of a fixed-point type
-    (`digits` is the bound of a bitmask).
+    `name` is that of the enum, bitmask or bitset, `digits` and `scale` those of a fixed-point
+    type (`digits` is the number of bits of a bitmask).
     """
 
     code: str

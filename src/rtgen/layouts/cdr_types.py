@@ -27,6 +27,7 @@ from rtgen.layouts.cdr import (
 from rtgen.model import (
     ArrayType,
     Bitmask,
+    Bitset,
     Enum,
     ExceptionDecl,
     FixedType,
@@ -142,8 +143,9 @@ class CdrTypes:
             case Enum():
                 return Atom("I", 4, 4, Form.ENUMERATOR, name)
             case Bitmask(bound=bound):
-                size = next(n for n in (1, 2, 4, 8) if bound <= 8 * n)
-                return Atom(" BH I   Q"[size], size, size, Form.FLAGS, name, bound)
+                return _bits(bound, Form.FLAGS, name)
+            case Bitset():
+                return _bits(bit_count(self._model, declaration), Form.BITS, name)
             case Interface():
                 return Reference()
             case Union():
@@ -199,6 +201,22 @@ class CdrTypes:
                 "a sequence of empty elements: its count cannot be checked"
             )
         return Repeat(element, least, bound, length)
+
+
+def _bits(count: int, form: Form, name: ScopedName) -> Atom:
+    """The smallest unsigned integer that has so many bits."""
+    size = next(n for n in (1, 2, 4, 8) if count <= 8 * n)
+    return Atom(" BH I   Q"[size], size, size, form, name, count)
+
+
+def bit_count(model: Model, bitset: Bitset) -> int:
+    """How many bits a bitset has, with those of its bases."""
+    count = sum(field.bits for field in bitset.members)
+    if bitset.base is not None:
+        base = model.find(bitset.base)
+        assert isinstance(base, Bitset)
+        count += bit_count(model, base)
+    return count
 
 
 def _recursive(model: Model) -> frozenset[ScopedName]:

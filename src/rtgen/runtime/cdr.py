@@ -18,8 +18,11 @@ from enum import IntEnum, IntFlag
 from struct import Struct
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar
 
+from rtgen.runtime.cdr_values import flags_number
+
 if TYPE_CHECKING:
     from rtgen.runtime.descriptors import (
+        BitsetDescriptor,
         EnumDescriptor,
         ExceptionDescriptor,
         FlagsDescriptor,
@@ -241,29 +244,100 @@ def members(enum: type[_E]) -> dict[int, _E]:
     return {member.value: member for member in enum}
 
 
-class Enumeration(IntEnum):
+class _Number:
+    """What stands on the wire as one unsigned integer."""
+
+    __slots__ = ()
+
+    _descriptor_: ClassVar[Any]
+
+    def to_cdr(self, little_endian: bool = True) -> bytes:
+        """The number as an unsigned integer; raises CdrError."""
+        try:
+            size = self._octet_count()
+            return self.to_number().to_bytes(size, "little" if little_endian else "big")
+        except FAILURES as failure:
+            raise encoding_error(type(self), self, failure) from failure
+
+    @classmethod
+    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
+        """The value of an unsigned integer; raises CdrError."""
+        try:
+            octets = bytes(memoryview(data))
+            if len(octets) != cls._octet_count():
+                raise ValueError("wrong length")
+            number = int.from_bytes(octets, "little" if little_endian else "big")
+            return cls.from_number(number)
+        except FAILURES as failure:
+            raise decoding_error(cls, data, little_endian, failure) from failure
+
+    @classmethod
+    def _octet_count(cls) -> int:
+        return next(n for n in (1, 2, 4, 8) if cls._descriptor_.bound <= 8 * n)
+
+    def to_number(self) -> int:
+        """The number on the wire. Raises ValueError for one that has too many bits."""
+        raise NotImplementedError
+
+    @classmethod
+    def from_number(cls, number: int) -> Self:
+        """The value of a number on the wire. Raises ValueError."""
+        raise NotImplementedError
+
+
+class Enumeration(_Number, IntEnum):
     """The base of generated enums."""
 
     _descriptor_: ClassVar[EnumDescriptor]
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The number as an unsigned long."""
-        return int(self).to_bytes(4, "little" if little_endian else "big")
+    @classmethod
+    def _octet_count(cls) -> int:
+        return 4
+
+    def to_number(self) -> int:
+        """The number of the member."""
+        return int(self)
 
     @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The member of an unsigned long; raises CdrError."""
-        try:
-            (number,) = struct.unpack("<I" if little_endian else ">I", data)
-            return cls(number)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
+    def from_number(cls, number: int) -> Self:
+        """The member of that number; raises ValueError."""
+        return cls(number)
 
 
-class Flags(IntFlag):
+class Flags(_Number, IntFlag):
     """The base of generated bitmasks."""
 
     _descriptor_: ClassVar[FlagsDescriptor]
+
+    def to_number(self) -> int:
+        """The flags, each at its position; raises ValueError."""
+        return flags_number(self, self._descriptor_.bound)
+
+    @classmethod
+    def from_number(cls, number: int) -> Self:
+        """The flags of a number; raises ValueError."""
+        return cls(flags_number(number, cls._descriptor_.bound))
+
+
+class Bitset(_Number):
+    """The base of generated bitsets: immutable, the fields as attributes (OMG IDL 4.2, 7.4.13)."""
+
+    __slots__ = ()
+
+    _descriptor_: ClassVar[BitsetDescriptor]
+
+    def to_number(self) -> int:
+        """The fields side by side, the first one lowest; raises ValueError."""
+        number = 0
+        for field in self._descriptor_.fields:
+            number |= field.packed(getattr(self, field.attribute)) << field.position
+        return number
+
+    @classmethod
+    def from_number(cls, number: int) -> Self:
+        """The fields of a number; raises ValueError."""
+        flags_number(number, cls._descriptor_.bound)
+        return cls(*(f.unpacked(number) for f in cls._descriptor_.fields))
 
 
 class Aggregated:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Iterator, Sized
+from functools import partial
 from math import prod
 from typing import Any
 
@@ -25,6 +26,7 @@ from rtgen.runtime.cdr_values import (
 from rtgen.runtime.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
+    BitsetDescriptor,
     Descriptor,
     EnumDescriptor,
     ExceptionDescriptor,
@@ -140,6 +142,10 @@ def _check(descriptor: Descriptor, value: Any, path: str) -> None:
         case FlagsDescriptor(bound=bound):
             if not isinstance(value, int) or not 0 <= value < 1 << bound:
                 raise CdrError(path, f"{value!r} is not a value of {descriptor.name}")
+        case BitsetDescriptor(fields=bits):
+            for bitfield in bits:
+                inner = _member(value, bitfield.attribute, descriptor.name, path)
+                _fail(f"{path}.{bitfield.name}", partial(bitfield.packed, inner))
         case SequenceDescriptor(element, bound):
             _check_items(element, value, path)
             _check_bound(len(value), bound, "items", path)
@@ -349,13 +355,15 @@ class _Scan:
                 number = int(self._number("I", path))
                 _check_member(descriptor, members, number, path)
                 return number
-            case FlagsDescriptor(bound=bound):
+            case FlagsDescriptor(bound=bound) | BitsetDescriptor(bound=bound):
                 code = next(
                     c
                     for c, n in zip("BHIQ", (8, 16, 32, 64), strict=True)
                     if bound <= n
                 )
-                _check(descriptor, self._number(code, path), path)
+                number = self._number(code, path)
+                if number >> bound:
+                    raise CdrError(path, f"{number} has more than {bound} bits")
             case SequenceDescriptor(element, bound):
                 count = self._count(_least(element), bound, path)
                 self._repeat(element, count, path)
@@ -432,7 +440,7 @@ def _least(element: Descriptor) -> int:
             return 1
         case PrimitiveDescriptor() | InterfaceDescriptor():
             return 8
-        case FlagsDescriptor(bound=bound):
+        case FlagsDescriptor(bound=bound) | BitsetDescriptor(bound=bound):
             return next(n for n in (1, 2, 4, 8) if bound <= 8 * n)
         case UnionDescriptor(switch=switch):
             return _least(switch)

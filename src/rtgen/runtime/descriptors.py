@@ -137,6 +137,24 @@ class BitfieldDescriptor:
     def __post_init__(self) -> None:
         _name_attribute(self)
 
+    def packed(self, value: int) -> int:
+        """The bits of a value. Raises ValueError if it does not fit."""
+        lowest, beyond = 0, 1 << self.bits
+        if self.signed:
+            lowest, beyond = -beyond // 2, beyond // 2
+        if not lowest <= value < beyond:
+            raise ValueError(f"{value!r} does not fit into {self.bits} bits")
+        return value & ((1 << self.bits) - 1)
+
+    def unpacked(self, number: int) -> int:
+        """The value of the field in the number of its bitset."""
+        value = number >> self.position & ((1 << self.bits) - 1)
+        if self.boolean:
+            return bool(value)
+        if self.signed and value >> self.bits - 1:
+            value -= 1 << self.bits
+        return value
+
 
 @dataclass(frozen=True, slots=True)
 class BitsetDescriptor(_Named):

@@ -15,6 +15,7 @@ from typing import TypeAlias
 
 from rtgen.model import (
     ArrayType,
+    Bitfield,
     Bitmask,
     Bitset,
     Case,
@@ -92,17 +93,25 @@ PRIMITIVES: dict[Primitive, PythonType] = {
 BYTES_ELEMENTS = (Primitive.OCTET, Primitive.UINT8)
 """Elements whose sequences and one-dimensional arrays are `bytes`."""
 
+_SIGNED = frozenset(
+    (Primitive.SHORT, Primitive.LONG, Primitive.LONG_LONG, Primitive.INT8)
+)
+
 STR_ELEMENTS = (Primitive.CHAR,)
 """Elements whose sequences and one-dimensional arrays are `str`."""
 
 CODEC = frozenset({"to_cdr", "from_cdr"})
 """The public methods of everything with a codec; IDL names that clash get a trailing `_`."""
 
+NUMBER = frozenset({"to_number", "from_number"})
+"""The further methods of what stands on the wire as one number."""
+
 OWN_NAMES: dict[type[Declaration], frozenset[str]] = {
     Struct: CODEC,
     ExceptionDecl: CODEC | {"args", "with_traceback", "add_note"},
     Union: CODEC | {"discriminator", "value"},
     Enum: CODEC
+    | NUMBER
     | {
         "name",
         "value",
@@ -122,12 +131,13 @@ OWN_NAMES: dict[type[Declaration], frozenset[str]] = {
 }
 """What the Python class of a declaration has by itself, so that no member can have the name."""
 OWN_NAMES[Bitmask] = OWN_NAMES[Enum]
+OWN_NAMES[Bitset] = CODEC | NUMBER
 
 _PACKAGES = frozenset({"components"})
 """The packages that rtgen itself makes below the root."""
 
-_PACKAGES = frozenset({"components"})
-"""The packages that rtgen itself makes below the root."""
+Fielded: TypeAlias = Struct | ExceptionDecl | Union | Bitset
+"""What has named parts that become attributes."""
 
 NameOf: TypeAlias = Callable[[ScopedName], str]
 """How a declared type is written where the text stands."""
@@ -162,11 +172,13 @@ class PythonMapping:
             case FixedType():
                 return self._spell("decimal", "Decimal")
             case SequenceType(element) | ArrayType(element):
-                text = self._text_type(type_)
-                if text is not None:
-                    return self._spell("", text)
-                inner = self.annotation(element)
                 depth = len(type_.dimensions) if isinstance(type_, ArrayType) else 1
+                text = self._text_type(type_)
+                if text is None:
+                    inner = self.annotation(element)
+                else:
+                    inner = self._spell("", text)
+                    depth -= 1
                 for _ in range(depth):
                     inner = f"{self._spell('', 'list')}[{inner}]"
                 return inner
@@ -209,14 +221,12 @@ class PythonMapping:
         type_ = self._model.unalias(type_)
         match type_:
             case SequenceType() | ArrayType():
-                return self._text_type(type_) is not None
+                return self.is_text(type_)
             case MapType():
                 return False
             case NamedType(name):
                 declaration = self._model.find(name)
-                return not isinstance(
-                    declaration, Struct | Union | ExceptionDecl | Bitset
-                )
+                return not isinstance(declaration, Struct | Union | ExceptionDecl)
         return True
 
     def factory(self, type_: Type) -> str:
@@ -233,11 +243,11 @@ class PythonMapping:
 
     def is_text(self, type_: Type) -> bool:
         """Whether a sequence or array is `bytes` or `str` in Python."""
-        return self._text_type(type_) is not None
+        flat = not isinstance(type_, ArrayType) or len(type_.dimensions) == 1
+        return flat and self._text_type(type_) is not None
 
     def _text_type(self, type_: Type) -> str | None:
-        if isinstance(type_, ArrayType) and len(type_.dimensions) != 1:
-            return None
+        """What a sequence, or the innermost dimension of an array, is if not a list."""
         if not isinstance(type_, SequenceType | ArrayType):
             return None
         element = self._model.unalias(type_.element)
@@ -269,14 +279,13 @@ class PythonMapping:
         *outer, last = type_.dimensions
         text = self._text_type(type_)
         if text == "bytes":
-            return f"{self._spell('', 'bytes')}({last})"
-        if text == "str":
-            return rf'"\x00" * {last}'
-        element = self.default(type_.element)
-        if self.immutable(type_.element):
-            expression = f"[{element}] * {last}"
+            expression = f"{self._spell('', 'bytes')}({last})"
+        elif text == "str":
+            expression = rf'"\x00" * {last}'
+        elif self.immutable(type_.element):
+            expression = f"[{self.default(type_.element)}] * {last}"
         else:
-            expression = f"[{element} for _ in range({last})]"
+            expression = f"[{self.default(type_.element)} for _ in range({last})]"
         for size in reversed(outer):
             expression = f"[{expression} for _ in range({size})]"
         return expression
@@ -372,20 +381,20 @@ class PythonNames:
         assert isinstance(declaration, Enum)
         return list(self.enumerators(declaration).values())
 
-    def members(self, declaration: Struct | ExceptionDecl | Union) -> dict[str, str]:
-        """The Python names of the members of a struct or exception, or branches of a union."""
+    def members(self, declaration: Fielded) -> dict[str, str]:
+        """The Python names of the members of a struct or the like, or the branches of a union."""
         inherited: list[str] = []
-        entries: Sequence[Member | Case]
+        entries: Sequence[Member | Case | Bitfield]
         if isinstance(declaration, Union):
             entries = declaration.cases
         else:
             entries = declaration.members
-            if isinstance(declaration, Struct) and declaration.base is not None:
+            if isinstance(declaration, Struct | Bitset) and declaration.base:
                 base = self._model.find(declaration.base)
-                assert isinstance(base, Struct)
+                assert isinstance(base, Struct | Bitset)
                 inherited = list(self.members(base).values())
         own = OWN_NAMES[type(declaration)]
-        return distinct((e.name for e in entries), own.union(inherited))
+        return distinct((e.name for e in entries if e.name), own.union(inherited))
 
     def operations(self, declaration: Interface) -> dict[str, str]:
         """The Python names of the attributes and operations that an interface adds."""
@@ -417,7 +426,7 @@ class PythonNames:
         found: set[str] = set()
         for declaration in self.declarations(module):
             match declaration:
-                case Struct() | ExceptionDecl() | Union():
+                case Struct() | ExceptionDecl() | Union() | Bitset():
                     found.update(self.members(declaration).values())
                 case Interface():
                     found.update(self.operations(declaration).values())
@@ -528,6 +537,19 @@ def _free(name: str, taken: Collection[str]) -> str:
     while name in taken:
         name += "_"
     return name
+
+
+def is_boolean(model: Model, field: Bitfield) -> bool:
+    """Whether a bitfield is a bool: one bit, no type or `boolean` written (IDL 4.2, 7.4.13.4.3)."""
+    if field.type is None:
+        return field.bits == 1
+    return model.unalias(field.type) == PrimitiveType(Primitive.BOOLEAN)
+
+
+def is_signed(model: Model, field: Bitfield) -> bool:
+    """Whether a bitfield is in two's complement."""
+    plain = None if field.type is None else model.unalias(field.type)
+    return isinstance(plain, PrimitiveType) and plain.kind in _SIGNED
 
 
 def is_emitted(declaration: Declaration) -> bool:

@@ -14,6 +14,8 @@ from rtgen.runtime.cdr_values import ObjectReference
 from rtgen.runtime.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
+    BitfieldDescriptor,
+    BitsetDescriptor,
     Descriptor,
     EnumDescriptor,
     ExceptionDescriptor,
@@ -66,6 +68,8 @@ def values(descriptor: Descriptor, depth: int = 0) -> st.SearchStrategy[Any]:
             return st.sampled_from([number for _, number in members])
         case FlagsDescriptor(bound=bound):
             return st.integers(0, (1 << bound) - 1)
+        case BitsetDescriptor(fields=bits):
+            return st.fixed_dictionaries({b.name: _bitfield(b) for b in bits})
         case SequenceDescriptor(element, bound):
             most = 0 if depth > 3 else min(bound or _LONGEST, _LONGEST)
             return _joined(element, st.lists(values(element, depth + 1), max_size=most))
@@ -89,6 +93,15 @@ def values(descriptor: Descriptor, depth: int = 0) -> st.SearchStrategy[Any]:
         case InterfaceDescriptor():
             return _reference()
     raise TypeError(descriptor)
+
+
+def _bitfield(field: BitfieldDescriptor) -> st.SearchStrategy[Any]:
+    if field.boolean:
+        return st.booleans()
+    half = 1 << field.bits - 1
+    return (
+        st.integers(-half, half - 1) if field.signed else st.integers(0, 2 * half - 1)
+    )
 
 
 def _size(text: str, wide: bool) -> int:
@@ -169,6 +182,8 @@ def build(descriptor: Descriptor, tree: Any, types: dict[str, type[Any]]) -> Any
         case StructDescriptor(members=fields) | ExceptionDescriptor(members=fields):
             parts = [build(m.type, tree[m.name], types) for m in fields]
             return types[descriptor.repository_id](*parts)
+        case BitsetDescriptor(fields=bits):
+            return types[descriptor.repository_id](*(tree[b.name] for b in bits))
         case EnumDescriptor() | FlagsDescriptor():
             return types[descriptor.repository_id](tree)
         case UnionDescriptor():

@@ -140,6 +140,46 @@ def test_aliases_have_codecs(test: Any) -> None:
     assert caught.value.path == "Longs[1]"
 
 
+def test_bitsets_are_one_number(test: Any) -> None:
+    value = test.MoreBits(5, True, -2, 0xFFFFF)
+    # 5, flag at 3, four bits unused, -2 in four bits at 8, twenty bits at 12.
+    assert value.to_cdr(False).hex() == "fffffe0d"
+    assert test.MoreBits.from_cdr(value.to_cdr()) == value
+    assert test.Bits(1).to_cdr().hex() == "0100"
+    assert {value: 1}[test.MoreBits(5, True, -2, 0xFFFFF)] == 1
+    with pytest.raises(CdrError) as caught:
+        test.BitStruct(bits1=test.Bits(8)).to_cdr()
+    assert caught.value.path == "BitStruct.bits1.low"
+    with pytest.raises(CdrError):
+        test.Bits.from_cdr(b"\0\xf0")
+
+
+def test_bitmasks_and_enums_have_codecs(test: Any) -> None:
+    assert test.Mode(17).to_cdr(False).hex() == "00000011"
+    assert test.Small.from_cdr(b"\2") is test.Small.HIGH
+    with pytest.raises(CdrError):
+        test.Small.from_cdr(b"")
+    assert test.Kind.from_cdr(b"\0\0\0\1", False) is test.Kind.SQUARE
+
+
+def test_rows_of_octets_and_characters(test: Any) -> None:
+    rows = test.Rows()
+    assert (rows.a, rows.b) == ([bytes(3)] * 2, ["\0\0"] * 2)
+    assert rows.c == [[b"\0\0"], [b"\0\0"]]
+    rows.a[1] = b"abc"
+    assert test.Rows().a == [bytes(3)] * 2
+    assert test.RasterCodec.to_cdr([b"ab", b"cd"]) == b"abcd"
+    assert test.GridCodec.from_cdr(b"abcd") == ["ab", "cd"]
+
+
+def test_codecs_of_an_interface_s_typedefs(test: Any) -> None:
+    inners = [test.Service.Inner(test.Service.State.OFF)]
+    codec = test.Service.InnersCodec
+    assert codec.from_cdr(codec.to_cdr(inners)) == inners
+    assert test.Service.RouteCodec.to_cdr([]) == bytes(4)
+    assert test.Ahead.LaterListCodec.from_cdr(bytes(4)) == []
+
+
 def test_the_bound_of_a_wide_string_without_a_mark(test: Any) -> None:
     octets = bytearray(test.Texts(d="abcde").to_cdr())
     place = octets.index(b"\xff\xfe")

@@ -6,11 +6,12 @@ from collections.abc import Callable, Sequence
 
 from rtgen.backends.python_text import string_literal
 from rtgen.backends.types.scope import Scope
-from rtgen.layouts.cdr_types import CdrTypes
+from rtgen.layouts.cdr_types import CdrTypes, bit_count
 from rtgen.model import (
     ArrayType,
     Attribute,
     Bitmask,
+    Bitset,
     Case,
     Enum,
     EnumeratorName,
@@ -33,7 +34,7 @@ from rtgen.model import (
     Union,
 )
 from rtgen.model.declarations import ConstantValue, Declaration
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python import PythonNames, is_boolean, is_signed
 
 
 class Descriptions:
@@ -131,6 +132,35 @@ class Descriptions:
         return (
             f"{self._py.FlagsDescriptor}({head}, {_tuple(pairs)}, {declaration.bound})"
         )
+
+    def bitset(self, declaration: Bitset) -> str:
+        """The descriptor of a bitset."""
+        count = bit_count(self._model, declaration)
+        fields = _tuple(self._bitfields(declaration))
+        return (
+            f"{self._py.BitsetDescriptor}({self._head(declaration)}, {fields}, {count})"
+        )
+
+    def _bitfields(self, declaration: Bitset) -> list[str]:
+        """The descriptors of the named fields, inherited ones first."""
+        described: list[str] = []
+        position = 0
+        if declaration.base is not None:
+            base = self._model.find(declaration.base)
+            assert isinstance(base, Bitset)
+            described = self._bitfields(base)
+            position = bit_count(self._model, base)
+        names = self._names.members(declaration)
+        for field in declaration.members:
+            if field.name is not None:
+                facts = [f'"{field.name}"', str(field.bits), str(position)]
+                facts += ["signed=True"] * is_signed(self._model, field)
+                facts += ["boolean=True"] * is_boolean(self._model, field)
+                if names[field.name] != field.name:
+                    facts.append(f'attribute="{names[field.name]}"')
+                described.append(f"{self._py.BitfieldDescriptor}({', '.join(facts)})")
+            position += field.bits
+        return described
 
     def union(self, declaration: Union) -> str:
         """The descriptor of a union."""

@@ -22,6 +22,7 @@ from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
 from rtgen.model import (
     ArrayType,
     Bitmask,
+    Bitset,
     Const,
     ConstantValue,
     Declaration,
@@ -38,7 +39,7 @@ from rtgen.model import (
     Typedef,
     Union,
 )
-from rtgen.typemap.idl_python import PythonMapping, PythonNames
+from rtgen.typemap.idl_python import PythonMapping, PythonNames, is_boolean
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +74,7 @@ class TypesModule:
         self._done: set[str] = set()
         self._waiting: list[Typedef] = []
         self.codecs: set[ScopedName] = set()
+        self._late: dict[ScopedName, str] = {}
         self._mapping = PythonMapping(model, self.scope.reference, self.scope.spell)
         self._describe = Descriptions(model, names, types, self.scope, self._is_ahead)
         self._unions = Unions(names, types, self.scope, self._tables, self._describe)
@@ -109,6 +111,8 @@ class TypesModule:
                 yield Block(self._union(declaration))
             case Enum() | Bitmask():
                 yield Block(self._enum(declaration))
+            case Bitset():
+                yield Block(self._bitset(declaration))
             case Const():
                 yield Block(self._const(declaration), small=True)
             case Typedef():
@@ -200,11 +204,24 @@ class TypesModule:
             if isinstance(declaration, Interface) and not isinstance(inner, Const):
                 attribute += f": {self.scope.TypeAlias}"
             lines.append(f"{attribute} = {local}")
+            if isinstance(inner, Typedef):
+                lines += self._nested_codec(inner)
             if isinstance(inner, Enum):
                 for member, attribute in self._names.enumerators(inner).items():
                     outside = self._names.attribute((*inner.name[:-1], member))
                     lines.append(f"{outside} = {local}.{attribute}")
         return lines
+
+    def _nested_codec(self, alias: Typedef) -> list[str]:
+        """The class attribute for its codec; one that is defined later is set then."""
+        outside = self._names.public_companion(alias.name, "Codec")
+        local = self._names.companion(alias.name, "Codec")
+        if alias.name in self.codecs:
+            return [f"{outside}: {self.scope.TypeAlias} = {local}"]
+        if not self._has_codec(alias):
+            return []
+        self._late[alias.name] = outside
+        return [f"{outside}: {self.scope.ClassVar}[{self.scope.type}[{local}]]"]
 
     # Codecs.
 
@@ -294,6 +311,26 @@ class TypesModule:
             descriptor=descriptor,
         )
 
+    def _bitset(self, declaration: Bitset) -> str:
+        names = self._names.members(declaration)
+        fields = []
+        for field in declaration.members:
+            if field.name is not None:
+                is_bool = is_boolean(self._model, field)
+                kind = self.scope.bool if is_bool else self.scope.int
+                text = f"{names[field.name]}: {kind} = {False if is_bool else 0}"
+                fields.append(Statement(text, docstring(field.doc, 4)))
+        base = declaration.base
+        return render(
+            "types/bitset.py.j2",
+            py=self.scope,
+            name=self._local(declaration),
+            base=self.scope.reference(base) if base else self.scope.Bitset,
+            docstring=self._doc(declaration),
+            descriptor=self._describe.bitset(declaration),
+            fields=fields,
+        )
+
     def _const(self, declaration: Const) -> str:
         name = self._local(declaration)
         value = self._constant(declaration.value)
@@ -346,19 +383,25 @@ class TypesModule:
         self._waiting = [alias for alias in self._waiting if alias not in ready]
         return [Block(text) for alias in ready if (text := self._codec(alias))]
 
-    def _codec(self, declaration: Typedef) -> str:
+    def _has_codec(self, declaration: Typedef) -> bool:
         plain = self._model.unalias(declaration.type)
         if not isinstance(plain, SequenceType | ArrayType | MapType):
-            return ""
+            return False
         try:
-            node = self._types.node(plain)
+            self._types.node(plain)
         except NotMarshalledError:
+            return False
+        return True
+
+    def _codec(self, declaration: Typedef) -> str:
+        if not self._has_codec(declaration):
             return ""
+        node = self._types.node(declaration.type)
         self.codecs.add(declaration.name)
         name = self._names.companion(declaration.name, "Codec")
         type_ = self._local(declaration)
         codec = self._functions(name, node, False, "value", type_)
-        return render(
+        text = render(
             "types/codec.py.j2",
             py=self.scope,
             name=name,
@@ -369,6 +412,10 @@ class TypesModule:
             encode=codec.encode,
             decode=codec.decode,
         )
+        if declaration.name in self._late:
+            holder = self._names.implementation(declaration.name[:-1])[1]
+            text += f"\n\n{holder}.{self._late[declaration.name]} = {name}\n"
+        return text
 
 
 @dataclass(frozen=True, slots=True)

@@ -41,6 +41,8 @@ class Tables:
             case Form.FLAGS if atom.digits != 8 * atom.size:
                 assert atom.name is not None
                 return f"{py.flags_number}({value}, {atom.digits})"
+            case Form.BITS:
+                return f"{value}.to_number()"
         return value
 
     def unpacked(self, atom: Atom, raw: str) -> str:
@@ -65,6 +67,9 @@ class Tables:
                 if atom.digits == 8 * atom.size:
                     return f"{flags}({raw})"
                 return f"{flags}({py.flags_number}({raw}, {atom.digits}))"
+            case Form.BITS:
+                assert atom.name is not None
+                return f"{py.reference(atom.name)}.from_number({raw})"
         return raw
 
     def packed_text(self, text: Text, value: str) -> str:
