@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import import_module, metadata
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
@@ -13,6 +13,8 @@ from rtgen.backends import Artifact, Backend, Options
 from rtgen.diagnostics import Diagnostic, ToolError, has_errors, in_order
 
 if TYPE_CHECKING:
+    from importlib import metadata
+
     from rtgen.cache import Cache
     from rtgen.frontends import FrontendResult
     from rtgen.model import System
@@ -111,6 +113,8 @@ def compile_project(project: Project) -> Compilation:
 
 def plugins() -> tuple[metadata.EntryPoint, ...]:
     """The installed plug-ins, sorted by name."""
+    from importlib import metadata
+
     return tuple(
         sorted(
             metadata.entry_points(group=ENTRY_POINTS), key=lambda e: (e.name, e.value)

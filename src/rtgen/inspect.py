@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from decimal import Decimal
 from typing import Any, TypeAlias
 
-from rtgen.backends.components.members import attributes_of
 from rtgen.diagnostics import Diagnostic
 from rtgen.model import (
     Attribute,
@@ -178,6 +177,8 @@ def _operation(o: Operation) -> Json:
 
 
 def _component(d: Component) -> Json:
+    from rtgen.backends.components.members import attributes_of
+
     attributes = attributes_of(d)
     return {
         "base": _scoped(d.base),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import gc
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -108,7 +109,11 @@ def with_console(
 
 
 def with_definitions(function: Callable[P, int]) -> Callable[P, int]:
-    """Adds PATH, -I and -D; the function gets `paths`, `include` and `define`."""
+    """Adds PATH, -I and -D; the function gets `paths`, `include` and `define`.
+
+    What a definition becomes lives until the end, so no garbage is looked for meanwhile.
+    """
+    function = _uncollected(function)
     for decorate in (
         click.option(
             "-D",
@@ -129,6 +134,20 @@ def with_definitions(function: Callable[P, int]) -> Callable[P, int]:
     ):
         function = decorate(function)
     return function
+
+
+def _uncollected(function: Callable[P, int]) -> Callable[P, int]:
+    @functools.wraps(function)
+    def wrapped(*args: P.args, **kwargs: P.kwargs) -> int:
+        enabled = gc.isenabled()
+        gc.disable()
+        try:
+            return function(*args, **kwargs)
+        finally:
+            if enabled:
+                gc.enable()
+
+    return wrapped
 
 
 def with_output(function: Callable[P, int]) -> Callable[P, int]:

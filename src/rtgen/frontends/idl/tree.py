@@ -1,18 +1,27 @@
 """The syntax tree: what was written, before any name means anything.
 
-Nodes are frozen, and compared by identity, so that later passes can keep facts about them in
-tables of their own. Positions are offsets into the text of the unit that was parsed.
+Nodes are never changed, and compared by identity, so that later passes can keep facts about them
+in tables of their own. Positions are offsets into the text of the unit that was parsed.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar, dataclass_transform
 
 from rtgen.model import Direction, Primitive
 
+T = TypeVar("T")
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass_transform(eq_default=False, frozen_default=True)
+def node(cls: type[T]) -> type[T]:
+    """A frozen dataclass for type checkers; nothing at run time enforces it, which would make
+    the parser slower by a sixth."""
+    return dataclass(slots=True, eq=False, repr=False)(cls)
+
+
+@node
 class Name:
     """An identifier without its escape underscore."""
 
@@ -21,7 +30,7 @@ class Name:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class ScopedName:
     """`A::B`, or `::A::B` if absolute."""
 
@@ -39,7 +48,7 @@ class ScopedName:
 # Constant expressions
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Number:
     """A number as written."""
 
@@ -48,7 +57,7 @@ class Number:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Text:
     """Adjacent string literals, or one character literal, as written with their quotes."""
 
@@ -58,7 +67,7 @@ class Text:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Boolean:
     """`TRUE` or `FALSE`."""
 
@@ -67,7 +76,7 @@ class Boolean:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Unary:
     """`-x`, `+x`, `~x`."""
 
@@ -77,7 +86,7 @@ class Unary:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Chain:
     """Operands joined by operators of one precedence, applied from the left."""
 
@@ -87,7 +96,7 @@ class Chain:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Group:
     """An expression in parentheses."""
 
@@ -102,7 +111,7 @@ Expression: TypeAlias = Number | Text | Boolean | ScopedName | Unary | Chain | G
 # Annotations
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Argument:
     """An argument of an annotation; `name` is None for the only, unnamed one."""
 
@@ -110,7 +119,7 @@ class Argument:
     value: Expression
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Annotation:
     """`@name(arguments)`; `name` with `::` and without `@`."""
 
@@ -123,7 +132,7 @@ class Annotation:
 # Types
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class BasicType:
     """A basic type."""
 
@@ -132,7 +141,7 @@ class BasicType:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class TextType:
     """`string` or `wstring`."""
 
@@ -142,7 +151,7 @@ class TextType:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Sequence:
     """`sequence<element, bound>`."""
 
@@ -152,7 +161,7 @@ class Sequence:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Fixed:
     """`fixed<digits, scale>`, or plain `fixed` in a constant."""
 
@@ -162,7 +171,7 @@ class Fixed:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Map:
     """`map<key, value, bound>`."""
 
@@ -173,7 +182,7 @@ class Map:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Declarator:
     """A name with the dimensions of an array."""
 
@@ -186,7 +195,7 @@ class Declarator:
 # Declarations
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Body:
     """What stands between braces; [start, end) is between them."""
 
@@ -195,7 +204,7 @@ class Body:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Item:
     """An entry of a body or file: annotations and a node, up to its `;`."""
 
@@ -205,7 +214,7 @@ class Item:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Module:
     """A module, or one opening of it; template modules are told by `template`."""
 
@@ -215,7 +224,7 @@ class Module:
     template: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Forward:
     """A forward declaration: `keyword` is struct, union, interface, valuetype, component ..."""
 
@@ -225,7 +234,7 @@ class Forward:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Member:
     """Struct, exception and state members: one type, one or more declarators."""
 
@@ -234,7 +243,7 @@ class Member:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Struct:
     """A struct or (by `exception`) an exception."""
 
@@ -249,7 +258,7 @@ class Struct:
         return self.body.end + 1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Label:
     """`case value:`, or `default:` where `value` is None."""
 
@@ -258,7 +267,7 @@ class Label:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Case:
     """A branch of a union."""
 
@@ -268,7 +277,7 @@ class Case:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Union:
     """A union."""
 
@@ -282,7 +291,7 @@ class Union:
         return self.body.end + 1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Enumerator:
     """A member of an enum or bitmask; `value` only where one was (wrongly) written."""
 
@@ -293,7 +302,7 @@ class Enumerator:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Enum:
     """An enum, or (by `mask`) a bitmask. `trailing` is the place of a comma at the end."""
 
@@ -305,7 +314,7 @@ class Enum:
     mask: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Bitfield:
     """`bitfield<bits, type> names;`."""
 
@@ -315,7 +324,7 @@ class Bitfield:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Bitset:
     """A bitset."""
 
@@ -329,7 +338,7 @@ class Bitset:
         return self.body.end + 1
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Typedef:
     """A typedef with one or more declarators."""
 
@@ -338,7 +347,7 @@ class Typedef:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Const:
     """A constant."""
 
@@ -348,7 +357,7 @@ class Const:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Native:
     """A native type."""
 
@@ -356,7 +365,7 @@ class Native:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Parameter:
     """A parameter; `direction` is None where it is missing."""
 
@@ -368,7 +377,7 @@ class Parameter:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Names:
     """A list of scoped names, as behind `raises`; its place is that of the clause."""
 
@@ -377,7 +386,7 @@ class Names:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Operation:
     """An operation, or (by `factory`) a factory or finder; those have no type."""
 
@@ -392,7 +401,7 @@ class Operation:
     factory: str = ""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Attribute:
     """Attributes of one type."""
 
@@ -404,7 +413,7 @@ class Attribute:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Interface:
     """An interface; `modifier` is abstract, local or empty."""
 
@@ -415,7 +424,7 @@ class Interface:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class State:
     """State members of a valuetype."""
 
@@ -424,7 +433,7 @@ class State:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Valuetype:
     """A valuetype or eventtype; `modifier` is abstract, custom or empty."""
 
@@ -438,7 +447,7 @@ class Valuetype:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class ValueBox:
     """`valuetype name type`."""
 
@@ -447,7 +456,7 @@ class ValueBox:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class PortItem:
     """`provides`, `uses`, `publishes`, `consumes`, `emits` (or `port`, `mirrorport`) T name."""
 
@@ -458,7 +467,7 @@ class PortItem:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Component:
     """A component."""
 
@@ -469,7 +478,7 @@ class Component:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Home:
     """A component home."""
 
@@ -482,7 +491,7 @@ class Home:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Identity:
     """`typeid name "text"` and `typeprefix name "text"`."""
 
@@ -492,7 +501,7 @@ class Identity:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Import:
     """`import name`."""
 
@@ -500,7 +509,7 @@ class Import:
     start: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Unused:
     """A construct that is read only: a porttype, a connector, an annotation's declaration ..."""
 
@@ -510,7 +519,7 @@ class Unused:
     end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@node
 class Skipped:
     """What was passed over: a declaration with a syntax error, or an extra semicolon."""
 
