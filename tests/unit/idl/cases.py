@@ -145,7 +145,7 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
         ("IDL0300",),
     ),
     "bad_base": ("struct S { long a; }; interface I : S {};", ("IDL0301",)),
-    "object_base": ("interface I : Object {};", ("IDL0103",)),
+    "object_base": ("interface I : Object {};", ("IDL0301",)),
     "void": ("struct S { void a; };", ("IDL0303",)),
     "bound": (
         "typedef string<0> A; typedef sequence<long, -1> B; typedef long C[0];",

@@ -167,12 +167,17 @@ class Annotations:
                 rules.UNKNOWN_ANNOTATION.at(
                     span,
                     f"@{node.name} is not known",
-                    hint=f"did you mean @{near}?" if near else None,
+                    hint=(
+                        f"did you mean @{near}?"
+                        if near
+                        else "it is kept, but nothing is made of it"
+                    ),
                 )
             )
         elif place not in definition.places:
             message = f"@{node.name} means nothing for {_article(place)}"
-            self._report(rules.MISPLACED.at(span, message))
+            hint = f"it stands before a {', '.join(sorted(definition.places))}"
+            self._report(rules.MISPLACED.at(span, message, hint=hint))
         arguments = []
         for argument in node.arguments:
             key = argument.name.text if argument.name else "value"
@@ -180,7 +185,9 @@ class Annotations:
             if value is not None:
                 arguments.append((key, value))
         if definition is not None and definition.required and not node.arguments:
-            self._report(rules.BAD_ARGUMENT.at(span, f"@{node.name} needs an argument"))
+            hint = f"write @{node.name}({', '.join(definition.arguments).upper()})"
+            message = f"@{node.name} needs an argument"
+            self._report(rules.BAD_ARGUMENT.at(span, message, hint=hint))
         return Annotation(node.name, tuple(arguments))
 
     def _argument(

@@ -116,7 +116,9 @@ class Components:
                 self._report(rules.BAD_DATE.at(entity.span, message, hint=hint))
                 del profile[key]
         if profile.get("rate", 1.0) <= 0:
-            self._report(rules.BAD_ARGUMENT.at(entity.span, "the rate is not positive"))
+            message = "the rate is not positive"
+            hint = "write the rate in Hz, such as rate=100.0"
+            self._report(rules.BAD_ARGUMENT.at(entity.span, message, hint=hint))
             del profile["rate"]
         if common["doc"]:
             profile.setdefault("description", common["doc"].split("\n")[0])
@@ -132,7 +134,9 @@ class Components:
                 related = [Related(other.span, "declared here")]
                 message = f"{new.name} is declared twice"
                 self._report(
-                    rules.DUPLICATE_PORT.at(new.span, message, related=related)
+                    rules.DUPLICATE_PORT.at(
+                        new.span, message, related=related, hint="rename one of them"
+                    )
                 )
                 return False
         return True
@@ -145,7 +149,8 @@ class Components:
             return default
         if not name or not name.isprintable():
             message = f"@{key} is empty or holds a character that cannot be printed"
-            self._report(rules.BAD_NAME.at(entity.span, message))
+            hint = f'write @{key}("...") with a printable name, or leave it out'
+            self._report(rules.BAD_NAME.at(entity.span, message, hint=hint))
             return default
         return name
 
@@ -155,7 +160,8 @@ class Components:
         entity = self._types.tables.entities[node.name]
         if node.keyword not in _KINDS or node.keyword.endswith("multiple"):
             message = f"'{node.keyword}' is read only"
-            self._report(rules.CONSTANT_ATTRIBUTE.at(entity.span, message))
+            hint = "nothing is made of it"
+            self._report(rules.CONSTANT_ATTRIBUTE.at(entity.span, message, hint=hint))
             if node.keyword not in _KINDS:
                 return None
         type_ = self._types.of_node(node.type, unit)
@@ -199,7 +205,18 @@ class Components:
         if not good:
             span = unit.span(node.type.start, node.type.end)
             message = f"'{node.keyword}' takes {wanted}, not {type_}"
-            self._report(rules.BAD_PORT_TYPE.at(span, message))
+            related = []
+            if isinstance(type_, NamedType):
+                entity = self._types.entity(type_.name)
+                related = [Related(entity.span, "declared here")] if entity else []
+            hint = (
+                "wrap it into a struct, such as one with a Time tm and the data"
+                if kind in _DATA
+                else "name an interface; data goes through consumes and publishes"
+            )
+            self._report(
+                rules.BAD_PORT_TYPE.at(span, message, related=related, hint=hint)
+            )
         return good
 
     def _parameters(
@@ -215,11 +232,15 @@ class Components:
         span = unit.span(node.type.start, node.type.end)
         if node.readonly:
             message = "a read-only attribute is no configuration parameter"
-            self._report(rules.CONSTANT_ATTRIBUTE.at(span, message))
+            hint = "leave readonly out"
+            self._report(rules.CONSTANT_ATTRIBUTE.at(span, message, hint=hint))
             return []
         if not self._has_text_form(type_):
             message = f"{type_} cannot be the type of a configuration parameter"
-            self._report(rules.BAD_PARAMETER_TYPE.at(span, message))
+            hint = (
+                "it is a number, boolean, string, enum, or a sequence or array of these"
+            )
+            self._report(rules.BAD_PARAMETER_TYPE.at(span, message, hint=hint))
             return []
         found = annotations.of(item.annotations, "configuration", unit, type_)
         doc = self._lowering.doc(item, unit)
@@ -251,7 +272,8 @@ class Components:
             ),
         ):
             if wrong:
-                self._report(rules.DEFAULT_RANGE.at(entity.span, message))
+                hint = "correct @default, @min or @max"
+                self._report(rules.DEFAULT_RANGE.at(entity.span, message, hint=hint))
         return ConfigurationParameter(
             span=entity.span,
             doc=doc,

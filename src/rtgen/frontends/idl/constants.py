@@ -9,7 +9,7 @@ from enum import StrEnum
 from math import isinf
 from typing import TYPE_CHECKING
 
-from rtgen.diagnostics import Diagnostic, Rule
+from rtgen.diagnostics import Diagnostic, Related, Rule
 from rtgen.frontends.idl import literals, tree
 from rtgen.frontends.idl.rules import constants as rules
 from rtgen.frontends.idl.rules import names as name_rules
@@ -48,6 +48,17 @@ RANGES = {
 FLOATS = frozenset((Primitive.FLOAT, Primitive.DOUBLE, Primitive.LONG_DOUBLE))
 _CHARACTERS = {Primitive.CHAR: False, Primitive.WCHAR: True}
 _WIDE = (Primitive.LONG_LONG, Primitive.UNSIGNED_LONG_LONG)
+_BY_SIZE = (
+    Primitive.SHORT,
+    Primitive.UNSIGNED_SHORT,
+    Primitive.LONG,
+    Primitive.UNSIGNED_LONG,
+    Primitive.LONG_LONG,
+    Primitive.UNSIGNED_LONG_LONG,
+)
+_BOUND_HINT = (
+    "a bound is positive; without a bound, sequences and strings hold any number"
+)
 _DEEPEST = 48
 _EXACT = Context(prec=62, rounding=ROUND_DOWN)
 _DIGITS_31 = Context(prec=31, rounding=ROUND_DOWN)
@@ -66,6 +77,31 @@ class Sort(StrEnum):
     WIDE_TEXT = "a wide string"
     BOOLEAN = "a boolean"
     ENUM = "an enumerator"
+
+
+_EXAMPLES = {
+    Sort.INTEGER: "write a number without point and quotes, such as 10",
+    Sort.FLOAT: "write a number with a point, such as 1.5",
+    Sort.FIXED: "write a number that ends with d, such as 1.5d",
+    Sort.CHARACTER: "write one character in single quotes, such as 'x'",
+    Sort.WIDE_CHARACTER: "write one character in single quotes behind L, such as L'x'",
+    Sort.TEXT: 'write text in double quotes, such as "text"',
+    Sort.WIDE_TEXT: 'write text in double quotes behind L, such as L"text"',
+    Sort.BOOLEAN: "write TRUE or FALSE",
+    Sort.ENUM: "write the name of an enumerator",
+}
+_WIDE_HINT = "wide literals begin with L, others do not"
+_CONVERSIONS = {
+    (Sort.TEXT, Sort.WIDE_TEXT): _WIDE_HINT,
+    (Sort.WIDE_TEXT, Sort.TEXT): _WIDE_HINT,
+    (Sort.CHARACTER, Sort.WIDE_CHARACTER): _WIDE_HINT,
+    (Sort.WIDE_CHARACTER, Sort.CHARACTER): _WIDE_HINT,
+    (Sort.INTEGER, Sort.FLOAT): "write a number without point, or make the type double",
+    (
+        Sort.INTEGER,
+        Sort.ENUM,
+    ): "an enumerator is no number: write its number, or use the enum",
+}
 
 
 def sort_of(type_: Type | None, is_enum: Callable[[ScopedName], bool]) -> Sort | None:
@@ -134,7 +170,10 @@ class Constants:
         try:
             if sort is None:
                 self._fail(
-                    type_rules.BAD_CONST_TYPE, node, f"no {what} can be of type {type_}"
+                    type_rules.BAD_CONST_TYPE,
+                    node,
+                    f"no {what} can be of type {type_}",
+                    "constants are numbers, characters, strings, booleans and enumerators",
                 )
             assert sort is not None
             return self._fit(self._evaluate(node, sort, 0), plain, node)
@@ -153,21 +192,38 @@ class Constants:
             self._unit = unit
             span = unit.span(node.start, node.end)
             self._report(
-                type_rules.BAD_BOUND.at(span, f"{value} is not from 1 to 4294967295")
+                type_rules.BAD_BOUND.at(
+                    span, f"{value} is not from 1 to 4294967295", hint=_BOUND_HINT
+                )
             )
             return None
         return value
 
     def _fail(
-        self, rule: Rule, node: tree.Expression, message: str, hint: str | None = None
+        self,
+        rule: Rule,
+        node: tree.Expression,
+        message: str,
+        hint: str | None = None,
+        declared: Entity | None = None,
     ) -> None:
-        self._tell(rule, node, message, hint)
+        self._tell(rule, node, message, hint, declared)
         raise _NoValueError
 
     def _tell(
-        self, rule: Rule, node: tree.Expression, message: str, hint: str | None = None
+        self,
+        rule: Rule,
+        node: tree.Expression,
+        message: str,
+        hint: str | None = None,
+        declared: Entity | None = None,
     ) -> None:
-        self._report(rule.at(self._unit.span(node.start, node.end), message, hint=hint))
+        if declared is None and isinstance(node, tree.ScopedName):
+            found = self._types.tables.references.get(node)
+            declared = found if isinstance(found, Entity) else None
+        related = [Related(declared.span, "declared here")] if declared else []
+        span = self._unit.span(node.start, node.end)
+        self._report(rule.at(span, message, related=related, hint=hint))
 
     def _evaluate(self, node: tree.Expression, sort: Sort, depth: int) -> ConstantValue:
         if depth > _DEEPEST:
@@ -209,21 +265,18 @@ class Constants:
             self._fail(rules.WRONG_KIND, node, f"{sort} has no operators", hint)
 
     def _mixed(self, node: tree.Expression, wanted: Sort, found: Sort) -> None:
-        hint = None
-        if {wanted, found} in (
-            {Sort.TEXT, Sort.WIDE_TEXT},
-            {Sort.CHARACTER, Sort.WIDE_CHARACTER},
-        ):
-            hint = "wide literals begin with L, others do not"
         self._fail(
-            rules.WRONG_KIND, node, f"{wanted} is wanted here, not {found}", hint
+            rules.WRONG_KIND,
+            node,
+            f"{wanted} is wanted here, not {found}",
+            _CONVERSIONS.get((wanted, found)) or _EXAMPLES[wanted],
         )
 
     def _number(self, node: tree.Number, sort: Sort) -> ConstantValue:
         try:
             value = literals.number(node.text)
         except literals.LiteralError as error:
-            self._fail(syntax.BAD_LITERAL, node, str(error))
+            self._fail(syntax.BAD_LITERAL, node, str(error), error.hint)
             raise _NoValueError from error
         match value:
             case int():
@@ -260,21 +313,28 @@ class Constants:
     def _overflow(self, node: tree.Expression, value: int) -> None:
         low, high = self._bounds()
         self._fail(
-            rules.OUT_OF_RANGE, node, f"{_brief(value)} is not from {low} to {high}"
+            rules.OUT_OF_RANGE,
+            node,
+            f"{_brief(value)} is not from {low} to {high}",
+            _wider(value),
         )
 
     def _text(self, node: tree.Text, sort: Sort) -> ConstantValue:
         try:
             found = literals.text(node.parts, node.character)
         except literals.LiteralError as error:
-            self._fail(syntax.BAD_LITERAL, node, str(error))
+            self._fail(syntax.BAD_LITERAL, node, str(error), error.hint)
             raise _NoValueError from error
         for escape in found.unknown_escapes:
             message = f"\\{escape} is no escape; {escape} is taken"
-            self._tell(syntax.UNKNOWN_ESCAPE, node, message)
+            hint = f"write {escape}, or \\\\ for a backslash"
+            self._tell(syntax.UNKNOWN_ESCAPE, node, message, hint)
         if found.broken:
             self._tell(
-                syntax.BROKEN_STRING, node, "this string goes over several lines"
+                syntax.BROKEN_STRING,
+                node,
+                "this string goes over several lines",
+                'write \\n for a line break, and "..." "..." for a long string',
             )
         sorts = (
             (Sort.CHARACTER, Sort.WIDE_CHARACTER)
@@ -294,7 +354,13 @@ class Constants:
                 self._mixed(node, sort, Sort.ENUM)
             return EnumeratorName(entity.path)
         if not isinstance(entity, Entity) or entity.kind is not Kind.CONST:
-            self._fail(name_rules.NOT_A_VALUE, node, f"{node} is no constant")
+            self._fail(
+                name_rules.NOT_A_VALUE,
+                node,
+                f"{node} is no constant",
+                "a value is a literal, a constant or an enumerator",
+                entity if isinstance(entity, Entity) else None,
+            )
             raise _NoValueError
         value = self.value_of(entity)
         assert isinstance(entity.node, tree.Const)
@@ -324,7 +390,8 @@ class Constants:
             return value
         assert isinstance(value, float | Decimal)
         if operator == "~":
-            self._fail(rules.WRONG_KIND, node, f"{sort} has no '~'")
+            hint = "'~' is the complement of an integer"
+            self._fail(rules.WRONG_KIND, node, f"{sort} has no '~'", hint)
         return -value if operator == "-" else value
 
     def _binary(
@@ -335,7 +402,8 @@ class Constants:
         node: tree.Expression,
     ) -> ConstantValue:
         if operator in ("/", "%") and not right:
-            self._fail(rules.DIVISION_BY_ZERO, node, "division by zero")
+            hint = "the right operand must not be zero"
+            self._fail(rules.DIVISION_BY_ZERO, node, "division by zero", hint)
         if isinstance(left, int) and isinstance(right, int):
             return self._integers(operator, left, right, node)
         if isinstance(left, float) and isinstance(right, float):
@@ -358,7 +426,8 @@ class Constants:
                     return _EXACT.multiply(left, right)
                 case "/":
                     return _DIGITS_31.divide(left, right)
-        self._fail(rules.WRONG_KIND, node, f"'{operator}' takes integers")
+        hint = "floating- and fixed-point numbers have + - * /"
+        self._fail(rules.WRONG_KIND, node, f"'{operator}' takes integers", hint)
         raise _NoValueError
 
     def _integers(
@@ -382,7 +451,9 @@ class Constants:
                     message = (
                         f"a shift by {_brief(right)} is not from 0 to {self._bits - 1}"
                     )
-                    self._fail(rules.BAD_SHIFT, node, message)
+                    hint = "64-bit types such as long long can be shifted by 0 to 63"
+                    hint = hint if self._bits < 64 else "shift by fewer bits"
+                    self._fail(rules.BAD_SHIFT, node, message, hint)
                 return left << right if operator == "<<" else left >> right
         quotient = abs(left) // abs(right)
         if (left < 0) != (right < 0):
@@ -418,7 +489,7 @@ class Constants:
                 assert isinstance(value, int)
                 if not low <= value <= high:
                     message = f"{value} is no {kind}: {low} to {high}"
-                    self._fail(rules.OUT_OF_RANGE, node, message)
+                    self._fail(rules.OUT_OF_RANGE, node, message, _wider(value))
             case PrimitiveType(kind) if kind in FLOATS:
                 assert isinstance(value, float)
                 return self._fit_float(value, kind, node)
@@ -426,7 +497,8 @@ class Constants:
                 assert isinstance(value, str)
                 if len(value) > bound:
                     message = f"{len(value)} characters do not fit into {type_}"
-                    self._fail(rules.TEXT_TOO_LONG, node, message)
+                    hint = "shorten it, or raise the bound"
+                    self._fail(rules.TEXT_TOO_LONG, node, message, hint)
             case FixedType(digits, scale) if digits:
                 assert isinstance(value, Decimal)
                 return self._fit_fixed(value, digits, scale, node)
@@ -437,18 +509,24 @@ class Constants:
                     message = (
                         f"{'::'.join(value.name)} is no enumerator of {'::'.join(name)}"
                     )
-                    self._fail(rules.WRONG_ENUM, node, message)
+                    hint = f"write an enumerator of {'::'.join(name)}"
+                    self._fail(rules.WRONG_ENUM, node, message, hint)
         return value
 
     def _fit_float(self, value: float, kind: Primitive, node: tree.Expression) -> float:
         largest = _LARGEST_FLOAT if kind is Primitive.FLOAT else float("inf")
         if isinf(value) or abs(value) > largest:
-            self._fail(
-                rules.OUT_OF_RANGE, node, f"the value is beyond the range of a {kind}"
+            hint = (
+                "write double for a larger range"
+                if kind is Primitive.FLOAT
+                else "the largest double is about 1.8e308"
             )
+            message = f"the value is beyond the range of a {kind}"
+            self._fail(rules.OUT_OF_RANGE, node, message, hint)
         if kind is Primitive.LONG_DOUBLE:
             message = "the constant is kept as a double"
-            self._tell(type_rules.LONG_DOUBLE, node, message)
+            hint = "write double if that is precise enough"
+            self._tell(type_rules.LONG_DOUBLE, node, message, hint)
         if kind is Primitive.FLOAT:
             rounded: float = struct.unpack("<f", struct.pack("<f", value))[0]
             return rounded
@@ -462,12 +540,22 @@ class Constants:
         )
         if abs(cut) >= Decimal(10) ** (digits - scale):
             message = f"{value} does not fit into fixed<{digits},{scale}>"
-            self._fail(rules.OUT_OF_RANGE, node, message)
+            hint = f"it takes {max(digits - scale, 0)} digits before the point"
+            self._fail(rules.OUT_OF_RANGE, node, message, hint)
         if cut != value:
             message = f"{value} is cut to {scale} digits behind the point"
-            self._tell(rules.PRECISION, node, message)
+            self._tell(rules.PRECISION, node, message, f"write {cut}d")
             return cut
         return value
+
+
+def _wider(value: int) -> str:
+    """A hint that names the smallest type that holds a value."""
+    for kind in _BY_SIZE:
+        low, high = RANGES[kind]
+        if low <= value <= high:
+            return f"{kind} holds it"
+    return "no integer type holds it; write a smaller number"
 
 
 def _brief(value: int) -> str:

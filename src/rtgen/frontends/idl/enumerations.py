@@ -71,17 +71,23 @@ class Enumerations:
         good = True
         if not node.members:
             self._report(
-                syntax.EMPTY_ENUM.at(entity.span, f"{entity.name} has no members")
+                syntax.EMPTY_ENUM.at(
+                    entity.span,
+                    f"{entity.name} has no members",
+                    hint="write at least one name between { and }",
+                )
             )
             good = False
         if node.trailing is not None:
             span = unit.span(node.trailing, node.trailing + 1)
             self._report(
-                syntax.TRAILING_COMMA.at(span, "no comma behind the last enumerator")
+                syntax.TRAILING_COMMA.at(
+                    span, "no comma behind the last enumerator", hint="remove the ','"
+                )
             )
             good = False
         for member in node.members:
-            if member.value is not None:
+            if member.value is not None and good:
                 span = unit.span(member.value.start, member.value.end)
                 self._report(
                     syntax.ENUMERATOR_VALUE.at(
@@ -100,7 +106,8 @@ class Enumerations:
         largest = 64 if node.mask else 32
         if not 1 <= bound <= largest:
             message = f"@bit_bound({bound}) is not from 1 to {largest}"
-            self._report(rules.BAD_BIT_BOUND.at(entity.span, message))
+            hint = f"write a number from 1 to {largest}"
+            self._report(rules.BAD_BIT_BOUND.at(entity.span, message, hint=hint))
             return _DEFAULT_BOUND
         return bound
 
@@ -110,7 +117,11 @@ class Enumerations:
         rule: Rule = rules.BAD_BIT_BOUND if mask else rules.BAD_ENUM_VALUE
         if mask and not 0 <= value < bound:
             self._report(
-                rule.at(span, f"the position {value} is not from 0 to {bound - 1}")
+                rule.at(
+                    span,
+                    f"the position {value} is not from 0 to {bound - 1}",
+                    hint=f"@bit_bound gives the number of bits, here {bound}",
+                )
             )
             return False
         if mask:
@@ -121,12 +132,19 @@ class Enumerations:
                             span,
                             f"the position {value} is taken",
                             related=[Related(other.span, f"by {other.name}")],
+                            hint="give each member a position of its own",
                         )
                     )
                     return False
         elif not 0 <= value < 2 ** bound or (before and value <= before[-1].value):
             lowest = before[-1].value + 1 if before else 0
             message = f"the value {value} is not from {lowest} to {2**bound - 1}"
-            self._report(rule.at(span, message))
+            related = (
+                [Related(before[-1].span, f"{before[-1].name} is {before[-1].value}")]
+                if before
+                else []
+            )
+            hint = "values grow from one enumerator to the next"
+            self._report(rule.at(span, message, related=related, hint=hint))
             return False
         return True

@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
-from rtgen.diagnostics import Diagnostic, Related
+from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.rules import names as rules
 from rtgen.frontends.idl.scopes import Entity, Kind, Scope, Use
 from rtgen.frontends.idl.suggestions import nearest
 from rtgen.frontends.idl.unit import Unit
 from rtgen.frontends.idl.words import CORBA_3, FOLDED, RESERVED
+
+_MOST_ELSEWHERE = 3
+_TAGGED = (Kind.STRUCT, Kind.UNION, Kind.ENUM)
 
 _ARTICLE = {"a": "an", "e": "an", "i": "an", "o": "an"}
 
@@ -25,14 +29,37 @@ def kind_of(entity: Entity) -> str:
     return f"{_ARTICLE.get(entity.kind[0], 'a')} {entity.kind}"
 
 
-class Lookup:
-    """Looks names up in a translation unit and reports those that cannot be found."""
+@dataclass(frozen=True, slots=True)
+class _Unknown:
+    """A name that was not found; `inside` is the scope of a qualified name's last part."""
 
-    def __init__(self, top: Scope, report: Callable[[Diagnostic], None]) -> None:
+    text: str
+    span: Span
+    scope: Scope
+    inside: bool
+    unit: Unit
+
+
+class Lookup:
+    """Looks names up in a translation unit and reports those that cannot be found.
+
+    `declares` gives the file near a unit that declares a name, for hints.
+    """
+
+    def __init__(
+        self,
+        top: Scope,
+        report: Callable[[Diagnostic], None],
+        declares: Callable[[str, Unit], str | None],
+    ) -> None:
         self._top = top
         self._report = report
+        self._declares = declares
+        self._unknowns: list[_Unknown] = []
         self.doubtful = False
         """Whether an include was missing: then a name that is unknown is no news."""
+        self.lost: set[str] = set()
+        """The names, in lower case, that broken declarations may have declared."""
 
     def find(
         self, scope: Scope, name: tree.ScopedName, unit: Unit, *, optional: bool = False
@@ -62,6 +89,8 @@ class Lookup:
                         rules.NOT_A_SCOPE.at(
                             unit.span(part.start, part.end),
                             f"{called(entity)} has no names inside it",
+                            related=[Related(entity.span, "declared here")],
+                            hint="'::' stands behind a module, an interface or a struct",
                         )
                     )
                 return None
@@ -82,6 +111,8 @@ class Lookup:
                     rules.UNKNOWN_NAME.at(
                         unit.span(part.start, part.end),
                         f"the enum {enum.scoped} has no {part.text}",
+                        related=[Related(enum.span, "declared here")],
+                        hint=_enumerators(enum, part.text),
                     )
                 )
             return None
@@ -132,36 +163,81 @@ class Lookup:
     def _unknown(
         self, part: tree.Name, unit: Unit, scope: Scope, whole: tree.ScopedName | None
     ) -> None:
-        if self.doubtful:
+        if self.doubtful or part.text.lower() in self.lost:
             return
         span = unit.span(part.start, part.end)
-        if whole is None:
-            inside = f" in {called(scope.entity)}" if scope.entity else ""
-            near = nearest(part.text, (e.name for e in scope.names.values()))
-            hint = f"did you mean {near}?" if near else None
-        else:
-            inside = ""
-            hint = self._hint(part.text, scope, is_value=False)
-        self._report(
-            rules.UNKNOWN_NAME.at(span, f"{part.text} is unknown{inside}", hint=hint)
-        )
+        self._unknowns.append(_Unknown(part.text, span, scope, whole is None, unit))
 
-    def _hint(self, text: str, scope: Scope, *, is_value: bool) -> str | None:
-        if text.lower() in ("true", "false"):
-            return f"the boolean constants are TRUE and FALSE, not {text}"
+    def report_unknown(self) -> None:
+        """Report the names that were not found, now that all declarations are known."""
+        for unknown in self._unknowns:
+            inside, related = "", []
+            if unknown.inside:
+                entity = unknown.scope.entity
+                inside = f" in {called(entity)}" if entity else ""
+                hint = self._hint_inside(unknown)
+            else:
+                hint = None
+                later = self._later(unknown)
+                if later is not None:
+                    place = f"{later.span.file}:{later.span.line}"
+                    hint = f"it is declared later, at {place}: move that before its use"
+                    related = [Related(later.span, "declared here, too late")]
+                hint = hint or self._hint(unknown)
+            message = f"{unknown.text} is unknown{inside}"
+            self._report(
+                rules.UNKNOWN_NAME.at(unknown.span, message, related=related, hint=hint)
+            )
+
+    @staticmethod
+    def _later(unknown: _Unknown) -> Entity | None:
+        """What has the name and is visible, but declared only behind the use."""
+        for place in unknown.scope.outward():
+            for entity in place.find(unknown.text.lower()):
+                if entity.name == unknown.text:
+                    return entity
+        return None
+
+    @staticmethod
+    def _hint_inside(unknown: _Unknown) -> str | None:
+        entity = unknown.scope.entity
+        names = {e.name: e for e in unknown.scope.names.values()}
+        later = names.get(unknown.text)
+        if later is not None:
+            place = f"{later.span.file}:{later.span.line}"
+            return f"it is declared later, at {place}: move that before its use"
+        near = nearest(unknown.text, names)
+        if near:
+            return f"did you mean {near}?"
+        what = called(entity) if entity else "the global scope"
+        return f"declare it in {what}, or correct its name"
+
+    def _hint(self, unknown: _Unknown) -> str:
+        from rtgen.frontends.idl.foreign_words import TYPES, VALUES
+
+        text, scope = unknown.text, unknown.scope
+        elsewhere = [e for e in _everything(self._top) if e.name == text]
+        if elsewhere:
+            found = [e.scoped for e in elsewhere[:_MOST_ELSEWHERE]]
+            return f"did you mean {' or '.join(found)}?"
+        foreign = TYPES.get(text) or VALUES.get(text.lower())
+        if foreign is not None:
+            return foreign
+        file = self._declares(text, unknown.unit)
+        if file is not None:
+            return f'it is declared in {file}: write #include "{file}"'
         word = FOLDED.get(text.lower())
         if word is not None:
             return f"did you mean the keyword '{word}'?"
         visible = [e.name for place in scope.outward() for e in place.names.values()]
-        elsewhere = [e for e in _everything(self._top) if e.name == text]
-        if elsewhere:
-            return "did you mean " + " or ".join(e.scoped for e in elsewhere[:3]) + "?"
         near = nearest(text, [*visible, *RESERVED])
         if near is None:
             far = {e.name: e.scoped for e in _everything(self._top)}
             name = nearest(text, far)
             near = far[name] if name else None
-        return f"did you mean {near}?" if near else None
+        if near is None:
+            return "declare it before its use, or include the file that declares it"
+        return f"did you mean {near}?"
 
     def declare(
         self, scope: Scope, entity: Entity, escaped: bool = False
@@ -197,6 +273,7 @@ class Lookup:
                     entity.span,
                     f"{name} has the name of {called(around)} around it",
                     related=[Related(around.span, "declared here")],
+                    hint="rename one of them",
                 )
             )
         scope.names[key] = entity
@@ -218,6 +295,7 @@ class Lookup:
                 related=[
                     Related(existing.span, f"the {existing.kind} is declared here")
                 ],
+                hint=_hint_for_clash(entity, existing),
             )
         )
 
@@ -229,9 +307,13 @@ class Lookup:
                 if name[0] == "_"
                 else "has other than ASCII letters"
             )
-            self._report(
-                rules.BAD_IDENTIFIER.at(entity.span, f"the identifier {name} {what}")
+            hint = (
+                f"write {name.lstrip('_') or 'a name'}"
+                if name[0] == "_"
+                else "names hold the letters a to z, digits and underscores"
             )
+            message = f"the identifier {name} {what}"
+            self._report(rules.BAD_IDENTIFIER.at(entity.span, message, hint=hint))
         elif not escaped and key in FOLDED and name != FOLDED[key]:
             self._report(
                 rules.KEYWORD_CASE.at(
@@ -248,6 +330,30 @@ class Lookup:
                     hint=f"'_{name}' stands for the name {name}",
                 )
             )
+
+
+def _enumerators(enum: Entity, text: str) -> str:
+    """A hint that names an enumerator like `text`, or all of a few."""
+    names = [e.name for e in enum.scope.names.values() if e.owner is enum]
+    near = nearest(text, names)
+    return f"did you mean {near}?" if near else f"it has {', '.join(names[:6])}"
+
+
+def _hint_for_clash(entity: Entity, existing: Entity) -> str:
+    kinds = {entity.kind, existing.kind}
+    if entity.span == existing.span:
+        return "the file is read twice: give it an include guard, or #pragma once"
+    if kinds == {Kind.OPERATION}:
+        return "operations cannot be overloaded: give each a name of its own"
+    enum = existing.owner.node if existing.owner else None
+    own = isinstance(enum, tree.Enum) and entity.node in enum.members
+    if kinds == {Kind.ENUMERATOR} and not own:
+        return "enumerators stand beside their enum: rename one, or give each enum a module"
+    begin = entity.item.start if entity.item else entity.start
+    in_place = entity.unit is existing.unit and begin <= existing.start
+    if entity.kind is Kind.TYPEDEF and existing.kind in _TAGGED and in_place:
+        return f"write '{existing.kind} {existing.name} {{ ... }};' without typedef"
+    return "rename one of them"
 
 
 def _introduce(scope: Scope, key: str, use: Use) -> None:

@@ -10,8 +10,8 @@ from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.lookup import called, kind_of
 from rtgen.frontends.idl.naming import FORWARDS, Naming
 from rtgen.frontends.idl.repository import Identities, below
+from rtgen.frontends.idl.rules import lexical, syntax
 from rtgen.frontends.idl.rules import names as rules
-from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.rules import types as type_rules
 from rtgen.frontends.idl.scopes import Entity, Kind, Scope
 from rtgen.frontends.idl.tables import MAX_DEPTH, Tables
@@ -25,8 +25,9 @@ class Resolver(Naming):
         self,
         items_of: Callable[[Unit], tuple[tree.Item, ...]],
         report: Callable[[Diagnostic], None],
+        declares: Callable[[str, Unit], str | None],
     ) -> None:
-        super().__init__(report)
+        super().__init__(report, declares)
         self._items_of = items_of
         self._identities = Identities(self._find_text, report)
         self._event = 0
@@ -63,19 +64,25 @@ class Resolver(Naming):
     def run(self, unit: Unit) -> Tables:
         """Resolve the translation unit of a main file."""
         self._run_unit(unit)
+        self._lookup.report_unknown()
         for entity in list(self.tables.declared):
             if entity.node is None and entity.kind is not Kind.COMPONENT:
                 hard = entity.kind in (Kind.STRUCT, Kind.UNION)
                 rule = rules.NEVER_DEFINED if hard else rules.NEVER_DEFINED_INTERFACE
+                if entity.name.lower() in self._lookup.lost:
+                    continue
                 message = f"{called(entity)} is declared, but never defined"
-                self._report(rule.at(entity.span, message))
+                hint = "define it, or remove the declaration"
+                self._report(rule.at(entity.span, message, hint=hint))
         return self.tables
 
     def _run_unit(self, unit: Unit) -> None:
         saved = getattr(self, "_unit", unit), self._event, self.tables.top.ids
         self._unit, self._event, self.tables.top.ids = unit, 0, ""
+        items = self._items_of(unit)
         self._lookup.doubtful = self._lookup.doubtful or unit.lacking
-        self._items(self._items_of(unit), self.tables.top, len(unit.text) + 1)
+        self._lookup.lost |= unit.lost
+        self._items(items, self.tables.top, len(unit.text) + 1)
         self.tables.units.append(unit)
         self._unit, self._event, self.tables.top.ids = saved
 
@@ -187,7 +194,10 @@ class Resolver(Naming):
             message = f"{entity.name} is declared as {before} elsewhere"
             self._report(
                 rules.FORWARD_MISMATCH.at(
-                    span, message, related=[Related(entity.span, "declared here")]
+                    span,
+                    message,
+                    related=[Related(entity.span, "declared here")],
+                    hint="make the two agree",
                 )
             )
 
@@ -240,6 +250,12 @@ class Resolver(Naming):
                 type_rules.BAD_BASE.at(
                     self._unit.span(name.start, name.end),
                     f"{what} cannot be a base of {kind_of(entity)}",
+                    related=(
+                        [Related(found.span, "declared here")]
+                        if isinstance(found, Entity)
+                        else []
+                    ),
+                    hint=f"a base of {kind_of(entity)} is {kind_of(entity)}",
                 )
             )
             entity.poisoned = True
@@ -251,6 +267,7 @@ class Resolver(Naming):
                     self._unit.span(name.start, name.end),
                     f"{found.scoped} is not defined before this place",
                     related=[Related(found.span, "only declared here")],
+                    hint="put its definition before",
                 )
             )
             self.tables.references[name] = None
@@ -503,10 +520,23 @@ class Resolver(Naming):
 
     def _import(self, node: tree.Import, scope: Scope, item: tree.Item) -> None:
         if node.name is None:
+            self._import_of_text(node)
             return
         found = self._find(scope, node.name)
         if isinstance(found, Entity) and found.inner is not None:
             scope.imported.append(found.inner)
+
+    def _import_of_text(self, node: tree.Import) -> None:
+        """An import names a scope, also by its repository id; a file is included."""
+        self._lookup.doubtful = True
+        begin = self._unit.span(node.start, node.start + len("import"))
+        self._report(
+            lexical.BAD_INCLUDE.at(
+                begin,
+                "import of a text: nothing is read",
+                hint='write #include "file.idl" for a file, import NAME; for a module',
+            )
+        )
 
     def _unused(self, node: tree.Unused, scope: Scope, item: tree.Item) -> None:
         name = node.name
@@ -520,4 +550,8 @@ class Resolver(Naming):
     def _skipped(self, node: tree.Skipped, scope: Scope, item: tree.Item) -> None:
         if item.end > item.start:
             span = self._unit.span(item.start, item.end)
-            self._report(syntax.EXTRA_SEMICOLON.at(span, "this ';' ends nothing"))
+            self._report(
+                syntax.EXTRA_SEMICOLON.at(
+                    span, "this ';' ends nothing", hint="remove it"
+                )
+            )

@@ -31,10 +31,14 @@ FORWARDS = {
 class Naming(ABC):
     """Fills the tables of a translation unit, name by name; findings go to `report`."""
 
-    def __init__(self, report: Callable[[Diagnostic], None]) -> None:
+    def __init__(
+        self,
+        report: Callable[[Diagnostic], None],
+        declares: Callable[[str, Unit], str | None],
+    ) -> None:
         self.tables = Tables(Scope(None, None))
         self._report = report
-        self._lookup = Lookup(self.tables.top, report)
+        self._lookup = Lookup(self.tables.top, report, declares)
         self._unit: Unit
 
     @abstractmethod
@@ -111,7 +115,10 @@ class Naming(ABC):
     def _mismatch(self, entity: Entity, existing: Entity, message: str) -> None:
         self._report(
             rules.FORWARD_MISMATCH.at(
-                entity.span, message, related=[Related(existing.span, "declared here")]
+                entity.span,
+                message,
+                related=[Related(existing.span, "declared here")],
+                hint="make the two agree",
             )
         )
 
@@ -148,7 +155,11 @@ class Naming(ABC):
             entity = found[0] if found else None
         if entity is None:
             self._report(
-                rules.UNKNOWN_NAME.at(span, f"{text} is not declared before the pragma")
+                rules.UNKNOWN_NAME.at(
+                    span,
+                    f"{text} is not declared before the pragma",
+                    hint="put the pragma behind the declaration",
+                )
             )
         return entity
 
@@ -216,11 +227,22 @@ class Naming(ABC):
             if behind.node is not None
             else "only declared here"
         )
+        hint = (
+            f"use a sequence: 'struct {behind.name};' and"
+            f" 'typedef sequence<{behind.name}> ...;' before it"
+            if inside
+            else f"define {behind.name} before"
+        )
         self._report(
             type_rules.INCOMPLETE.at(
                 self._unit.span(node.start, node.end),
-                f"{behind.scoped} is not complete here",
+                (
+                    f"{behind.scoped} cannot hold itself"
+                    if inside and behind.node is not None
+                    else f"{behind.scoped} is not complete here"
+                ),
                 related=[Related(behind.span, label)],
+                hint=hint,
             )
         )
         self.tables.references[node] = None
@@ -261,6 +283,11 @@ class Naming(ABC):
                     self._unit.span(node.start, node.end),
                     f"{called(entity)} {what}",
                     related=[Related(entity.span, "declared here")],
+                    hint=(
+                        "put what it holds into a struct"
+                        if entity.kind is Kind.EXCEPTION
+                        else None
+                    ),
                 )
             )
 

@@ -9,15 +9,19 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import cache
+from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Diagnostic
 from rtgen.frontends import lalr
-from rtgen.frontends.idl import mistakes, tree
+from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.builder import Builder
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.unit import Unit
-from rtgen.frontends.idl.words import RESERVED
+from rtgen.frontends.idl.words import RESERVED, WORDS
 from rtgen.frontends.lalr import END, Token, token
+
+if TYPE_CHECKING:
+    from rtgen.frontends.idl.mistakes import Mistake, Situation
 
 MAX_ERRORS = 50
 """After so many syntax errors in one file the rest of it is not read."""
@@ -36,6 +40,9 @@ _TEMPLATE_WORDS = frozenset(
     ("sequence", "string", "wstring", "fixed", "map", "bitfield")
 )
 _CLOSER = "\x01"
+_DECLARED = re.compile(r"\b([^\W\d]\w*)(?=\s*[;,{:(\[=}])")
+_ENUMERATORS = re.compile(r"\benum\b[^{}]*\{([^{}]*)")
+_NAME = re.compile(r"[^\W\d]\w*")
 
 
 @cache
@@ -56,6 +63,9 @@ class _Run:
         self._parser = lalr.Parser(_grammar(), self._text)
         self._errors = 0
         self._last_error = -1
+        self._surplus = self._text.count("{") - self._text.count("}")
+        self._mended: set[tuple[int, tuple[str, ...], int | None]] = set()
+        self._blanks: set[str] = set()
 
     def result(self) -> tuple[tree.Item, ...]:
         while True:
@@ -69,9 +79,12 @@ class _Run:
 
     def _emit(self, diagnostic: Diagnostic, offset: int) -> None:
         """Report it, unless a mistake at the very same place is reported already."""
+        piece, begin = self._unit.piece(offset)
+        if piece.expanded:
+            offset = begin
         if offset != self._last_error:
             self._errors += 1
-            if self._unit.piece(offset)[1] not in self._unit.flawed:
+            if begin not in self._unit.flawed:
                 self._report(diagnostic)
         self._last_error = offset
         if self._errors == MAX_ERRORS:
@@ -85,23 +98,72 @@ class _Run:
             self._errors += 1
 
     def _unexpected(self, found: Token) -> None:
-        parser = self._parser
-        accepted = parser.accepts()
+        from rtgen.frontends.idl.mistakes import Situation, explain
+
+        accepted = self._parser.accepts()
         if (
             "ERROR" in accepted
         ):  # between declarations, where a `;` would be one too many
             accepted.discard("SEMI")
-        last = len(self._text[: found.start_pos].rstrip())
-        opening = self._opening()
-        mistake = mistakes.explain(self._unit, found, accepted, last, opening)
-        if mistake is not None:
-            start = found.start_pos
-            self._emit(mistake.diagnostic, last if mistake.semicolon else start)
-            if mistake.semicolon:
-                parser.feed(token("SEMI", last, ";"))
-                parser.position = start
-                return
-        self._resume(found)
+        start = found.start_pos
+        situation = Situation(
+            self._unit,
+            found.type,
+            str(found),
+            start,
+            max(found.end_pos, start + 1),
+            accepted,
+            len(self._text[:start].rstrip()),
+            self._opening(),
+            self._surplus,
+        )
+        mistake = explain(situation)
+        behind = mistake.feed and not mistake.instead
+        self._emit(mistake.diagnostic, situation.last if behind else start)
+        if not self._mend(mistake, situation):
+            self._resume(start, situation.statement)
+
+    def _mend(self, mistake: Mistake, situation: Situation) -> bool:
+        """Go on as a mistake says; False if that cannot be, or was tried at this place before."""
+        again = (situation.start, mistake.feed, mistake.resume)
+        if self._errors > MAX_ERRORS or again in self._mended:
+            return False
+        self._mended.add(again)
+        parser = self._parser
+        if mistake.instead and not mistake.feed:
+            parser.position = situation.end
+            return True
+        if not mistake.feed and mistake.resume is None:
+            return False
+        if mistake.back or not mistake.feed:
+            self._unwind()
+            if not mistake.feed:
+                self._lose(situation.statement, mistake.resume or situation.start)
+                parser.feed(token("ERROR", situation.start))
+        place = situation.start if mistake.instead else situation.last
+        for terminal in mistake.feed:
+            if terminal not in parser.accepts():
+                return False
+            text = WORDS.get(terminal, terminal.lower())
+            supplied = token(
+                terminal, place, f"_{situation.text}" if terminal == "IDENT" else text
+            )
+            if mistake.instead:
+                supplied.end_pos = situation.end
+            parser.feed(supplied)
+            self._surplus += {"LBRACE": 1, "RBRACE": -1}.get(terminal, 0)
+        if mistake.instead:
+            parser.position = situation.end
+        elif mistake.resume is not None:
+            parser.position = mistake.resume
+        return True
+
+    def _lose(self, start: int, end: int) -> None:
+        """Note the names that a broken declaration may have declared."""
+        names = [match[1] for match in _DECLARED.finditer(self._text, start, end)]
+        for match in _ENUMERATORS.finditer(self._text, start, end):
+            names += _NAME.findall(match[1])
+        self._unit.lost.update(name.removeprefix("_").lower() for name in names)
 
     def _opening(self) -> int | None:
         """The place of the innermost brace that is open."""
@@ -112,33 +174,48 @@ class _Run:
         return None
 
     def _bad_character(self) -> None:
-        start = self._parser.position
+        from rtgen.frontends.idl.mistakes import bad_character, is_blank, meant
+
+        parser = self._parser
+        start = parser.position
         text = self._text
         if text[start] == '"' or text.startswith('L"', start):
-            line_end = text.find("\n", start)
-            line = text[start : len(text) if line_end < 0 else line_end].rstrip()
-            end = start + len(line) - line.endswith(";")
-            span = self._unit.span(start, max(end, start + 1))
-            self._emit(
-                syntax.UNCLOSED_TEXT.at(span, "this string is never closed"), start
-            )
-            self._parser.position = end
-            if "STRING" in self._parser.accepts():
-                self._parser.feed(token("STRING", start, '""'))
-                return
+            self._open_string(start)
+        elif is_blank(text[start]):
+            if text[start] not in self._blanks:
+                self._emit(bad_character(self._unit, text, start), start)
+            self._blanks.add(text[start])
+            parser.position = start + 1
         else:
-            self._emit(mistakes.bad_character(self._unit, text, start), start)
-            meant, length = mistakes.meant(text, start)
-            self._parser.position = start + length
-            if meant is not None and meant in self._parser.accepts():
-                self._parser.feed(token(meant, start, text[start : start + length]))
-                return
+            self._emit(bad_character(self._unit, text, start), start)
+            terminal, length = meant(text, start)
+            if terminal is not None and terminal in parser.accepts():
+                parser.position = start + length
+                parser.feed(token(terminal, start, text[start : start + length]))
+            else:
+                statement = max(text.rfind(mark, 0, start) for mark in ";{}") + 1
+                self._resume(start, statement)
         if self._errors > MAX_ERRORS:
-            self._parser.position = len(text)
+            parser.position = len(text)
 
-    def _resume(self, found: Token) -> None:
+    def _open_string(self, start: int) -> None:
+        """A string without its closing quote ends with its line, before a `;` there."""
+        text = self._text
+        line_end = text.find("\n", start)
+        line = text[start : len(text) if line_end < 0 else line_end].rstrip()
+        end = start + len(line) - line.endswith(";")
+        span = self._unit.span(start, max(end, start + 1))
+        hint = 'put " at its end'
+        self._emit(
+            syntax.UNCLOSED_TEXT.at(span, "this string is never closed", hint=hint),
+            start,
+        )
+        self._parser.position = end
+        if "STRING" in self._parser.accepts():
+            self._parser.feed(token("STRING", start, '""'))
+
+    def _resume(self, start: int, statement: int) -> None:
         """Go back to a list of declarations and pass over the rest of the broken one."""
-        start = found.start_pos
         depth = self._unwind()
         self._parser.feed(token("ERROR", start))
         if self._errors > MAX_ERRORS:
@@ -148,6 +225,7 @@ class _Run:
         if stuck and "RBRACE" not in self._parser.accepts():
             rest = _END_OF_DECLARATION.match(self._text, start + 1)
             position = rest.end() if rest else start + 1
+        self._lose(statement, position)
         self._parser.position = position
         if position >= len(self._text):
             self._close()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span, in_order
 from rtgen.frontends import FrontendResult
@@ -21,6 +22,9 @@ from rtgen.frontends.idl.tree import Item
 from rtgen.frontends.idl.typetable import Types
 from rtgen.frontends.idl.unit import Inclusion, Unit
 from rtgen.model import Declaration, Model, ScopedName, SourceFile
+
+if TYPE_CHECKING:
+    from rtgen.frontends.idl.neighbours import Neighbours
 
 MAX_FINDINGS = 1000
 """How many findings of one severity a run gives."""
@@ -58,6 +62,7 @@ class _Run:
         self._files: dict[str, SourceFile] = {}
         self._main: set[str] = set()
         self._shown = shown
+        self._neighbours: Neighbours | None = None
 
     def _report(self, diagnostic: Diagnostic) -> None:
         if diagnostic in self._found:
@@ -106,6 +111,14 @@ class _Run:
             self._report(lexical.MISSING_FILE.at(Span(shown, 1, 1, 1, 1), message))
         return source
 
+    def _declares(self, name: str, unit: Unit) -> str | None:
+        """The file near a unit that declares a name which the unit lacks."""
+        if self._neighbours is None:
+            from rtgen.frontends.idl.neighbours import Neighbours
+
+            self._neighbours = Neighbours(self._library)
+        return self._neighbours.declares(name, unit)
+
     def _items(self, unit: Unit) -> tuple[Item, ...]:
         if unit not in self._trees:
             self._trees[unit] = parse(unit, self._report)
@@ -113,7 +126,7 @@ class _Run:
 
     def _translate(self, source: Source, macros: Mapping[str, Macro]) -> None:
         unit = self._preprocessor.translation_unit(source, macros)
-        tables = Resolver(self._items, self._report).run(unit)
+        tables = Resolver(self._items, self._report, self._declares).run(unit)
         types = Types(tables, self._report)
         lowering = Lowering(types, self._report)
         made: dict[ScopedName, Declaration] = {}

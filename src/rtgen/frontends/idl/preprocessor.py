@@ -395,11 +395,17 @@ class _File:
                 self._line(f"{name} {rest}", match.end(), span)
             case _:
                 near = nearest(name, _KNOWN)
+                if near == "include":
+                    self.builder.unit.lacking = True
                 self._owner.report(
                     lexical.UNKNOWN_DIRECTIVE.at(
                         span,
                         f"'#{name or rest.split()[0]}' is no directive",
-                        hint=f"did you mean #{near}?" if near else None,
+                        hint=(
+                            f"did you mean #{near}?"
+                            if near
+                            else "a comment begins with //, a pragma with #pragma"
+                        ),
                     )
                 )
 
@@ -420,7 +426,8 @@ class _File:
     def _continue(self, name: str, rest: str, span: Span) -> None:
         if not self._open:
             message = f"#{name} without #if"
-            self._owner.report(lexical.STRAY_CONDITIONAL.at(span, message))
+            hint = "remove it, or look for an #if that is missing before it"
+            self._owner.report(lexical.STRAY_CONDITIONAL.at(span, message, hint=hint))
             return
         current = self._open[-1]
         if name == "endif":
@@ -432,6 +439,7 @@ class _File:
                     span,
                     f"#{name} after #else",
                     related=[Related(current.span, "of this conditional")],
+                    hint="an #if has one #else, which comes last",
                 )
             )
             return
@@ -486,11 +494,15 @@ class _File:
             self._expanded(rest, span).strip()
         )
         if found is None:
+            name = rest.strip("\"<>'; \t")
             self._owner.report(
                 lexical.BAD_INCLUDE.at(
-                    span, '#include needs "file" or <file> behind it'
+                    span,
+                    '#include needs "file" or <file> behind it',
+                    hint=f'write #include "{name}"' if name else None,
                 )
             )
+            self.builder.unit.lacking = True
             return
         self._owner.include(self, found[1], found[1] or found[2].strip(), span)
 

@@ -73,7 +73,12 @@ class Identities:
         """Give an entity the id that a pragma or a typeid statement names."""
         if entity.kind in _WITHOUT_ID:
             self._report(
-                rules.NO_ID.at(span, f"the {entity.kind} {entity.scoped} has no id")
+                rules.NO_ID.at(
+                    span,
+                    f"the {entity.kind} {entity.scoped} has no id",
+                    related=[Related(entity.span, "declared here")],
+                    hint="name the type or interface that holds it",
+                )
             )
             return
         if ":" not in text or (
@@ -83,7 +88,7 @@ class Identities:
                 rules.ODD_ID.at(
                     span,
                     f'"{text}" is no usual repository id',
-                    hint="IDL:path/name:1.0",
+                    hint="write IDL:path/name:1.0",
                 )
             )
         before = entity.fixed_id or entity.fixed_version
@@ -96,7 +101,12 @@ class Identities:
     def _set_version(self, entity: Entity, version: str, span: Span) -> None:
         if entity.kind in _WITHOUT_ID:
             self._report(
-                rules.NO_ID.at(span, f"the {entity.kind} {entity.scoped} has no id")
+                rules.NO_ID.at(
+                    span,
+                    f"the {entity.kind} {entity.scoped} has no id",
+                    related=[Related(entity.span, "declared here")],
+                    hint="name the type or interface that holds it",
+                )
             )
             return
         start, _, _ = entity.repository_id.rpartition(":")
@@ -114,5 +124,6 @@ class Identities:
                 span,
                 f"{entity.scoped} has the repository id {entity.repository_id} already",
                 related=[Related(before, "set here")],
+                hint="remove one of the two",
             )
         )

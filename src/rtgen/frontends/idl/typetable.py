@@ -176,7 +176,9 @@ class Types:
         if type_ == PRIMITIVES[Primitive.VOID]:
             self._report(
                 rules.VOID.at(
-                    unit.span(node.start, node.end), "void is no type for an element"
+                    unit.span(node.start, node.end),
+                    "void is no type for an element",
+                    hint="write octet for bytes, any for whatever it is",
                 )
             )
             return None
@@ -206,6 +208,7 @@ class Types:
                 rules.BAD_FIXED.at(
                     unit.span(node.start, node.end),
                     f"fixed<{digits},{scale}> is not possible",
+                    hint="it has 1 to 31 digits, of which 0 to all stand behind the point",
                 )
             )
             return None

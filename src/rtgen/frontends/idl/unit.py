@@ -59,7 +59,8 @@ class Unit:
     `events` (pragmas, inclusions, boundaries of nested files) stand in the order of their
     offsets in `text`, and so do `comments`. `lacking` says that an include or the
     text of a macro is missing, so that names may be unknown for no fault of their own; `flawed`
-    are the offsets of macro calls that could not be expanded.
+    are the offsets of macro calls that could not be expanded; `lost` are names, in lower case,
+    that declarations with syntax errors may have declared.
     """
 
     source: Source
@@ -71,6 +72,7 @@ class Unit:
     nested: list[Source] = field(default_factory=list)
     lacking: bool = False
     flawed: set[int] = field(default_factory=set)
+    lost: set[str] = field(default_factory=set)
 
     def piece(self, offset: int) -> tuple[Piece, int]:
         """The piece at an offset, and where it begins; the last one for the end of the text."""

@@ -31,6 +31,22 @@ TERMINALS = {
 }
 """The terminal of the grammar for each reserved word."""
 
+WORDS = {
+    **{terminal: word for word, terminal in TERMINALS.items()},
+    "COLON": ":",
+    "COMMA": ",",
+    "EQUALS": "=",
+    "GREATER": ">",
+    "LBRACE": "{",
+    "LESS": "<",
+    "LPAR": "(",
+    "RBRACE": "}",
+    "RPAR": ")",
+    "RSQB": "]",
+    "SEMI": ";",
+}
+"""The text of the terminals that recovery supplies."""
+
 SHOWN = {
     "IDENT": "a name",
     "NUMBER": "a number",

@@ -59,11 +59,17 @@ class Context:
             return False
         match self.types.unaliased(type_):
             case PrimitiveType(Primitive.VOID):
-                self.tell(rules.VOID, unit, node, "void is a return type only")
+                message = "void is a return type only"
+                hint = "write the type of the data, or any for whatever it is"
+                self.tell(rules.VOID, unit, node, message, hint=hint)
                 return False
             case FixedType(digits=0):
                 self.tell(
-                    rules.BAD_FIXED, unit, node, "fixed needs digits and scale here"
+                    rules.BAD_FIXED,
+                    unit,
+                    node,
+                    "fixed needs digits and scale here",
+                    hint="write fixed<DIGITS,SCALE>, such as fixed<8,2>",
                 )
                 return False
         return self.maps_are_good(type_, node, unit)
@@ -88,7 +94,11 @@ class Context:
         )
         if bad:
             self.tell(
-                rules.BAD_MAP_KEY, unit, node, f"{type_.key} cannot be the key of a map"
+                rules.BAD_MAP_KEY,
+                unit,
+                node,
+                f"{type_.key} cannot be the key of a map",
+                hint="keys are integers, characters, booleans, enums or strings",
             )
         return not bad and self.maps_are_good(type_.value, node, unit)
 

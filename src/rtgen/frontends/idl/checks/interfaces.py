@@ -21,8 +21,14 @@ def bases(entity: Entity, context: Context) -> None:
         if base is None:
             continue
         if base in seen:
+            first = entity.unit.span(seen[base].start, seen[base].end)
             context.tell(
-                rules.DUPLICATE_BASE, entity.unit, name, f"{base.name} is named twice"
+                rules.DUPLICATE_BASE,
+                entity.unit,
+                name,
+                f"{base.name} is named twice",
+                related=[Related(first, "the first time")],
+                hint="remove one",
             )
         seen[base] = name
         related = [Related(base.span, "declared here")]
@@ -43,7 +49,10 @@ def bases(entity: Entity, context: Context) -> None:
             message = (
                 f"{entity.name} is not local, so it cannot inherit from {base.name}"
             )
-            context.tell(rules.LOCAL_BASE, entity.unit, name, message, related=related)
+            hint = f"make {entity.name} local"
+            context.tell(
+                rules.LOCAL_BASE, entity.unit, name, message, related=related, hint=hint
+            )
 
 
 def inherited(entity: Entity, context: Context) -> None:
@@ -68,6 +77,7 @@ def inherited(entity: Entity, context: Context) -> None:
                                 feature.span, f"from {'::'.join(feature.path[:-1])}"
                             ),
                         ],
+                        hint="rename one, or move it to a base that both inherit from",
                     )
                 )
     for key, own in scope.names.items():
@@ -78,5 +88,6 @@ def inherited(entity: Entity, context: Context) -> None:
                     own.span,
                     f"{own.name} is inherited from {'::'.join(above.path[:-1])} already",
                     related=[Related(above.span, "declared here")],
+                    hint="leave it out: it is inherited",
                 )
             )

@@ -46,18 +46,22 @@ def _operation(
         _type(node.type, entity, context, remote)
         if node.oneway:
             message = f"{node.name.text} is oneway, so it returns void"
-            context.tell(rules.ONEWAY, unit, node.type, message)
+            hint = "write void, or leave oneway out"
+            context.tell(rules.ONEWAY, unit, node.type, message, hint=hint)
     for parameter in node.parameters:
         _parameter(parameter, node, entity, context, remote)
     if node.raises is not None:
         _raises(node.raises, entity, context)
         if node.oneway:
             message = f"{node.name.text} is oneway, so it raises nothing"
-            context.tell(rules.ONEWAY, unit, node.raises, message)
+            hint = "leave raises or oneway out"
+            context.tell(rules.ONEWAY, unit, node.raises, message, hint=hint)
     for text in node.context:
         name = "".join(part[1:-1] for part in text.parts)
         if not _CONTEXT.fullmatch(name):
-            context.tell(rules.BAD_CONTEXT, unit, text, f'"{name}" is no context name')
+            hint = "letters, digits, '.' and '_'; one '*' at the end"
+            message = f'"{name}" is no context name'
+            context.tell(rules.BAD_CONTEXT, unit, text, message, hint=hint)
 
 
 def _parameter(
@@ -81,10 +85,12 @@ def _parameter(
     elif parameter.direction is not Direction.IN:
         if node.oneway:
             message = f"{node.name.text} is oneway, so its parameters are in"
-            context.tell(rules.ONEWAY, unit, name, message)
+            hint = "write in, or leave oneway out"
+            context.tell(rules.ONEWAY, unit, name, message, hint=hint)
         if node.factory:
             message = f"the parameters of a {node.factory} are in"
-            context.tell(rules.BAD_PARAMETER, unit, name, message)
+            hint = "write in"
+            context.tell(rules.BAD_PARAMETER, unit, name, message, hint=hint)
     if parameter.declarator.dimensions:
         context.tell(
             type_rules.ANONYMOUS,
@@ -118,7 +124,8 @@ def _type(node: tree.TypeNode, entity: Entity, context: Context, remote: bool) -
         return
     if remote and context.is_local(context.types.of_node(node, entity.unit)):
         message = f"{entity.name} is not local, so it cannot mention a local type"
-        context.tell(type_rules.LOCAL_TYPE, entity.unit, node, message)
+        hint = f"make {entity.name} local, or use a type that is not"
+        context.tell(type_rules.LOCAL_TYPE, entity.unit, node, message, hint=hint)
 
 
 def _attribute(
@@ -133,8 +140,11 @@ def _attribute(
 def _raises(clause: tree.Names, entity: Entity, context: Context) -> None:
     unit = entity.unit
     if not clause.names:
-        context.tell(syntax.EMPTY_RAISES, unit, clause, "no exception is named")
-    seen: set[Entity] = set()
+        hint = "name an exception, or leave raises out"
+        context.tell(
+            syntax.EMPTY_RAISES, unit, clause, "no exception is named", hint=hint
+        )
+    seen: dict[Entity, tree.ScopedName] = {}
     for name in clause.names:
         found = context.target(name)
         if found is None:
@@ -146,7 +156,16 @@ def _raises(clause: tree.Names, entity: Entity, context: Context) -> None:
                 name,
                 f"the {found.kind} {found.scoped} is no exception",
                 related=[Related(found.span, "declared here")],
+                hint=f"declare it as exception {found.name} {{ ... }};",
             )
         elif found in seen:
-            context.tell(rules.RAISED_TWICE, unit, name, f"{found.name} is named twice")
-        seen.add(found)
+            first = unit.span(seen[found].start, seen[found].end)
+            context.tell(
+                rules.RAISED_TWICE,
+                unit,
+                name,
+                f"{found.name} is named twice",
+                related=[Related(first, "the first time")],
+                hint="remove one",
+            )
+        seen.setdefault(found, name)

@@ -39,7 +39,10 @@ def annotated(entity: Entity, context: Context) -> None:
             kinds.append(str(found.get()).lower())
     if len(set(kinds)) > 1:
         message = f"{entity.name} cannot be {' and '.join(dict.fromkeys(kinds))}"
-        context.report(annotation_rules.EXTENSIBILITY.at(entity.span, message))
+        hint = "keep one of the annotations"
+        context.report(
+            annotation_rules.EXTENSIBILITY.at(entity.span, message, hint=hint)
+        )
     if not isinstance(declaration, Struct):
         return
     ids: dict[int, Member] = {}
@@ -53,7 +56,10 @@ def annotated(entity: Entity, context: Context) -> None:
         for member in struct.members:
             if struct is declaration and member.key and member.optional:
                 message = f"{member.name} is a key, so it cannot be optional"
-                context.report(annotation_rules.KEY_OPTIONAL.at(member.span, message))
+                hint = "remove @key or @optional"
+                context.report(
+                    annotation_rules.KEY_OPTIONAL.at(member.span, message, hint=hint)
+                )
             if member.id is None:
                 continue
             if member.id in ids and struct is declaration:
@@ -63,6 +69,7 @@ def annotated(entity: Entity, context: Context) -> None:
                         member.span,
                         f"the id {member.id} is taken",
                         related=[Related(other.span, f"by {other.name}")],
+                        hint="give each member an id of its own",
                     )
                 )
             ids.setdefault(member.id, member)
@@ -89,7 +96,8 @@ def bitset(entity: Entity, context: Context) -> None:
     total = _bits(declaration, context)
     if total > _MOST_BITS:
         message = f"{entity.name} has {total} bits, more than {_MOST_BITS}"
-        context.report(rules.BAD_BITFIELD.at(entity.span, message))
+        hint = "split it into several bitsets"
+        context.report(rules.BAD_BITFIELD.at(entity.span, message, hint=hint))
     for field in declaration.members:
         most = _MOST_BITS
         if field.type is not None:
@@ -100,12 +108,14 @@ def bitset(entity: Entity, context: Context) -> None:
             )
             if width is None:
                 message = f"{field.type} is no type for a bit field"
-                context.report(rules.BAD_BITFIELD.at(field.span, message))
+                hint = "it is an integer, octet or boolean type"
+                context.report(rules.BAD_BITFIELD.at(field.span, message, hint=hint))
                 continue
             most = width
         if field.bits > most:
             message = f"{field.bits} bits do not fit into {most}"
-            context.report(rules.BAD_BITFIELD.at(field.span, message))
+            hint = f"write {most} at most, or a larger type"
+            context.report(rules.BAD_BITFIELD.at(field.span, message, hint=hint))
 
 
 def _bits(declaration: Bitset, context: Context) -> int:
@@ -128,5 +138,6 @@ def repository_id(entity: Entity, ids: dict[str, Entity], context: Context) -> N
                 f"{entity.scoped} and {other.scoped} have one repository id,"
                 f" {entity.repository_id}",
                 related=[Related(other.span, f"{other.scoped} is declared here")],
+                hint="give each its own, by #pragma ID or another prefix",
             )
         )

@@ -19,14 +19,19 @@ def branches(entity: Entity, context: Context) -> None:
     cases = [item.node for item in node.body.items if isinstance(item.node, tree.Case)]
     if not cases and not any(isinstance(i.node, tree.Skipped) for i in node.body.items):
         context.report(
-            rules.EMPTY_UNION.at(entity.span, f"{entity.name} has no branch")
+            rules.EMPTY_UNION.at(
+                entity.span,
+                f"{entity.name} has no branch",
+                hint="write 'case VALUE: TYPE NAME;' between { and }",
+            )
         )
     for case in cases:
         context.is_data(case.type, entity.unit)
     type_ = context.types.of_node(node.switch, entity.unit)
     if type_ is not None and not context.types.can_switch(type_):
         message = f"a union cannot switch on {type_}"
-        context.tell(rules.BAD_SWITCH, entity.unit, node.switch, message)
+        hint = "it switches on an integer, a character, a boolean or an enum"
+        context.tell(rules.BAD_SWITCH, entity.unit, node.switch, message, hint=hint)
 
 
 def labels(entity: Entity, context: Context) -> None:
@@ -50,7 +55,9 @@ def labels(entity: Entity, context: Context) -> None:
                     ]
                     message = "this union has a default already"
                     context.report(
-                        rules.SECOND_DEFAULT.at(span, message, related=related)
+                        rules.SECOND_DEFAULT.at(
+                            span, message, related=related, hint="keep one of them"
+                        )
                     )
                 default = default or label
                 continue
@@ -62,12 +69,16 @@ def labels(entity: Entity, context: Context) -> None:
             elif value in seen:
                 related = [Related(seen[value], "the first one")]
                 message = "this label is given twice"
-                context.report(rules.DUPLICATE_LABEL.at(span, message, related=related))
+                hint = "remove one, or correct its value"
+                context.report(
+                    rules.DUPLICATE_LABEL.at(span, message, related=related, hint=hint)
+                )
             else:
                 seen[value] = span
     if default is not None and whole and len(seen) == _values(switch, context):
         message = "the labels name every value, so nothing is left for default"
-        context.tell(rules.SUPERFLUOUS_DEFAULT, unit, default, message)
+        hint = "remove the default"
+        context.tell(rules.SUPERFLUOUS_DEFAULT, unit, default, message, hint=hint)
 
 
 def _values(switch: Type, context: Context) -> int | None:

@@ -25,42 +25,73 @@ def bases(entity: Entity, context: Context) -> None:
             message = (
                 f"the abstract valuetype {entity.name} cannot inherit from {base.name}"
             )
+            hint = f"make {base.name} abstract"
             context.tell(
-                rules.ABSTRACT_BASE, entity.unit, name, message, related=related
+                rules.ABSTRACT_BASE,
+                entity.unit,
+                name,
+                message,
+                related=related,
+                hint=hint,
             )
         if base.modifier == "custom" and node.modifier != "custom":
             message = (
                 f"{entity.name} is not custom, so it cannot inherit from {base.name}"
             )
-            context.tell(rules.CUSTOM, entity.unit, name, message, related=related)
+            hint = f"make {entity.name} custom"
+            context.tell(
+                rules.CUSTOM, entity.unit, name, message, related=related, hint=hint
+            )
     if node.truncatable and node.modifier == "custom":
         message = f"{entity.name} is custom, so it cannot be truncatable"
-        context.report(rules.CUSTOM.at(entity.span, message))
+        hint = "remove custom or truncatable"
+        context.report(rules.CUSTOM.at(entity.span, message, hint=hint))
     elif node.truncatable and node.bases:
         first = context.target(node.bases[0])
         if first is not None and first.modifier == "abstract":
             message = f"{entity.name} is truncatable, but has no concrete base"
-            context.report(rules.CONCRETE_BASES.at(entity.span, message))
+            context.report(
+                rules.CONCRETE_BASES.at(
+                    entity.span,
+                    message,
+                    related=[Related(first.span, f"{first.name} is abstract")],
+                    hint="remove truncatable",
+                )
+            )
 
 
 def _concrete_first(
     entity: Entity, names: tuple[tree.ScopedName, ...], what: str, context: Context
 ) -> None:
-    seen: set[Entity] = set()
+    seen: dict[Entity, tree.ScopedName] = {}
     for index, name in enumerate(names):
         base = context.target(name)
         if base is None:
             continue
         if base in seen:
             message = f"{base.name} is named twice"
-            context.tell(rules.DUPLICATE_BASE, entity.unit, name, message)
+            place = entity.unit.span(seen[base].start, seen[base].end)
+            context.tell(
+                rules.DUPLICATE_BASE,
+                entity.unit,
+                name,
+                message,
+                related=[Related(place, "the first time")],
+                hint="remove one",
+            )
         elif index and base.modifier != "abstract":
             message = f"{base.name} is not abstract, so it can only be the first {what}"
             related = [Related(base.span, "declared here")]
+            hint = f"put {base.name} first, and make the others abstract"
             context.tell(
-                rules.CONCRETE_BASES, entity.unit, name, message, related=related
+                rules.CONCRETE_BASES,
+                entity.unit,
+                name,
+                message,
+                related=related,
+                hint=hint,
             )
-        seen.add(base)
+        seen.setdefault(base, name)
 
 
 def members(entity: Entity, context: Context) -> None:
@@ -73,19 +104,33 @@ def members(entity: Entity, context: Context) -> None:
                 if node.modifier == "abstract":
                     message = f"the abstract valuetype {entity.name} has no state"
                     name = member.declarators[0].name
-                    context.tell(rules.ABSTRACT_STATE, entity.unit, name, message)
+                    hint = f"remove abstract from {entity.name}, or the member"
+                    context.tell(
+                        rules.ABSTRACT_STATE, entity.unit, name, message, hint=hint
+                    )
                 if context.is_data(member.type, entity.unit) and context.is_local(
                     context.types.of_node(member.type, entity.unit)
                 ):
                     message = "state cannot be of a local type"
                     context.tell(
-                        type_rules.LOCAL_TYPE, entity.unit, member.type, message
+                        type_rules.LOCAL_TYPE,
+                        entity.unit,
+                        member.type,
+                        message,
+                        hint="use a type that is not local",
                     )
             case tree.Operation(factory="factory") as operation if (
                 node.modifier == "abstract"
             ):
                 message = f"the abstract valuetype {entity.name} has no factories"
-                context.tell(rules.ABSTRACT_STATE, entity.unit, operation.name, message)
+                hint = f"remove abstract from {entity.name}, or the factory"
+                context.tell(
+                    rules.ABSTRACT_STATE,
+                    entity.unit,
+                    operation.name,
+                    message,
+                    hint=hint,
+                )
 
 
 def box(entity: Entity, context: Context) -> None:
@@ -100,5 +145,9 @@ def box(entity: Entity, context: Context) -> None:
         Kind.VALUE_BOX,
     ):
         context.tell(
-            rules.BOXED_VALUE, entity.unit, node.type, f"{node.name.text} boxes a value"
+            rules.BOXED_VALUE,
+            entity.unit,
+            node.type,
+            f"{node.name.text} boxes a value",
+            hint="use the valuetype itself: it can be null already",
         )

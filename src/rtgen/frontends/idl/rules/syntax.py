@@ -246,6 +246,86 @@ again.
 """,
 )
 
+FOREIGN = Rule(
+    "IDL0121",
+    "construct of another language",
+    Severity.ERROR,
+    """
+The word or mark belongs to C++, Java or another language; the hint says what IDL has instead.
+
+```idl
+struct Robot { std::string name; int count = 0; };   // wrong
+struct Robot { string name; long count; };           // right
+```
+
+IDL declares data and interfaces only: it has no classes, bodies of operations, pointers, default
+arguments, initial values, or access words. A struct holds data, an interface operations.
+""",
+)
+
+MISPLACED = Rule(
+    "IDL0122",
+    "declaration that cannot stand here",
+    Severity.ERROR,
+    """
+The body does not take declarations of this kind. Members belong into structs, unions and
+exceptions; operations and attributes into interfaces; constants and typedefs into modules and
+interfaces.
+
+```idl
+struct Arm { const long JOINTS = 6; double angle[JOINTS]; };       // wrong
+const long JOINTS = 6;
+struct Arm { double angle[JOINTS]; };                              // right
+```
+""",
+)
+
+BAD_ARRAY = Rule(
+    "IDL0123",
+    "array written another way",
+    Severity.ERROR,
+    """
+Each dimension of an array stands in brackets of its own behind the name, and is a constant. A list
+whose length varies is a sequence.
+
+```idl
+struct Pose { double[3] position; double cloud[]; };                 // wrong
+struct Pose { double position[3]; sequence<double> cloud; };         // right
+```
+""",
+)
+
+MISSING_MARK = Rule(
+    "IDL0124",
+    "missing mark",
+    Severity.ERROR,
+    """
+A parenthesis, a brace, a comma, or another mark is missing at the place shown, or another one
+stands there.
+
+```idl
+enum Mode { MANUAL AUTOMATIC };                       // wrong
+enum Mode { MANUAL, AUTOMATIC };                      // right
+interface Arm { void stop() raises Failure; };        // wrong
+interface Arm { void stop() raises (Failure); };      // right
+```
+""",
+)
+
+MISSING_WORD = Rule(
+    "IDL0125",
+    "missing name, type or value",
+    Severity.ERROR,
+    """
+The declaration ends before it is whole: its name, its type or its value is missing.
+
+```idl
+struct Wheel { double; };          // wrong
+struct Wheel { double radius; };   // right
+```
+""",
+)
+
 RULES = (
     UNEXPECTED,
     MISSING_SEMICOLON,
@@ -268,4 +348,9 @@ RULES = (
     MISSING_DIRECTION,
     EMPTY_RAISES,
     TOO_MANY_FINDINGS,
+    FOREIGN,
+    MISPLACED,
+    BAD_ARRAY,
+    MISSING_MARK,
+    MISSING_WORD,
 )

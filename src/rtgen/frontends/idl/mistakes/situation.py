@@ -1,0 +1,232 @@
+"""What surrounds a token that cannot stand where it does."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Set
+from dataclasses import dataclass
+from functools import cached_property
+
+from rtgen.diagnostics import Diagnostic, Related, Rule
+from rtgen.frontends.idl.rules import syntax
+from rtgen.frontends.idl.unit import Unit
+from rtgen.frontends.idl.words import RESERVED, shown
+
+_WORD = re.compile(
+    r"\"(?:\\.|[^\"\\\n])*\"?|'(?:\\.|[^'\\\n]){0,12}'?|::|<<|>>|\w+|[^\s\w]"
+)
+_ENDS = re.compile(r"[;{}]")
+_FAR = 4000
+_AHEAD = 24
+_FEW = 6
+_INTERNAL = frozenset(("ERROR", "ANNOTATION_DCL", "TRAILING"))
+
+DEFINERS = (
+    *("struct", "union", "enum", "exception", "interface", "module", "valuetype"),
+    *("bitset", "bitmask", "component", "home", "eventtype", "porttype", "connector"),
+)
+"""The words that say what a body is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Word:
+    """A token of the text at [start, end)."""
+
+    text: str
+    start: int
+    end: int
+
+    @property
+    def is_name(self) -> bool:
+        """Whether it is an identifier and no reserved word."""
+        return self.is_word and self.text not in RESERVED
+
+    @property
+    def is_word(self) -> bool:
+        """Whether it is an identifier or a keyword."""
+        return self.text[0].isalpha() or self.text[0] == "_"
+
+
+@dataclass(frozen=True, slots=True)
+class Mistake:
+    """A finding, and how reading goes on.
+
+    `feed` are terminals to supply before the token, in place of it if `instead` (without `feed`:
+    the token is dropped), after going back to the list of declarations if `back`. `resume` is
+    where reading goes on; None: behind the broken declaration.
+    """
+
+    diagnostic: Diagnostic
+    feed: tuple[str, ...] = ()
+    instead: bool = False
+    back: bool = False
+    resume: int | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Situation:
+    """An unexpected token and its surroundings.
+
+    `kind` is the token's terminal; `accepted` are the terminals that fit; `last` is where the
+    token before it ends; `opening` is the innermost open brace; `surplus` says how many more
+    `{` than `}` the text has.
+    """
+
+    unit: Unit
+    kind: str
+    text: str
+    start: int
+    end: int
+    accepted: Set[str]
+    last: int
+    opening: int | None
+    surplus: int
+
+    @cached_property
+    def statement(self) -> int:
+        """Where the declaration begins that the token is in."""
+        low = max(0, self.start - _FAR)
+        begin = low
+        for match in _ENDS.finditer(self.unit.text, low, self.start):
+            begin = match.end()
+        return begin
+
+    @cached_property
+    def before(self) -> list[Word]:
+        """The tokens of the declaration before the unexpected one."""
+        return words(self.unit.text, self.statement, self.last)
+
+    @cached_property
+    def after(self) -> list[Word]:
+        """Some tokens behind the unexpected one."""
+        return words(self.unit.text, self.end, self.end + _FAR, _AHEAD)
+
+    @cached_property
+    def header(self) -> list[Word]:
+        """The tokens before the innermost open brace: `struct S`, `interface I : A`."""
+        if self.opening is None:
+            return []
+        return header(self.unit.text, self.opening)
+
+    @cached_property
+    def construct(self) -> str:
+        """What the innermost open brace belongs to; empty at file scope."""
+        return next((w.text for w in self.header if w.text in DEFINERS), "")
+
+    @property
+    def called(self) -> str:
+        """The construct with its name: `struct S`."""
+        found = [i for i, w in enumerate(self.header) if w.text in DEFINERS]
+        rest = self.header[found[0] : found[0] + 2] if found else []
+        return " ".join(w.text for w in rest)
+
+    @property
+    def first(self) -> str:
+        """The first word of the declaration; empty if the token is that."""
+        return self.before[0].text if self.before else ""
+
+    @property
+    def previous(self) -> str:
+        """The text of the token before."""
+        return self.before[-1].text if self.before else ""
+
+    @property
+    def following(self) -> str:
+        """The text of the token behind."""
+        return self.after[0].text if self.after else ""
+
+    @property
+    def fresh_line(self) -> bool:
+        """Whether the token begins a line."""
+        return "\n" in self.unit.text[self.last : self.start]
+
+    @property
+    def in_parameters(self) -> bool:
+        """Whether a parenthesis is open."""
+        texts = [word.text for word in self.before]
+        return texts.count("(") > texts.count(")")
+
+    def mistake(
+        self,
+        rule: Rule,
+        message: str,
+        hint: str | None,
+        *,
+        at: Word | tuple[int, int] | None = None,
+        behind: bool = False,
+        related: Iterable[Related] = (),
+        feed: tuple[str, ...] = (),
+        instead: bool = False,
+        back: bool = False,
+        resume: int | None = None,
+    ) -> Mistake:
+        """A mistake at the token, at another place, or `behind` the token before."""
+        if behind:
+            span = self.unit.after(self.last)
+        elif isinstance(at, Word):
+            span = self.unit.span(at.start, at.end)
+        elif at is not None:
+            span = self.unit.span(*at)
+        else:
+            span = self.unit.span(self.start, self.end)
+        diagnostic = rule.at(span, message, related=related, hint=hint)
+        return Mistake(diagnostic, feed, instead, back, resume)
+
+    def missing(
+        self,
+        mark: str,
+        hint: str,
+        *,
+        feed: str | None = None,
+        resume: int | None = None,
+    ) -> Mistake:
+        """A mark that is missing behind the token before; reading goes on as if it stood there."""
+        return self.mistake(
+            syntax.MISSING_MARK,
+            f"a '{mark}' is missing here",
+            hint,
+            behind=True,
+            feed=(feed,) if feed else (),
+            resume=self.start if feed and resume is None else resume,
+        )
+
+    def expectation(self) -> str:
+        """`: a name or ';' was expected`, if that is short."""
+        names = sorted({shown(terminal) for terminal in self.accepted - _INTERNAL})
+        if not names or len(names) > _FEW:
+            return ""
+        if len(names) == 1:
+            return f": {names[0]} was expected"
+        return f": {', '.join(names[:-1])} or {names[-1]} was expected"
+
+
+def words(text: str, start: int, end: int, most: int = 400) -> list[Word]:
+    """The tokens of text[start:end), at most so many."""
+    found: list[Word] = []
+    for match in _WORD.finditer(text, start, min(end, len(text))):
+        found.append(Word(match[0], match.start(), match.end()))
+        if len(found) == most:
+            break
+    return found
+
+
+def header(text: str, opening: int) -> list[Word]:
+    """The tokens between the end of the declaration before, and a `{`."""
+    low = max(0, opening - _FAR)
+    begin = low
+    for match in _ENDS.finditer(text, low, opening):
+        begin = match.end()
+    return words(text, begin, opening)
+
+
+def partner(text: str, closing: int) -> int | None:
+    """The `{` that belongs to the `}` at `closing`."""
+    depth = 0
+    for place in range(closing, max(-1, closing - 100_000), -1):
+        if text[place] == "}":
+            depth += 1
+        elif text[place] == "{":
+            depth -= 1
+            if depth == 0:
+                return place
+    return None
