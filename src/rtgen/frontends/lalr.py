@@ -135,9 +135,11 @@ class Parser:
                 if kind == WORD:
                     if text in reserved:
                         kind = reserved[text]
-                    elif text in contextual and contextual[text][0] in row:
+                    elif text in contextual:
+                        # The row alone may have it from another context with the same state.
                         keyword, guard = contextual[text]
-                        kind = keyword if guard.match(self._text, end) else kind
+                        if self._would_shift(keyword) and guard.match(self._text, end):
+                            kind = keyword
                 found = Token(text)
                 found.type = kind
                 found.start_pos = end - len(text)

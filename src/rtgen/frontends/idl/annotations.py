@@ -136,7 +136,7 @@ PLACES = {
     Kind.VALUETYPE: "valuetype",
     Kind.COMPONENT: "component",
 }
-"""The place that a declaration is for an annotation."""
+"""The place that a declaration is for an annotation, where its kind has another name."""
 
 
 class Annotations:

@@ -105,7 +105,7 @@ class Lowering:
             "doc": self.doc(item, entity.unit),
             "annotations": self._annotations.of(
                 item.annotations if item else (),
-                PLACES.get(entity.kind, ""),
+                PLACES.get(entity.kind, entity.kind.value),
                 entity.unit,
                 type_,
             ),

@@ -237,9 +237,13 @@ class Resolver(Naming):
         while isinstance(found, Entity) and found.kind is Kind.TYPEDEF:
             if found.declarator is None or found.declarator.dimensions:
                 break
-            if not isinstance(found.type_node, tree.ScopedName):
-                break
-            found = self.tables.references.get(found.type_node)
+            match found.type_node:
+                case tree.ScopedName():
+                    found = self.tables.references.get(found.type_node)
+                case tree.Struct() | tree.Bitset():
+                    found = self.tables.entities.get(found.type_node.name)
+                case _:
+                    break
         if found is None or (isinstance(found, Entity) and found.poisoned):
             entity.poisoned = True
             self.tables.references[name] = None
