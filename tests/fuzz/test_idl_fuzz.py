@@ -1,121 +1,39 @@
 """The IDL front end takes anything: whatever the text, it gives coded findings in bounded time."""
 
-import random
+import os
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import pytest
+from fuzzing import Report, TimeUp, ViolationError, attempt, run, time_limit
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from idl_grammar import is_valid, program
+from idl_mutations import mutant
+from idl_target import IdlTarget, findings
+from idl_words import (
+    ANNOTATIONS,
+    CONTEXTUAL,
+    KEYWORDS,
+    LINES,
+    MARKS,
+    NAMES,
+    NUMBERS,
+    TEXTS,
+)
 
-from rtgen.diagnostics import has_errors
+from rtgen.diagnostics import Severity, Span, has_errors
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import load
+from rtgen.frontends.idl.rules import syntax
+from rtgen.model import Model
 
-ROOT = Path(__file__).parents[2]
-SEEDS = sorted((ROOT / "tests/golden/idl").glob("*.idl"))
 PIECES = [
-    *(
-        "module",
-        "struct",
-        "union",
-        "switch",
-        "case",
-        "default",
-        "enum",
-        "interface",
-        "typedef",
-    ),
-    *(
-        "const",
-        "sequence",
-        "string",
-        "long",
-        "unsigned",
-        "double",
-        "void",
-        "in",
-        "out",
-        "raises",
-    ),
-    *(
-        "attribute",
-        "readonly",
-        "oneway",
-        "exception",
-        "valuetype",
-        "component",
-        "consumes",
-    ),
-    *(
-        "provides",
-        "uses",
-        "map",
-        "bitset",
-        "bitmask",
-        "bitfield",
-        "import",
-        "typeid",
-        "any",
-    ),
-    *(
-        "A",
-        "B",
-        "a",
-        "_struct",
-        "__x",
-        "ü",
-        "1",
-        "0x1F",
-        "089",
-        "1.5",
-        ".5e3",
-        "12d",
-        "1.0f",
-    ),
-    *(
-        '"text"',
-        "'c'",
-        'L"w"',
-        '"open',
-        "'",
-        "/*",
-        "*/",
-        "//",
-        "{",
-        "}",
-        "(",
-        ")",
-        "[",
-        "]",
-    ),
-    *(
-        "<",
-        ">",
-        ">>",
-        "<<",
-        ",",
-        ";",
-        ":",
-        "::",
-        "=",
-        "|",
-        "^",
-        "&",
-        "+",
-        "-",
-        "*",
-        "/",
-        "%",
-    ),
-    *("~", "@key", "@default(1)", "@", "#", "\\", "\n", "\n#define A B\n", "\n#if 1\n"),
-    *("\n#endif\n", "\n#else\n", '\n#include "input.idl"\n', '\n#pragma prefix "x"\n'),
-    *(
-        '\n#pragma ID A "IDL:A:1.0"\n',
-        '\n# 12 "file" 1\n',
-        "\n#define F(x) x x\n",
-        "F(",
-        "\t",
-    ),
+    *(*KEYWORDS, *CONTEXTUAL, *MARKS, *NAMES, *NUMBERS, *TEXTS, *ANNOTATIONS),
+    *(f"\n{line}\n" for line in LINES),
 ]
 BOUNDED = settings(
     max_examples=120,
@@ -123,19 +41,58 @@ BOUNDED = settings(
     suppress_health_check=[HealthCheck.function_scoped_fixture],
     derandomize=True,
 )
+FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
+    "annotation_of_native": ("@key native N;", ("IDL0801",)),
+    "annotation_of_box": ("@nested valuetype V long;", ("IDL0801",)),
+    "absolute_name_behind_annotation": (
+        "struct T { long a; }; struct S { @external ::T a; };",
+        (),
+    ),
+    "word_of_components_behind_annotation": (
+        '@topic(name="x") struct map { long a; }; struct S { @unit("m") map a; };',
+        (),
+    ),
+    "type_called_manages": (
+        "struct manages { long a; }; typedef manages T;",
+        ("IDL0208",),
+    ),
+    "base_declared_in_place": (
+        "typedef struct A { long x; } B; struct C : B { long y; };",
+        (),
+    ),
+}
+"""What fuzzing found, in small, with the codes that are right."""
 
 
 def read(folder: Path, data: bytes) -> FrontendResult:
     path = folder / "input.idl"
     path.write_bytes(data)
-    result = load([path], root=folder, include=[ROOT / "tests/golden/idl"])
-    for diagnostic in result.diagnostics:
-        assert diagnostic.code.startswith("IDL")
-        assert diagnostic.message
-        assert diagnostic.span is not None
-        assert diagnostic.span.line >= 1
-        assert diagnostic.span.column >= 1
+    result = load([path], root=folder)
+    findings(result, moved=b"line" in data or b"# 12" in data)
     return result
+
+
+@pytest.mark.parametrize(
+    "factory",
+    [
+        partial(IdlTarget, make=program, is_valid=is_valid),
+        partial(IdlTarget, make=mutant),
+    ],
+    ids=["grammar", "mutation"],
+)
+def test_a_thousand_inputs(factory: partial[IdlTarget]) -> None:
+    report = run(factory, range(1000))
+    assert [f"{f.number}: {f.detail}" for f in report.failures] == []
+    assert report.cases == 1000
+    assert report.labels["accepted"] > 10
+    assert report.labels["rejected"] > 100
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_found_by_fuzzing(name: str, tmp_path: Path) -> None:
+    text, codes = FOUND[name]
+    result = read(tmp_path, text.encode())
+    assert tuple(d.code for d in result.diagnostics) == codes, result.diagnostics
 
 
 @BOUNDED
@@ -154,28 +111,6 @@ def test_any_bytes(tmp_path: Path, data: bytes) -> None:
 @given(st.text(max_size=200))
 def test_any_text(tmp_path: Path, text: str) -> None:
     read(tmp_path, text.encode("utf-8", "surrogatepass"))
-
-
-@pytest.mark.parametrize("seed", SEEDS, ids=lambda path: path.stem)
-def test_mutations(seed: Path, tmp_path: Path) -> None:
-    """Words removed, repeated, exchanged and put in, a few at a time."""
-    chance = random.Random(seed.stem)
-    words = seed.read_text(encoding="utf-8").split(" ")
-    for _ in range(25):
-        mutant = list(words)
-        for _ in range(chance.randint(1, 4)):
-            place = chance.randrange(len(mutant))
-            match chance.randrange(4):
-                case 0:
-                    del mutant[place]
-                case 1:
-                    mutant.insert(place, mutant[place])
-                case 2:
-                    mutant.insert(place, chance.choice(PIECES))
-                case _:
-                    other = chance.randrange(len(mutant))
-                    mutant[place], mutant[other] = mutant[other], mutant[place]
-        read(tmp_path, " ".join(mutant).encode())
 
 
 @pytest.mark.parametrize(
@@ -206,3 +141,68 @@ def test_mutations(seed: Path, tmp_path: Path) -> None:
 )
 def test_extremes_end_in_findings(text: str, tmp_path: Path) -> None:
     assert has_errors(read(tmp_path, text.encode()).diagnostics)
+
+
+class Broken:
+    """A target with a defect for each of its first cases."""
+
+    def __init__(self, _folder: Path) -> None:
+        pass
+
+    def make(self, number: int) -> bytes:
+        return b"%d" % number
+
+    def check(self, number: int, _data: bytes) -> Iterable[str]:
+        match number:
+            case 0:
+                raise IndexError("out of range")
+            case 1:
+                os._exit(3)
+            case 2:
+                return [str(len(bytearray(600 * 1024 * 1024)))]
+        return ["good"]
+
+
+def test_defects_of_all_sorts_are_noticed() -> None:
+    report = run(Broken, range(5))
+    assert [(f.number, f.title) for f in report.failures] == [
+        (1, "the worker ended with 3"),
+        (2, "MemoryError"),
+    ]
+    assert report.labels["good"] == 2
+
+
+def test_an_exception_is_a_failure() -> None:
+    report = Report()
+    attempt(Broken(Path()), 0, b"", report)
+    assert [f.title for f in report.failures] == ["IndexError: out of range"]
+
+
+def test_an_endless_loop_is_stopped() -> None:
+    def endless() -> None:
+        while True:
+            with suppress(Exception):
+                time.sleep(0)
+
+    with pytest.raises(TimeUp), time_limit(0.05):
+        endless()
+
+
+@pytest.mark.parametrize(
+    "span",
+    [
+        Span("input.idl", 3, 1, 3, 2),
+        Span("input.idl", 1, 9, 1, 10),
+        Span("input.idl", 1, 2, 1, 1),
+        Span("other.idl", 1, 1, 1, 1),
+        None,
+    ],
+)
+def test_a_finding_that_is_nowhere_is_noticed(span: Span | None) -> None:
+    finding = syntax.MISSING_SEMICOLON.at(span, "a ';' is missing here")
+    assert finding.severity is Severity.ERROR
+    with pytest.raises(ViolationError):
+        findings(
+            FrontendResult(Model(), (finding,), {"input.idl": "struct\n"}, ()),
+            moved=False,
+        )

@@ -1,0 +1,237 @@
+"""Runs numbered cases in worker processes with a limit on time and memory for each input.
+
+A case's number alone decides its input. A worker that dies is noticed and its case kept; the
+rest of its cases go to a new worker.
+"""
+
+from __future__ import annotations
+
+import faulthandler
+import gc
+import math
+import multiprocessing
+import resource
+import shutil
+import signal
+import tempfile
+import time
+import traceback
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from types import FrameType
+from typing import Protocol
+
+SECONDS = 5.0
+"""Processor time that one input may take."""
+
+MEMORY = 500 * 1024 * 1024
+"""Address space that a worker may have, the interpreter included."""
+
+MOST_FAILURES = 100
+"""After so many failures a run ends."""
+
+_PATIENCE = 120.0
+_CHUNK = 5000
+_SHARED_MEMORY = Path("/dev/shm")
+
+
+class ViolationError(Exception):
+    """What was given back for an input breaks a promise."""
+
+
+class TimeUp(BaseException):
+    """An input took more than its time; no `except Exception` on the way swallows it."""
+
+
+class Target(Protocol):
+    """What is fuzzed."""
+
+    def make(self, number: int) -> bytes:
+        """The input of a case."""
+
+    def check(self, number: int, data: bytes) -> Iterable[str]:
+        """Process an input; raises for a defect, gives labels to count."""
+
+
+Factory = Callable[[Path], Target]
+"""Makes the target in a worker, which has a folder of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """A case that showed a defect: the last line of `detail` says which."""
+
+    number: int
+    detail: str
+
+    @property
+    def title(self) -> str:
+        """The defect in a line."""
+        return self.detail.rstrip().rpartition("\n")[2]
+
+
+@dataclass(slots=True)
+class Report:
+    """What a run found, and what it cost."""
+
+    cases: int = 0
+    octets: int = 0
+    labels: Counter[str] = field(default_factory=Counter)
+    failures: list[Failure] = field(default_factory=list)
+    slowest: tuple[float, int] = (0.0, -1)
+    peak: int = 0
+    seconds: float = 0.0
+
+    def add(self, other: Report) -> None:
+        """Count another run's figures in."""
+        self.cases += other.cases
+        self.octets += other.octets
+        self.labels += other.labels
+        self.failures += other.failures
+        self.slowest = max(self.slowest, other.slowest)
+        self.peak = max(self.peak, other.peak)
+
+    def __str__(self) -> str:
+        rate = self.cases / self.seconds if self.seconds else 0.0
+        size = self.octets / self.cases if self.cases else 0.0
+        lines = [
+            f"cases             {self.cases}",
+            f"cases per second  {rate:.1f}",
+            f"octets per case   {size:.0f}",
+            f"slowest [s]       {self.slowest[0]:.3f} (case {self.slowest[1]})",
+            f"peak memory [MB]  {self.peak / 2**20:.0f}",
+            f"failures          {len(self.failures)}",
+        ]
+        lines += [
+            f"{label:<17} {count}" for label, count in sorted(self.labels.items())
+        ]
+        return "\n".join(lines)
+
+
+@contextmanager
+def time_limit(seconds: float) -> Iterator[None]:
+    """Raise TimeUp in the middle of whatever runs after so much processor time.
+
+    What does not use the processor, or never comes back to the interpreter, ends the process.
+    """
+
+    def stop(_signal: int, _frame: FrameType | None) -> None:
+        raise TimeUp(f"more than {seconds} s")
+
+    before = signal.signal(signal.SIGPROF, stop)
+    faulthandler.dump_traceback_later(max(_PATIENCE, seconds), exit=True)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        faulthandler.cancel_dump_traceback_later()
+        signal.signal(signal.SIGPROF, before)
+
+
+def attempt(target: Target, number: int, data: bytes, report: Report) -> None:
+    """Check an input and note what came of it."""
+    start = time.process_time()
+    try:
+        with time_limit(SECONDS):
+            report.labels.update(target.check(number, data))
+    except (Exception, TimeUp):
+        report.failures.append(Failure(number, traceback.format_exc()))
+    report.slowest = max(report.slowest, (time.process_time() - start, number))
+    report.cases += 1
+    report.octets += len(data)
+
+
+def run(
+    factory: Factory,
+    numbers: range,
+    *,
+    jobs: int = 1,
+    progress: Callable[[Report], None] = lambda _report: None,
+) -> Report:
+    """Run the cases of a range; after each few thousand of them `progress` is told."""
+    total = Report()
+    start = time.monotonic()
+    pending = [numbers[i : i + _CHUNK] for i in range(0, len(numbers), _CHUNK)][::-1]
+    workers: dict[Connection, _Worker] = {}
+    with tempfile.TemporaryDirectory(
+        dir=_SHARED_MEMORY if _SHARED_MEMORY.is_dir() else None
+    ) as scratch:
+        while pending or workers:
+            while pending and len(workers) < jobs:
+                worker = _Worker(factory, pending.pop(), Path(scratch))
+                workers[worker.channel] = worker
+            for channel in wait(list(workers)):
+                assert isinstance(channel, Connection)
+                worker = workers.pop(channel)
+                report, rest = worker.result()
+                total.add(report)
+                if rest:
+                    pending.append(rest)
+                total.seconds = time.monotonic() - start
+                progress(total)
+            if len(total.failures) >= MOST_FAILURES:
+                pending.clear()
+    return total
+
+
+class _Worker:
+    """A process that works on a range of cases, as the parent sees it."""
+
+    def __init__(self, factory: Factory, numbers: range, scratch: Path) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._numbers = numbers
+        self._current = context.Value("q", numbers.start, lock=False)
+        self.channel, theirs = context.Pipe(duplex=False)
+        self._folder = Path(tempfile.mkdtemp(dir=scratch))
+        self._process = context.Process(
+            target=_work,
+            args=(factory, numbers, self._folder, self._current, theirs),
+            daemon=True,
+        )
+        self._process.start()
+        theirs.close()
+
+    def result(self) -> tuple[Report, range]:
+        """The report and the cases that are left, once the channel is ready."""
+        try:
+            report: Report = self.channel.recv()
+            rest = range(0)
+        except EOFError:
+            self._process.join()
+            number = self._current.value
+            code = self._process.exitcode
+            report = Report(cases=number + 1 - self._numbers.start)
+            report.failures.append(Failure(number, f"the worker ended with {code}"))
+            rest = range(number + 1, self._numbers.stop)
+        self.channel.close()
+        self._process.join()
+        shutil.rmtree(self._folder, ignore_errors=True)
+        return report, rest
+
+
+def _work(
+    factory: Factory, numbers: range, folder: Path, current: object, channel: Connection
+) -> None:
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    target = factory(folder)
+    report = Report()
+    target.check(-1, b"")
+    gc.freeze()
+    for number in numbers:
+        current.value = number  # type: ignore[attr-defined]
+        attempt(target, number, target.make(number), report)
+        if len(report.failures) >= MOST_FAILURES:
+            break
+    report.peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    channel.send(report)
+    channel.close()
+
+
+def log_uniform(low: float, high: float, draw: float) -> int:
+    """A number from `low` to `high`, small ones as often as large ones; `draw` is from 0 to 1."""
+    return round(math.exp(math.log(low) + draw * (math.log(high) - math.log(low))))

@@ -1,0 +1,95 @@
+"""Fuzzes the reading of IDL, and of octets by what is generated from it.
+
+    python tests/fuzz/idl.py grammar|mutation [--first N] [--count M] [--jobs J] [--failures DIR]
+    python tests/fuzz/idl.py grammar|mutation --show N
+    python tests/fuzz/idl.py --replay FILE
+
+A case's number decides its input, as long as the fuzzer and, for mutations, the definition
+files of this repository stay as they are. Each input that shows a defect is kept in DIR.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import sys
+import tempfile
+from collections import defaultdict
+from functools import partial
+from pathlib import Path
+
+from fuzzing import Factory, Failure, Report, attempt, run
+from idl_grammar import is_valid, program
+from idl_mutations import mutant
+from idl_target import HELPERS, IdlTarget
+
+KINDS: dict[str, Factory] = {
+    "grammar": partial(IdlTarget, make=program, is_valid=is_valid),
+    "mutation": partial(IdlTarget, make=mutant),
+}
+
+
+_WHERE = re.compile(r"[:\d]+(?=[ :,)]|$)|'[^']*'|span=.*")
+
+
+def main() -> int:
+    """The command; 1 if there are failures."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("kind", nargs="?", choices=KINDS, default="grammar")
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--count", type=int, default=10_000)
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--failures", type=Path, default=Path("build/fuzz"))
+    parser.add_argument("--show", type=int)
+    parser.add_argument("--replay", type=Path)
+    arguments = parser.parse_args()
+    factory = KINDS[arguments.kind]
+    if arguments.show is not None:
+        with tempfile.TemporaryDirectory() as folder:
+            sys.stdout.buffer.write(factory(Path(folder)).make(arguments.show))
+        return 0
+    if arguments.replay:
+        report = Report()
+        with tempfile.TemporaryDirectory() as folder:
+            data = arguments.replay.read_bytes()
+            attempt(factory(Path(folder)), -1, data, report)
+    else:
+        numbers = range(arguments.first, arguments.first + arguments.count)
+        report = run(factory, numbers, jobs=arguments.jobs, progress=_progress)
+    print(report)
+    _keep(report.failures, factory, arguments.failures)
+    return 1 if report.failures else 0
+
+
+def _progress(report: Report) -> None:
+    print(
+        f"{report.cases} cases, {report.cases / report.seconds:.0f}/s,"
+        f" {len(report.failures)} failures",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def _keep(failures: list[Failure], factory: Factory, folder: Path) -> None:
+    """Write an input and its traceback for each failure; print one of each sort."""
+    sorts: defaultdict[str, list[Failure]] = defaultdict(list)
+    for failure in failures:
+        sorts[_WHERE.sub("", failure.title)].append(failure)
+    for title, same in sorts.items():
+        print(f"\n{len(same)} x {title}\n{same[0].detail}")
+    if not failures:
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as scratch:
+        target = factory(Path(scratch))
+        for failure in failures:
+            path = folder / f"{failure.number}.idl"
+            path.write_bytes(target.make(failure.number))
+            path.with_suffix(".txt").write_text(failure.detail, encoding="utf-8")
+    for name, data in HELPERS.items():
+        (folder / name).write_bytes(data)
+    print(f"\ninputs are in {folder}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

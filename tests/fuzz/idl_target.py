@@ -1,0 +1,209 @@
+"""What reading a definition file must keep to, whatever is in the file."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import re
+import sys
+from collections.abc import Callable, Sequence
+from functools import cache
+from importlib.abc import InspectLoader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from itertools import chain
+from pathlib import Path
+from types import ModuleType
+
+from fuzzing import ViolationError
+
+from rtgen.backends import Backend, Options
+from rtgen.compiler import BUILT_IN
+from rtgen.diagnostics import Diagnostic, Severity, Span, has_errors, in_order
+from rtgen.frontends import FrontendResult
+from rtgen.frontends.idl import load
+from rtgen.frontends.idl.rules import RULES
+from rtgen.inspect import inspect, tree
+from rtgen.model import Model
+from rtgen.report import FORMS, report
+
+HELPERS = {
+    "guarded.idl": (
+        b"#ifndef GUARDED\n#define GUARDED\nmodule Inc { struct Item { long a; };"
+        b" typedef sequence<Item> Items; enum Tone { DO, RE }; const long SIZE = 3;"
+        b" interface Thing { void go(); }; exception Oops {}; };\n#endif\n"
+    ),
+    "once.idl": b'#pragma once\n#pragma prefix "once.org"\nmodule Once { interface I {}; };\n',
+    "members.idl": b"long included_a;\ndouble included_b;\n",
+    "broken.idl": b"module Broken { struct S { long a }; \n#if 1\n interface ;",
+    "loop.idl": b'#include "loop.idl"\n',
+}
+"""What an input may include beside itself (`input.idl`)."""
+
+EVERY = {"emit": 3, "again": 20, "import": 60, "print": 12}
+"""One in so many inputs gets the check named."""
+
+_MARKER = re.compile(rb"line|#(?:\\\\|\s|/\*.*?\*/)*\d", re.DOTALL)
+_CODES = {rule.code: rule for rule in RULES}
+
+
+class IdlTarget:
+    """Reads inputs as `input.idl` of a folder."""
+
+    def __init__(
+        self,
+        folder: Path,
+        make: Callable[[int], bytes],
+        is_valid: Callable[[int], bool] = lambda _number: False,
+    ) -> None:
+        self._folder = folder
+        self._is_valid = is_valid
+        self.make = make
+        self._path = folder / "input.idl"
+        for name, data in HELPERS.items():
+            (folder / name).write_bytes(data)
+
+    def check(self, number: int, data: bytes) -> list[str]:
+        """Read it, look at all that comes out, and say what it was."""
+        result = self._read(data)
+        findings(result, moved=_MARKER.search(data) is not None)
+        model, diagnostics = result.model, result.diagnostics
+        text = json.dumps(inspect(model, diagnostics), allow_nan=False)
+        json.loads(text)
+        labels = [d.code for d in diagnostics]
+        labels.append("rejected" if has_errors(diagnostics) else "accepted")
+        if labels[-1] == "rejected" and self._is_valid(number):
+            errors = (d for d in diagnostics if d.severity is Severity.ERROR)
+            raise ViolationError(f"a valid program is rejected: {next(errors)}")
+        if number % EVERY["print"] == 0:
+            _print(result)
+        if number % EVERY["again"] == 0:
+            again = self._read(data)
+            if (again.model, again.diagnostics) != (model, diagnostics):
+                raise ViolationError("the same input gives something else")
+        if labels[-1] == "accepted" and number % EVERY["emit"] == 0:
+            labels.append(emit(model, run=number % EVERY["import"] == 0))
+        return list(dict.fromkeys(labels))
+
+    def _read(self, data: bytes) -> FrontendResult:
+        self._path.write_bytes(data)
+        return load([self._path], root=self._folder, include=[self._folder])
+
+
+def findings(result: FrontendResult, *, moved: bool) -> None:
+    """Findings are of known rules, in order, and stand in a file; `moved` by line markers."""
+    if list(result.diagnostics) != in_order(result.diagnostics):
+        raise ViolationError("the findings are not in order")
+    lines = {name: text.split("\n") for name, text in result.sources.items()}
+    for d in result.diagnostics:
+        rule = _CODES.get(d.code)
+        if rule is None or rule.severity is not d.severity:
+            raise ViolationError(f"{d.code} is no rule of that severity")
+        if not d.message or "\n" in d.message or "\n" in (d.hint or ""):
+            raise ViolationError(f"{d.code} has no message of one line: {d.message!r}")
+        if d.span is None:
+            raise ViolationError(f"{d.code} is nowhere")
+        for span in (d.span, *(related.span for related in d.related)):
+            _exists(d, span, lines, moved)
+
+
+def _exists(
+    d: Diagnostic, span: Span, lines: dict[str, list[str]], moved: bool
+) -> None:
+    place = f"{d.code} at {span}"
+    if (span.line, span.column) > (span.end_line, span.end_column) or span.column < 1:
+        raise ViolationError(f"{place} ends before it starts")
+    if span.line < 1:
+        raise ViolationError(f"{place} is above the file")
+    if moved:
+        return
+    text = lines.get(span.file)
+    if text is None:
+        raise ViolationError(f"{place} is in no file that was read")
+    # A finding at the end of a line, or of the file, points at the place behind it.
+    for line, column, room in (
+        (span.line, span.column, 1),
+        (span.end_line, span.end_column, 2),
+    ):
+        if line > len(text) or column > len(text[line - 1]) + room:
+            raise ViolationError(f"{place} is outside the file")
+
+
+def _print(result: FrontendResult) -> None:
+    for form in FORMS:
+        report(result.diagnostics, result.sources, form).encode()
+    tree(result.model).encode()
+    json.dumps(
+        inspect(result.model, result.diagnostics), ensure_ascii=False, indent=2
+    ).encode()
+
+
+def emit(model: Model, *, run: bool) -> str:
+    """Let all back ends work on a model; their Python must compile, and with `run`, import."""
+    options = Options("fuzzed", "skeletons", "0")
+    emissions = [backend.emit(model, options) for backend in _backends()]
+    diagnostics = list(chain.from_iterable(e.diagnostics for e in emissions))
+    for d in diagnostics:
+        if d.span is None or not d.message:
+            raise ViolationError(f"{d.code} of a back end is nowhere")
+    if any(d.severity is Severity.ERROR for d in diagnostics):
+        return "not emitted"
+    texts: dict[str, str] = {}
+    for artifact in chain.from_iterable(e.artifacts for e in emissions):
+        if artifact.path.endswith(".py"):
+            compile(artifact.text, artifact.path, "exec", dont_inherit=True)
+            if artifact.path.startswith("fuzzed/"):
+                texts[artifact.path] = artifact.text
+    if run:
+        Generated(texts).load()
+        return "imported"
+    return "emitted"
+
+
+@cache
+def _backends() -> tuple[Backend, ...]:
+    return tuple(importlib.import_module(module).BACKEND for module in BUILT_IN)
+
+
+class Generated(MetaPathFinder, InspectLoader):
+    """Generated Python that is imported from memory; `texts` maps paths to texts."""
+
+    def __init__(self, texts: dict[str, str]) -> None:
+        self._texts = {_module(path): text for path, text in texts.items()}
+        self._packages = {_module(p) for p in texts if p.endswith("/__init__.py")}
+
+    def load(self) -> dict[str, ModuleType]:
+        """Import all modules, and forget them at once; gives them by their names."""
+        before = set(sys.modules)
+        sys.meta_path.insert(0, self)
+        try:
+            for name in self._texts:
+                importlib.import_module(name)
+            return {name: sys.modules[name] for name in self._texts}
+        finally:
+            sys.meta_path.remove(self)
+            for name in set(sys.modules) - before:
+                if name in self._texts:
+                    del sys.modules[name]
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Sequence[str] | None,
+        target: ModuleType | None = None,
+    ) -> ModuleSpec | None:
+        """A module of ours."""
+        if fullname not in self._texts:
+            return None
+        return ModuleSpec(fullname, self, is_package=fullname in self._packages)
+
+    def is_package(self, fullname: str) -> bool:
+        """Whether it is a package."""
+        return fullname in self._packages
+
+    def get_source(self, fullname: str) -> str:
+        """Its text."""
+        return self._texts[fullname]
+
+
+def _module(path: str) -> str:
+    return path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
