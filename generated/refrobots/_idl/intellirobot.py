@@ -23,6 +23,7 @@ from rtgen.runtime.descriptors import (
     PrimitiveDescriptor,
     SequenceDescriptor,
     StructDescriptor,
+    bind,
 )
 
 from .basic_data_type import Time
@@ -711,17 +712,20 @@ class State(Enumeration):
     """Driving at crawl speed."""
 
 
-State._descriptor_ = EnumDescriptor(
-    "IDL:IIS/State:1.0",
-    "IIS::State",
-    (
-        ("FINISH", 0),
-        ("ANGLE_CHECK", 1),
-        ("TURNING", 2),
-        ("TURNING2", 3),
-        ("GOAL_CHECK", 4),
-        ("SPEED_DOWN", 5),
-        ("STOPPING", 6),
+bind(
+    State,
+    EnumDescriptor(
+        "IDL:IIS/State:1.0",
+        "IIS::State",
+        (
+            ("FINISH", 0),
+            ("ANGLE_CHECK", 1),
+            ("TURNING", 2),
+            ("TURNING2", 3),
+            ("GOAL_CHECK", 4),
+            ("SPEED_DOWN", 5),
+            ("STOPPING", 6),
+        ),
     ),
 )
 
@@ -800,18 +804,21 @@ class TravelMode(Enumeration):
     """Run the wheels at given speeds."""
 
 
-TravelMode._descriptor_ = EnumDescriptor(
-    "IDL:IIS/TravelMode:1.0",
-    "IIS::TravelMode",
-    (
-        ("RUN_FREE", 0),
-        ("RUN_STOP", 1),
-        ("RUN_LINEFOLLOW", 2),
-        ("RUN_TO_POINT", 3),
-        ("RUN_CIRCLEFOLLOW", 4),
-        ("RUN_SPIN", 5),
-        ("RUN_VEL", 6),
-        ("RUN_WHEEL_VEL", 7),
+bind(
+    TravelMode,
+    EnumDescriptor(
+        "IDL:IIS/TravelMode:1.0",
+        "IIS::TravelMode",
+        (
+            ("RUN_FREE", 0),
+            ("RUN_STOP", 1),
+            ("RUN_LINEFOLLOW", 2),
+            ("RUN_TO_POINT", 3),
+            ("RUN_CIRCLEFOLLOW", 4),
+            ("RUN_SPIN", 5),
+            ("RUN_VEL", 6),
+            ("RUN_WHEEL_VEL", 7),
+        ),
     ),
 )
 

@@ -19,7 +19,9 @@ from rtgen.runtime.cdr import (
     Settled,
     decoding_error,
     encoding_error,
+    from_xcdr2,
     members,
+    to_xcdr2,
 )
 from rtgen.runtime.cdr_values import text_octets, text_value
 from rtgen.runtime.descriptors import (
@@ -30,6 +32,7 @@ from rtgen.runtime.descriptors import (
     SequenceDescriptor,
     StringDescriptor,
     StructDescriptor,
+    bind,
 )
 
 from .basic_data_type import Time
@@ -62,14 +65,17 @@ class ActArrayActuatorStatus(Enumeration):
     ACTUATOR_STATUS_STALLED = 3
 
 
-ActArrayActuatorStatus._descriptor_ = EnumDescriptor(
-    "IDL:RTC/ActArrayActuatorStatus:1.0",
-    "RTC::ActArrayActuatorStatus",
-    (
-        ("ACTUATOR_STATUS_IDLE", 0),
-        ("ACTUATOR_STATUS_MOVING", 1),
-        ("ACTUATOR_STATUS_BRAKED", 2),
-        ("ACTUATOR_STATUS_STALLED", 3),
+bind(
+    ActArrayActuatorStatus,
+    EnumDescriptor(
+        "IDL:RTC/ActArrayActuatorStatus:1.0",
+        "RTC::ActArrayActuatorStatus",
+        (
+            ("ACTUATOR_STATUS_IDLE", 0),
+            ("ACTUATOR_STATUS_MOVING", 1),
+            ("ACTUATOR_STATUS_BRAKED", 2),
+            ("ACTUATOR_STATUS_STALLED", 3),
+        ),
     ),
 )
 
@@ -81,10 +87,13 @@ class ActArrayActuatorType(Enumeration):
     ACTARRAY_ACTUATORTYPE_ROTARY = 1
 
 
-ActArrayActuatorType._descriptor_ = EnumDescriptor(
-    "IDL:RTC/ActArrayActuatorType:1.0",
-    "RTC::ActArrayActuatorType",
-    (("ACTARRAY_ACTUATORTYPE_LINEAR", 0), ("ACTARRAY_ACTUATORTYPE_ROTARY", 1)),
+bind(
+    ActArrayActuatorType,
+    EnumDescriptor(
+        "IDL:RTC/ActArrayActuatorType:1.0",
+        "RTC::ActArrayActuatorType",
+        (("ACTARRAY_ACTUATORTYPE_LINEAR", 0), ("ACTARRAY_ACTUATORTYPE_ROTARY", 1)),
+    ),
 )
 
 
@@ -96,10 +105,13 @@ class GPSFixType(Enumeration):
     GPS_FIX_DGPS = 2
 
 
-GPSFixType._descriptor_ = EnumDescriptor(
-    "IDL:RTC/GPSFixType:1.0",
-    "RTC::GPSFixType",
-    (("GPS_FIX_NONE", 0), ("GPS_FIX_NORMAL", 1), ("GPS_FIX_DGPS", 2)),
+bind(
+    GPSFixType,
+    EnumDescriptor(
+        "IDL:RTC/GPSFixType:1.0",
+        "RTC::GPSFixType",
+        (("GPS_FIX_NONE", 0), ("GPS_FIX_NORMAL", 1), ("GPS_FIX_DGPS", 2)),
+    ),
 )
 
 
@@ -112,14 +124,17 @@ class GripperStatus(Enumeration):
     GRIPPER_STATE_UNKNOWN = 3
 
 
-GripperStatus._descriptor_ = EnumDescriptor(
-    "IDL:RTC/GripperStatus:1.0",
-    "RTC::GripperStatus",
-    (
-        ("GRIPPER_STATE_OPEN", 0),
-        ("GRIPPER_STATE_CLOSED", 1),
-        ("GRIPPER_STATE_MOVING", 2),
-        ("GRIPPER_STATE_UNKNOWN", 3),
+bind(
+    GripperStatus,
+    EnumDescriptor(
+        "IDL:RTC/GripperStatus:1.0",
+        "RTC::GripperStatus",
+        (
+            ("GRIPPER_STATE_OPEN", 0),
+            ("GRIPPER_STATE_CLOSED", 1),
+            ("GRIPPER_STATE_MOVING", 2),
+            ("GRIPPER_STATE_UNKNOWN", 3),
+        ),
     ),
 )
 
@@ -134,15 +149,18 @@ class LimbStatus(Enumeration):
     LIMB_STATUS_COLLISION = 4
 
 
-LimbStatus._descriptor_ = EnumDescriptor(
-    "IDL:RTC/LimbStatus:1.0",
-    "RTC::LimbStatus",
-    (
-        ("LIMB_STATUS_IDLE", 0),
-        ("LIMB_STATUS_BRAKED", 1),
-        ("LIMB_STATUS_MOVING", 2),
-        ("LIMB_STATUS_OOR", 3),
-        ("LIMB_STATUS_COLLISION", 4),
+bind(
+    LimbStatus,
+    EnumDescriptor(
+        "IDL:RTC/LimbStatus:1.0",
+        "RTC::LimbStatus",
+        (
+            ("LIMB_STATUS_IDLE", 0),
+            ("LIMB_STATUS_BRAKED", 1),
+            ("LIMB_STATUS_MOVING", 2),
+            ("LIMB_STATUS_OOR", 3),
+            ("LIMB_STATUS_COLLISION", 4),
+        ),
     ),
 )
 
@@ -480,6 +498,17 @@ class ActuatorListCodec:
                 little_endian,
                 failure,
             ) from failure
+
+    @staticmethod
+    def to_xcdr2(value: ActuatorList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(ActuatorListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> ActuatorList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: ActuatorList = from_xcdr2(ActuatorListCodec, data, little_endian)
+        return value
 
 
 _ActArrayState_layout = Settled("=III")
@@ -842,6 +871,27 @@ class ActArrayActuatorGeometryListCodec:
                 little_endian,
                 failure,
             ) from failure
+
+    @staticmethod
+    def to_xcdr2(
+        value: ActArrayActuatorGeometryList,
+        little_endian: bool = True,
+    ) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(ActArrayActuatorGeometryListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(
+        data: Buffer,
+        little_endian: bool = True,
+    ) -> ActArrayActuatorGeometryList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: ActArrayActuatorGeometryList = from_xcdr2(
+            ActArrayActuatorGeometryListCodec,
+            data,
+            little_endian,
+        )
+        return value
 
 
 _ActArrayGeometry_layout = Settled("=dddddddddI")
@@ -1265,6 +1315,21 @@ class BumperGeometryListCodec:
                 little_endian,
                 failure,
             ) from failure
+
+    @staticmethod
+    def to_xcdr2(value: BumperGeometryList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(BumperGeometryListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> BumperGeometryList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: BumperGeometryList = from_xcdr2(
+            BumperGeometryListCodec,
+            data,
+            little_endian,
+        )
+        return value
 
 
 _BumperArrayGeometry_layout = Fixed("dddddddddd")
@@ -1970,6 +2035,17 @@ class FiducialInfoListCodec:
                 little_endian,
                 failure,
             ) from failure
+
+    @staticmethod
+    def to_xcdr2(value: FiducialInfoList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(FiducialInfoListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> FiducialInfoList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: FiducialInfoList = from_xcdr2(FiducialInfoListCodec, data, little_endian)
+        return value
 
 
 _Fiducials_layout = Settled("=III")
@@ -3101,6 +3177,17 @@ class Hypothesis2DListCodec:
                 failure,
             ) from failure
 
+    @staticmethod
+    def to_xcdr2(value: Hypothesis2DList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(Hypothesis2DListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Hypothesis2DList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: Hypothesis2DList = from_xcdr2(Hypothesis2DListCodec, data, little_endian)
+        return value
+
 
 _Hypotheses2D_layout = Fixed("dddddddddd")
 _Hypotheses2D_layout_2 = Layout("=III", "@4 *80s/8")
@@ -3550,6 +3637,17 @@ class Hypothesis3DListCodec:
                 failure,
             ) from failure
 
+    @staticmethod
+    def to_xcdr2(value: Hypothesis3DList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(Hypothesis3DListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Hypothesis3DList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: Hypothesis3DList = from_xcdr2(Hypothesis3DListCodec, data, little_endian)
+        return value
+
 
 _Hypotheses3D_layout = Fixed("dddddddddddddddddddddddddddd")
 _Hypotheses3D_layout_2 = Layout("=III", "@4 *224s/8")
@@ -3886,6 +3984,17 @@ class OGMapCellsCodec:
                 little_endian,
                 failure,
             ) from failure
+
+    @staticmethod
+    def to_xcdr2(value: OGMapCells, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(OGMapCellsCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> OGMapCells:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: OGMapCells = from_xcdr2(OGMapCellsCodec, data, little_endian)
+        return value
 
 
 _OGMapTile_layout = Layout("=IIIII", "@4 *s")
@@ -4345,6 +4454,17 @@ class PointFeatureListCodec:
                 failure,
             ) from failure
 
+    @staticmethod
+    def to_xcdr2(value: PointFeatureList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(PointFeatureListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> PointFeatureList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: PointFeatureList = from_xcdr2(PointFeatureListCodec, data, little_endian)
+        return value
+
 
 PoseFeatureList: TypeAlias = list[PoseFeature]
 """Features with a direction."""
@@ -4448,6 +4568,17 @@ class PoseFeatureListCodec:
                 little_endian,
                 failure,
             ) from failure
+
+    @staticmethod
+    def to_xcdr2(value: PoseFeatureList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(PoseFeatureListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> PoseFeatureList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: PoseFeatureList = from_xcdr2(PoseFeatureListCodec, data, little_endian)
+        return value
 
 
 LineFeatureList: TypeAlias = list[LineFeature]
@@ -4566,6 +4697,17 @@ class LineFeatureListCodec:
                 little_endian,
                 failure,
             ) from failure
+
+    @staticmethod
+    def to_xcdr2(value: LineFeatureList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(LineFeatureListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> LineFeatureList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: LineFeatureList = from_xcdr2(LineFeatureListCodec, data, little_endian)
+        return value
 
 
 _Features_layout = Fixed("dddddd")
@@ -4955,6 +5097,21 @@ class MulticameraImageListCodec:
                 failure,
             ) from failure
 
+    @staticmethod
+    def to_xcdr2(value: MulticameraImageList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(MulticameraImageListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> MulticameraImageList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: MulticameraImageList = from_xcdr2(
+            MulticameraImageListCodec,
+            data,
+            little_endian,
+        )
+        return value
+
 
 _MultiCameraImages_layout = Settled("=III")
 _MultiCameraImages_layout_2 = PhasedLayout("I I H H H I", "*s d I", "@4 *s")
@@ -5189,6 +5346,21 @@ class MulticameraGeometryListCodec:
                 little_endian,
                 failure,
             ) from failure
+
+    @staticmethod
+    def to_xcdr2(value: MulticameraGeometryList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(MulticameraGeometryListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> MulticameraGeometryList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: MulticameraGeometryList = from_xcdr2(
+            MulticameraGeometryListCodec,
+            data,
+            little_endian,
+        )
+        return value
 
 
 _MulticameraGeometry_layout = Fixed("ddddddddd")
@@ -5571,6 +5743,17 @@ class Waypoint2DListCodec:
                 failure,
             ) from failure
 
+    @staticmethod
+    def to_xcdr2(value: Waypoint2DList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(Waypoint2DListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Waypoint2DList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: Waypoint2DList = from_xcdr2(Waypoint2DListCodec, data, little_endian)
+        return value
+
 
 _Path2D_layout = Fixed("dddddIIddd")
 _Path2D_layout_2 = Layout("=III", "@4 *72s/8")
@@ -5949,6 +6132,17 @@ class Waypoint3DListCodec:
                 failure,
             ) from failure
 
+    @staticmethod
+    def to_xcdr2(value: Waypoint3DList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(Waypoint3DListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Waypoint3DList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: Waypoint3DList = from_xcdr2(Waypoint3DListCodec, data, little_endian)
+        return value
+
 
 _Path3D_layout = Fixed("ddddddddIIdddddd")
 _Path3D_layout_2 = Layout("=III", "@4 *120s/8")
@@ -6248,6 +6442,21 @@ class PointCloudPointListCodec:
                 little_endian,
                 failure,
             ) from failure
+
+    @staticmethod
+    def to_xcdr2(value: PointCloudPointList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(PointCloudPointListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> PointCloudPointList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: PointCloudPointList = from_xcdr2(
+            PointCloudPointListCodec,
+            data,
+            little_endian,
+        )
+        return value
 
 
 _PointCloud_layout = Fixed("dddddd")
@@ -6598,6 +6807,21 @@ class ElementGeometryListCodec:
                 failure,
             ) from failure
 
+    @staticmethod
+    def to_xcdr2(value: ElementGeometryList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(ElementGeometryListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> ElementGeometryList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: ElementGeometryList = from_xcdr2(
+            ElementGeometryListCodec,
+            data,
+            little_endian,
+        )
+        return value
+
 
 _RangerGeometry_layout = Fixed("ddddddddd")
 _RangerGeometry_layout_2 = Layout("=dddddddddI", "@4 *72s/8")
@@ -6935,6 +7159,17 @@ class RangeListCodec:
                 failure,
             ) from failure
 
+    @staticmethod
+    def to_xcdr2(value: RangeList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(RangeListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> RangeList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: RangeList = from_xcdr2(RangeListCodec, data, little_endian)
+        return value
+
 
 _RangeData_layout = Fixed("ddddddddd")
 _RangeData_layout_2 = Layout(
@@ -7252,6 +7487,17 @@ class IntensityListCodec:
                 little_endian,
                 failure,
             ) from failure
+
+    @staticmethod
+    def to_xcdr2(value: IntensityList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(IntensityListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> IntensityList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: IntensityList = from_xcdr2(IntensityListCodec, data, little_endian)
+        return value
 
 
 _IntensityData_layout = Fixed("ddddddddd")
@@ -7609,6 +7855,21 @@ class MulticameraInfoListCodec:
                 failure,
             ) from failure
 
+    @staticmethod
+    def to_xcdr2(value: MulticameraInfoList, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(MulticameraInfoListCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> MulticameraInfoList:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: MulticameraInfoList = from_xcdr2(
+            MulticameraInfoListCodec,
+            data,
+            little_endian,
+        )
+        return value
+
 
 RFIDTagData: TypeAlias = bytes
 """What an RFID tag holds."""
@@ -7665,3 +7926,14 @@ class RFIDTagDataCodec:
                 little_endian,
                 failure,
             ) from failure
+
+    @staticmethod
+    def to_xcdr2(value: RFIDTagData, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(RFIDTagDataCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> RFIDTagData:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: RFIDTagData = from_xcdr2(RFIDTagDataCodec, data, little_endian)
+        return value

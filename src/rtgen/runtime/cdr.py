@@ -90,6 +90,20 @@ def decoding_error(
     return fault_in_octets(type_._descriptor_, name, data, little_endian, failure)
 
 
+def to_xcdr2(type_: Any, value: object, little_endian: bool) -> bytes:
+    """The XCDR2 body of a value of a generated type or typedef; raises CdrError."""
+    from rtgen.runtime.xcdr import encode
+
+    return encode(type_, value, 2, little_endian)
+
+
+def from_xcdr2(type_: Any, data: Buffer, little_endian: bool) -> Any:
+    """The value of an XCDR2 body; raises CdrError."""
+    from rtgen.runtime.xcdr import decode
+
+    return decode(type_, data, 2, little_endian)
+
+
 def _name(type_: Any) -> str:
     """The unscoped name of a generated type, or of the typedef that a codec is for."""
     return str(type_._descriptor_.name).rpartition("::")[2]
@@ -303,6 +317,16 @@ class Enumeration(_Number, IntEnum):
         """The member of that number; raises ValueError."""
         return cls(number)
 
+    def to_xcdr2(self, little_endian: bool = True) -> bytes:
+        """The number in as many octets as `@bit_bound` asks for."""
+        return to_xcdr2(type(self), self, little_endian)
+
+    @classmethod
+    def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> Self:
+        """The member of an XCDR2 body; raises CdrError."""
+        member: Self = from_xcdr2(cls, data, little_endian)
+        return member
+
 
 class Flags(_Number, IntFlag):
     """The base of generated bitmasks."""
@@ -346,6 +370,29 @@ class Aggregated:
     __slots__ = ()
 
     _descriptor_: ClassVar[Any]
+
+    def __init_subclass__(cls) -> None:
+        if "_descriptor_" in cls.__dict__:
+            object.__setattr__(cls._descriptor_, "class_", cls)
+
+    def to_xcdr2(self, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(type(self), self, little_endian)
+
+    @classmethod
+    def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> Self:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: Self = from_xcdr2(cls, data, little_endian)
+        return value
+
+    def key_hash(self) -> bytes:
+        """The 16 octets that tell DDS instances apart; raises CdrError if there is no key.
+
+        DDSI-RTPS 2.5, 9.6.4.8, of the key in XCDR2 (DDS-XTypes 1.3, 7.6.8).
+        """
+        from rtgen.runtime.xcdr_keys import key_hash
+
+        return key_hash(type(self), self)
 
 
 class Composite(Aggregated):

@@ -1,7 +1,8 @@
 """What a generated type says of itself: repository id and structure, as data.
 
-Descriptors serve what happens rarely: the check when two ports are connected, and the search for
-the place of a value that could not be marshalled. Codecs do not look at them.
+Descriptors serve the check when two ports are connected, and the search for the place of a value
+that could not be marshalled; the codecs of XCDR are compiled from them. Those of classic CDR do
+not look at them.
 """
 
 from __future__ import annotations
@@ -14,6 +15,10 @@ from rtgen.runtime.cdr import Buffer
 
 NEXT: Final = -1
 """The member id that follows that of the member before."""
+
+
+def _unbound(*_: object) -> Any:
+    raise TypeError("the descriptor belongs to no class")
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +92,16 @@ class MapDescriptor:
 
 @dataclass(frozen=True, slots=True)
 class _Named:
+    """`class_` is the Python class it describes; `codecs` what was compiled from it."""
+
     repository_id: str
     name: str
+    class_: Callable[..., Any] = field(
+        default=_unbound, init=False, compare=False, repr=False
+    )
+    codecs: dict[Any, Any] = field(
+        default_factory=dict, init=False, compare=False, repr=False
+    )
 
     def __str__(self) -> str:
         return self.name
@@ -286,6 +299,12 @@ def _numbered(entries: tuple[_E, ...], first: int) -> tuple[_E, ...]:
         following = entry.id + 1
         numbered.append(entry)
     return tuple(numbered)
+
+
+def bind(class_: Any, descriptor: EnumDescriptor | FlagsDescriptor) -> None:
+    """Gives an enum or a bitmask its descriptor, which a class body of theirs cannot hold."""
+    class_._descriptor_ = descriptor
+    object.__setattr__(descriptor, "class_", class_)
 
 
 def plain(descriptor: Descriptor) -> Descriptor:

@@ -304,6 +304,7 @@ class TypesModule:
             descriptor = self._describe.flags(declaration)
         return render(
             "types/enum.py.j2",
+            py=self.scope,
             name=self._local(declaration),
             base=self.scope.Enumeration if is_enum else self.scope.Flags,
             docstring=self._doc(declaration),

@@ -30,6 +30,7 @@ from rtgen.runtime.descriptors import (
     StringDescriptor,
     StructDescriptor,
     UnionDescriptor,
+    bind,
 )
 
 
@@ -41,10 +42,13 @@ class Choice(Enumeration):
     other = 2
 
 
-Choice._descriptor_ = EnumDescriptor(
-    "IDL:Import/Choice:1.0",
-    "Import::Choice",
-    (("None", 0), ("mro", 1), ("other", 2)),
+bind(
+    Choice,
+    EnumDescriptor(
+        "IDL:Import/Choice:1.0",
+        "Import::Choice",
+        (("None", 0), ("mro", 1), ("other", 2)),
+    ),
 )
 
 

@@ -18,7 +18,9 @@ from rtgen.runtime.cdr import (
     UserException,
     decoding_error,
     encoding_error,
+    from_xcdr2,
     members,
+    to_xcdr2,
 )
 from rtgen.runtime.cdr_values import text_octets, text_value
 from rtgen.runtime.descriptors import (
@@ -32,6 +34,7 @@ from rtgen.runtime.descriptors import (
     SequenceDescriptor,
     StringDescriptor,
     StructDescriptor,
+    bind,
 )
 from rtgen.runtime.services import Servant, Skeleton, Stub
 
@@ -87,10 +90,9 @@ class Status(Enumeration):
     MOVING = 1
 
 
-Status._descriptor_ = EnumDescriptor(
-    "IDL:IIS/Status:1.0",
-    "IIS::Status",
-    (("IDLE", 0), ("MOVING", 1)),
+bind(
+    Status,
+    EnumDescriptor("IDL:IIS/Status:1.0", "IIS::Status", (("IDLE", 0), ("MOVING", 1))),
 )
 
 
@@ -228,6 +230,17 @@ class RangesCodec:
             return made
         except FAILURES as failure:
             raise decoding_error(RangesCodec, data, little_endian, failure) from failure
+
+    @staticmethod
+    def to_xcdr2(value: Ranges, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(RangesCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Ranges:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: Ranges = from_xcdr2(RangesCodec, data, little_endian)
+        return value
 
 
 LIMIT: Final = 0.5

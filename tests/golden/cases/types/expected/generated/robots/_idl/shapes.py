@@ -20,7 +20,9 @@ from rtgen.runtime.cdr import (
     UserException,
     decoding_error,
     encoding_error,
+    from_xcdr2,
     members,
+    to_xcdr2,
 )
 from rtgen.runtime.cdr_values import text_octets, text_value
 from rtgen.runtime.descriptors import (
@@ -35,6 +37,7 @@ from rtgen.runtime.descriptors import (
     StringDescriptor,
     StructDescriptor,
     UnionDescriptor,
+    bind,
 )
 from rtgen.runtime.services import Servant, Skeleton, Stub
 
@@ -153,6 +156,17 @@ class OutlineCodec:
                 failure,
             ) from failure
 
+    @staticmethod
+    def to_xcdr2(value: Outline, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(OutlineCodec, value, little_endian)
+
+    @staticmethod
+    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Outline:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: Outline = from_xcdr2(OutlineCodec, data, little_endian)
+        return value
+
 
 class Colour(Enumeration):
     """`Shapes::Colour`."""
@@ -161,10 +175,13 @@ class Colour(Enumeration):
     GREEN = 1
 
 
-Colour._descriptor_ = EnumDescriptor(
-    "IDL:Shapes/Colour:1.0",
-    "Shapes::Colour",
-    (("RED", 0), ("GREEN", 1)),
+bind(
+    Colour,
+    EnumDescriptor(
+        "IDL:Shapes/Colour:1.0",
+        "Shapes::Colour",
+        (("RED", 0), ("GREEN", 1)),
+    ),
 )
 
 

@@ -1,0 +1,180 @@
+"""XCDR, the representations of DDS: bodies, and payloads with their encapsulation header.
+
+DDS-XTypes 1.3, 7.4 and 7.6.3.1. Codecs are compiled from the descriptor of a type, once for each
+version and byte order. Version 1 is PLAIN_CDR, with PL_CDR for mutable types; version 2 is
+PLAIN_CDR2, DELIMITED_CDR and PL_CDR2, as the extensibility of each type says.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from functools import partial
+from typing import Any, TypeVar
+
+from rtgen.runtime.cdr import FAILURES, Buffer, CdrError, encoding_error
+from rtgen.runtime.descriptors import DataType, Descriptor, StructDescriptor, plain
+from rtgen.runtime.xcdr_codecs import (
+    LOCATED,
+    Codec,
+    Fault,
+    Format,
+    UnsupportedError,
+    refuse,
+)
+from rtgen.runtime.xcdr_compiler import codec_of
+from rtgen.runtime.xcdr_structs import open_ended
+
+_T = TypeVar("_T", bound=DataType)
+
+
+class Representation(IntEnum):
+    """The encapsulation identifiers of DDSI-RTPS 2.5, 10.2 and DDS-XTypes 1.3, table 60."""
+
+    CDR_BE = 0x00
+    CDR_LE = 0x01
+    PL_CDR_BE = 0x02
+    PL_CDR_LE = 0x03
+    CDR2_BE = 0x06
+    CDR2_LE = 0x07
+    D_CDR2_BE = 0x08
+    D_CDR2_LE = 0x09
+    PL_CDR2_BE = 0x0A
+    PL_CDR2_LE = 0x0B
+
+    @property
+    def version(self) -> int:
+        """The version of XCDR, 1 or 2."""
+        return 1 if self < Representation.CDR2_BE else 2
+
+    @property
+    def little_endian(self) -> bool:
+        """Whether the least significant octet comes first."""
+        return bool(self & 1)
+
+
+_KINDS = {
+    (1, "final"): Representation.CDR_BE,
+    (1, "appendable"): Representation.CDR_BE,
+    (1, "mutable"): Representation.PL_CDR_BE,
+    (2, "final"): Representation.CDR2_BE,
+    (2, "appendable"): Representation.D_CDR2_BE,
+    (2, "mutable"): Representation.PL_CDR2_BE,
+}
+
+
+def representation_of(
+    type_: type[DataType], version: int = 2, little_endian: bool = True
+) -> Representation:
+    """The one that values of the type have in a version of XCDR and a byte order."""
+    extensibility = getattr(type_._descriptor_, "extensibility", "final")
+    return Representation(_KINDS[version, extensibility] | bool(little_endian))
+
+
+def serialize(value: DataType, representation: Representation) -> bytes:
+    """The payload of a value: header, body, and padding to a multiple of 4 octets.
+
+    Raises CdrError, also if the extensibility of the type asks for another representation.
+    """
+    type_ = type(value)
+    _check_kind(type_, representation)
+    body = encode(type_, value, representation.version, representation.little_endian)
+    padding = -len(body) % 4
+    return bytes((0, representation, 0, padding)) + body + bytes(padding)
+
+
+def deserialize(type_: type[_T], payload: Buffer) -> _T:
+    """The value of a payload; raises CdrError."""
+    octets = _octets(type_, payload)
+    if len(octets) < 4:
+        raise CdrError(_name(type_), "the encapsulation header is truncated")
+    try:
+        representation = Representation(octets[0] << 8 | octets[1])
+    except ValueError:
+        number = octets[0] << 8 | octets[1]
+        message = f"{number:#06x} is no encapsulation of XCDR"
+        raise CdrError(_name(type_), message) from None
+    _check_kind(type_, representation)
+    end = len(octets) - (octets[3] & 3)
+    body = octets[4 : max(end, 4)]
+    value: _T = decode(
+        type_, body, representation.version, representation.little_endian
+    )
+    return value
+
+
+def _check_kind(type_: type[DataType], representation: Representation) -> None:
+    wanted = representation_of(
+        type_, representation.version, representation.little_endian
+    )
+    if wanted is not representation:
+        message = f"its representation is {wanted.name}, not {representation.name}"
+        raise CdrError(_name(type_), message)
+
+
+def encode(type_: Any, value: object, version: int, little_endian: bool) -> bytes:
+    """The body of a value of a generated type or typedef; raises CdrError."""
+    try:
+        out = bytearray()
+        _root(type_._descriptor_, version, little_endian).write(out, value)
+        return bytes(out)
+    except UnsupportedError as failure:
+        raise CdrError(_name(type_) + failure.path, str(failure)) from failure
+    except FAILURES as failure:
+        raise encoding_error(type_, value, failure) from failure
+
+
+def decode(type_: Any, data: Buffer, version: int, little_endian: bool) -> Any:
+    """The value of a body; raises CdrError."""
+    octets = data if type(data) is bytes else _octets(type_, data)
+    try:
+        read = _root(type_._descriptor_, version, little_endian).read
+        try:
+            value, offset = read(octets, 0)
+        except LOCATED as failure:
+            refuse(failure, "")
+        if offset != len(octets):
+            raise Fault(f"{len(octets) - offset} octets too many")
+        return value
+    except UnsupportedError as failure:
+        raise CdrError(_name(type_) + failure.path, str(failure)) from failure
+    except RecursionError as failure:
+        message = "the value is nested too deeply"
+        raise CdrError(_name(type_), message) from failure
+    except Fault as fault:
+        path = "".join([_name(type_), *reversed(fault.parts)])
+        raise CdrError(path, fault.message) from fault
+
+
+def _root(descriptor: Any, version: int, little_endian: bool) -> Codec:
+    """The codec of a whole body; kept beside those of the formats."""
+    key = version << 1 | bool(little_endian)
+    codec: Codec | None = descriptor.codecs.get(key)
+    if codec is None:
+        format_ = Format(version, bool(little_endian))
+        codec = descriptor.codecs[key] = _root_codec(descriptor, format_)
+    return codec
+
+
+def _root_codec(descriptor: Descriptor, format_: Format) -> Codec:
+    codec = codec_of(descriptor, format_)
+    target = plain(descriptor)
+    if (
+        format_.version == 1
+        and isinstance(target, StructDescriptor)
+        and target.extensibility == "appendable"
+    ):
+        of = partial(codec_of, format_=format_)
+        return Codec(codec.write, open_ended(format_, target, of), codec.least)
+    return codec
+
+
+def _name(type_: Any) -> str:
+    return str(type_._descriptor_.name).rpartition("::")[2]
+
+
+def _octets(type_: Any, data: Buffer) -> bytes:
+    try:
+        return bytes(memoryview(data))
+    except TypeError as failure:
+        message = f"octets are needed, not {type(data).__name__}"
+        raise CdrError(_name(type_), message) from failure

@@ -1,0 +1,323 @@
+"""XCDR codecs of strings, sequences, arrays and maps (DDS-XTypes 1.3, 7.4.3.5)."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from math import prod
+from struct import Struct
+from typing import Any
+
+from rtgen.runtime.cdr_values import exact, flat, nested, text_octets, text_value
+from rtgen.runtime.descriptors import (
+    ArrayDescriptor,
+    Descriptor,
+    MapDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+)
+from rtgen.runtime.xcdr_codecs import (
+    LOCATED,
+    PADDING,
+    Codec,
+    Fault,
+    Format,
+    Read,
+    Run,
+    Write,
+    left,
+    refuse,
+)
+
+EMPTY_ELEMENTS = 65536
+"""How many elements without any octet a collection can have."""
+
+_DUAL_USE = {1: 5, 4: 6, 8: 7}
+"""Size of a primitive element to the length code that takes the count for the length."""
+
+Of = Callable[[Descriptor], Codec]
+
+
+def delimited(
+    format_: Format, write_inner: Write, read_inner: Read
+) -> tuple[Write, Read]:
+    """Both ways of what stands behind a DHEADER; `read_inner` gets no more than that."""
+    ulong = Struct(f"{format_.order}I")
+    pack_into, unpack = ulong.pack_into, ulong.unpack_from
+    zero = bytes(4)
+
+    def write(out: bytearray, value: Any) -> None:
+        out += PADDING[len(out) & 3]
+        out += zero
+        start = len(out)
+        write_inner(out, value)
+        pack_into(out, start - 4, len(out) - start)
+
+    def read(data: bytes, offset: int) -> tuple[Any, int]:
+        offset += -offset & 3
+        (size,) = unpack(data, offset)
+        offset += 4
+        left(data, offset, size)
+        end = offset + size
+        value, used = read_inner(data[offset:end], 0)
+        if used != size:
+            raise ValueError(f"{size - used} octets too many")
+        return value, end
+
+    return write, read
+
+
+def string_codec(format_: Format, descriptor: StringDescriptor) -> Codec:
+    """`string` is UTF-8 that ends with NUL; `wstring` UTF-16 in octets, without mark and NUL."""
+    ulong = Struct(f"{format_.order}I")
+    pack, unpack = ulong.pack, ulong.unpack_from
+    bound = descriptor.bound
+    wide = descriptor.wide
+    encoding = "utf-16-le" if format_.little else "utf-16-be"
+
+    def checked(length: int) -> None:
+        if bound is not None and length > bound:
+            unit = "UTF-16 units" if wide else "octets of UTF-8"
+            raise ValueError(f"{length} {unit}, and {bound} are the most")
+
+    def write_narrow(out: bytearray, value: Any) -> None:
+        octets = text_octets(value)
+        if bound is not None:
+            checked(len(octets))
+        out += PADDING[len(out) & 3]
+        out += pack(len(octets) + 1)
+        out += octets
+        out += b"\0"
+
+    def write_wide(out: bytearray, value: Any) -> None:
+        if "\0" in value:
+            raise ValueError("a wstring cannot hold NUL")
+        octets = value.encode(encoding)
+        checked(len(octets) // 2)
+        out += PADDING[len(out) & 3]
+        out += pack(len(octets))
+        out += octets
+
+    def read(data: bytes, offset: int) -> tuple[Any, int]:
+        offset += -offset & 3
+        (size,) = unpack(data, offset)
+        offset += 4
+        left(data, offset, size)
+        end = offset + size
+        octets = data[offset:end]
+        if not wide:
+            if bound is not None:
+                checked(size - 1)
+            return text_value(octets), end
+        checked(size // 2)
+        text = octets.decode(encoding)
+        if "\0" in text:
+            raise ValueError("a wstring cannot hold NUL")
+        return text, end
+
+    return Codec(write_wide if wide else write_narrow, read, 4, 5)
+
+
+def sequence_codec(format_: Format, descriptor: SequenceDescriptor, of: Of) -> Codec:
+    """A count and the elements, behind a DHEADER in version 2 if they are not primitive."""
+    element = of(descriptor.element)
+    write_items, read_items = _items(format_, descriptor.element, element, True)
+    bound = descriptor.bound
+    ulong = Struct(f"{format_.order}I")
+    pack, unpack = ulong.pack, ulong.unpack_from
+    least = element.least
+
+    def write(out: bytearray, value: Any) -> None:
+        count = len(value)
+        if bound is not None and count > bound:
+            raise ValueError(f"{count} items, and {bound} are the most")
+        out += PADDING[len(out) & 3]
+        out += pack(count)
+        if count:
+            write_items(out, value)
+
+    def read(data: bytes, offset: int) -> tuple[Any, int]:
+        offset += -offset & 3
+        (count,) = unpack(data, offset)
+        offset += 4
+        _check_count(data, offset, count, least, bound)
+        return read_items(data, offset, count)
+
+    if format_.version == 1 or element.primitive:
+        run = element.run
+        code = _DUAL_USE.get(run.least, 4) if run is not None else 4
+        return Codec(write, read, 4, code)
+    return Codec(*delimited(format_, write, read), 8, 5)
+
+
+def array_codec(
+    format_: Format, descriptor: ArrayDescriptor, of: Of, inner: bool = False
+) -> Codec:
+    """The elements, behind a DHEADER in version 2 if they are not primitive.
+
+    An array of an alias of an array (`inner`) has more dimensions, and no second DHEADER.
+    """
+    if isinstance(descriptor.element, ArrayDescriptor):
+        element = array_codec(format_, descriptor.element, of, True)
+    else:
+        element = of(descriptor.element)
+    dimensions = descriptor.dimensions
+    several = len(dimensions) > 1
+    write_items, read_items = _items(format_, descriptor.element, element, not several)
+    total = prod(dimensions)
+    least = total * element.least
+
+    def write(out: bytearray, value: Any) -> None:
+        if several:
+            value = flat(value, dimensions)
+        write_items(out, exact(value, total))
+
+    def read(data: bytes, offset: int) -> tuple[Any, int]:
+        left(data, offset, least)
+        value, offset = read_items(data, offset, total)
+        return (nested(value, dimensions) if several else value), offset
+
+    if format_.version == 1 or element.primitive or inner:
+        return Codec(write, read, least, 4, element.primitive and inner)
+    return Codec(*delimited(format_, write, read), 4 + least, 5)
+
+
+def map_codec(format_: Format, descriptor: MapDescriptor, of: Of) -> Codec:
+    """A count and the pairs, behind a DHEADER in version 2 if not both are primitive."""
+    key, item = of(descriptor.key), of(descriptor.value)
+    bound = descriptor.bound
+    ulong = Struct(f"{format_.order}I")
+    pack, unpack = ulong.pack, ulong.unpack_from
+    write_key, write_item = key.write, item.write
+    read_key, read_item = key.read, item.read
+    least = key.least + item.least
+
+    def write(out: bytearray, value: Any) -> None:
+        if bound is not None and len(value) > bound:
+            raise ValueError(f"{len(value)} items, and {bound} are the most")
+        out += PADDING[len(out) & 3]
+        out += pack(len(value))
+        for k, v in value.items():
+            write_key(out, k)
+            write_item(out, v)
+
+    def read(data: bytes, offset: int) -> tuple[Any, int]:
+        offset += -offset & 3
+        (count,) = unpack(data, offset)
+        offset += 4
+        _check_count(data, offset, count, least, bound)
+        value: dict[Any, Any] = {}
+        index = 0
+        try:
+            for index in range(count):  # noqa: B007
+                k, offset = read_key(data, offset)
+                value[k], offset = read_item(data, offset)
+        except (Fault, *LOCATED) as failure:
+            refuse(failure, f"[{index}]")
+        return value, offset
+
+    if format_.version == 1 or (key.primitive and item.primitive):
+        return Codec(write, read, 4)
+    return Codec(*delimited(format_, write, read), 8)
+
+
+def _check_count(
+    data: bytes, offset: int, count: int, least: int, bound: int | None
+) -> None:
+    rest = len(data) - offset
+    if count * least > rest or (not least and count > EMPTY_ELEMENTS):
+        raise ValueError(f"a length of {count}, and {rest} octets are left")
+    if bound is not None and count > bound:
+        raise ValueError(f"{count} items, and {bound} are the most")
+
+
+_ReadItems = Callable[[bytes, int, int], tuple[Any, int]]
+
+
+def _items(
+    format_: Format, descriptor: Descriptor, element: Codec, text: bool
+) -> tuple[Write, _ReadItems]:
+    """How so many elements are written and read; as `bytes` or `str` where `text` allows it."""
+    if text and isinstance(descriptor, PrimitiveDescriptor):
+        if descriptor.name in ("octet", "uint8"):
+            return _write_octets, _read_octets
+        if descriptor.name == "char":
+            return _write_characters, _read_characters
+    if element.run is not None and element.run.paths == ("",):
+        return _scalars(format_, element.run)
+    write_one, read_one = element.write, element.read
+
+    def write(out: bytearray, value: Any) -> None:
+        for item in value:
+            write_one(out, item)
+
+    if element.run is not None and element.run.build is not None:
+        return write, element.run.many(element.run.build)
+
+    def read(data: bytes, offset: int, count: int) -> tuple[Any, int]:
+        items: list[Any] = []
+        try:
+            for _ in range(count):
+                item, offset = read_one(data, offset)
+                items.append(item)
+        except (Fault, *LOCATED) as failure:
+            refuse(failure, f"[{len(items)}]")
+        return items, offset
+
+    return write, read
+
+
+def _scalars(format_: Format, run: Run) -> tuple[Write, _ReadItems]:
+    """Scalars in one `struct` call."""
+    (scalar,) = run.scalars
+    order, code, size = format_.order, scalar.code, scalar.size
+    mask = min(scalar.align, format_.widest) - 1
+    encode, decode = scalar.encode, scalar.decode
+    simple = len(code) == 1
+    blanks = bytes(8)
+
+    def write(out: bytearray, value: Any) -> None:
+        out += blanks[: -len(out) & mask]
+        if encode is not None:
+            value = [encode(item) for item in value]
+        count = len(value)
+        text = f"{count}{code}" if simple else code * count
+        out += struct.pack(order + text, *value)
+
+    def read(data: bytes, offset: int, count: int) -> tuple[Any, int]:
+        if count:
+            offset += -offset & mask
+        left(data, offset, count * size)
+        text = f"{count}{code}" if simple else code * count
+        values = list(struct.unpack_from(order + text, data, offset))
+        if decode is not None:
+            index = 0
+            try:
+                for index, item in enumerate(values):
+                    values[index] = decode(item)
+            except LOCATED as failure:
+                refuse(failure, f"[{index}]")
+        return values, offset + count * size
+
+    return write, read
+
+
+def _write_octets(out: bytearray, value: Any) -> None:
+    if not isinstance(value, bytes | bytearray):
+        raise TypeError("bytes are needed")
+    out += value
+
+
+def _read_octets(data: bytes, offset: int, count: int) -> tuple[Any, int]:
+    end = offset + count
+    return data[offset:end], end
+
+
+def _write_characters(out: bytearray, value: Any) -> None:
+    out += value.encode("latin-1")
+
+
+def _read_characters(data: bytes, offset: int, count: int) -> tuple[Any, int]:
+    end = offset + count
+    return data[offset:end].decode("latin-1"), end

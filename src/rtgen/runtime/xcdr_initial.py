@@ -1,0 +1,65 @@
+"""The initial value of a type: what a member that was not sent has (DDS-XTypes 1.3, 7.2.2.4.4)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rtgen.runtime.cdr_values import nested
+from rtgen.runtime.descriptors import (
+    ArrayDescriptor,
+    Descriptor,
+    EnumDescriptor,
+    FlagsDescriptor,
+    MapDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    plain,
+)
+
+
+def initial_value(descriptor: Descriptor) -> Any:
+    """Zero, empty, the first enumerator; a new object each time."""
+    descriptor = plain(descriptor)
+    match descriptor:
+        case PrimitiveDescriptor("boolean"):
+            return False
+        case PrimitiveDescriptor("char" | "wchar"):
+            return "\0"
+        case PrimitiveDescriptor("float" | "double" | "long double"):
+            return 0.0
+        case PrimitiveDescriptor():
+            return 0
+        case StringDescriptor():
+            return ""
+        case SequenceDescriptor(element=element):
+            return _text(element, 0)
+        case ArrayDescriptor(element=element, dimensions=(length,)):
+            empty = _text(element, length)
+            return empty or [initial_value(element) for _ in range(length)]
+        case ArrayDescriptor(element=element, dimensions=dimensions):
+            total = 1
+            for length in dimensions:
+                total *= length
+            return nested([initial_value(element) for _ in range(total)], dimensions)
+        case MapDescriptor():
+            return {}
+        case EnumDescriptor(members=members):
+            return descriptor.class_(members[0][1])
+        case FlagsDescriptor():
+            return descriptor.class_(0)
+        case StructDescriptor() | UnionDescriptor():
+            return descriptor.class_()
+    return None
+
+
+def _text(element: Descriptor, length: int) -> Any:
+    """So many zeros as octets or characters, or an empty list."""
+    match plain(element):
+        case PrimitiveDescriptor("octet" | "uint8"):
+            return bytes(length)
+        case PrimitiveDescriptor("char"):
+            return "\0" * length
+    return []
