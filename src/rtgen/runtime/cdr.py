@@ -258,12 +258,32 @@ def members(enum: type[_E]) -> dict[int, _E]:
     return {member.value: member for member in enum}
 
 
-class _Number:
-    """What stands on the wire as one unsigned integer."""
+class _Described:
+    """What has a descriptor that XCDR codecs can be compiled from."""
 
     __slots__ = ()
 
     _descriptor_: ClassVar[Any]
+
+    def __init_subclass__(cls) -> None:
+        if "_descriptor_" in cls.__dict__:
+            object.__setattr__(cls._descriptor_, "class_", cls)
+
+    def to_xcdr2(self, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(type(self), self, little_endian)
+
+    @classmethod
+    def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> Self:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: Self = from_xcdr2(cls, data, little_endian)
+        return value
+
+
+class _Number(_Described):
+    """What stands on the wire as one unsigned integer."""
+
+    __slots__ = ()
 
     def to_cdr(self, little_endian: bool = True) -> bytes:
         """The number as an unsigned integer; raises CdrError."""
@@ -317,16 +337,6 @@ class Enumeration(_Number, IntEnum):
         """The member of that number; raises ValueError."""
         return cls(number)
 
-    def to_xcdr2(self, little_endian: bool = True) -> bytes:
-        """The number in as many octets as `@bit_bound` asks for."""
-        return to_xcdr2(type(self), self, little_endian)
-
-    @classmethod
-    def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The member of an XCDR2 body; raises CdrError."""
-        member: Self = from_xcdr2(cls, data, little_endian)
-        return member
-
 
 class Flags(_Number, IntFlag):
     """The base of generated bitmasks."""
@@ -364,26 +374,10 @@ class Bitset(_Number):
         return cls(*(f.unpacked(number) for f in cls._descriptor_.fields))
 
 
-class Aggregated:
+class Aggregated(_Described):
     """The base of generated structs and unions."""
 
     __slots__ = ()
-
-    _descriptor_: ClassVar[Any]
-
-    def __init_subclass__(cls) -> None:
-        if "_descriptor_" in cls.__dict__:
-            object.__setattr__(cls._descriptor_, "class_", cls)
-
-    def to_xcdr2(self, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(type(self), self, little_endian)
-
-    @classmethod
-    def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Self = from_xcdr2(cls, data, little_endian)
-        return value
 
     def key_hash(self) -> bytes:
         """The 16 octets that tell DDS instances apart; raises CdrError if there is no key.

@@ -16,6 +16,7 @@ from rtgen.runtime.descriptors import (
     PrimitiveDescriptor,
     SequenceDescriptor,
     StringDescriptor,
+    plain,
 )
 from rtgen.runtime.xcdr_codecs import (
     LOCATED,
@@ -122,7 +123,7 @@ def string_codec(format_: Format, descriptor: StringDescriptor) -> Codec:
 def sequence_codec(format_: Format, descriptor: SequenceDescriptor, of: Of) -> Codec:
     """A count and the elements, behind a DHEADER in version 2 if they are not primitive."""
     element = of(descriptor.element)
-    write_items, read_items = _items(format_, descriptor.element, element, True)
+    write_items, read_items = _items(format_, descriptor.element, element)
     bound = descriptor.bound
     ulong = Struct(f"{format_.order}I")
     pack, unpack = ulong.pack, ulong.unpack_from
@@ -158,13 +159,18 @@ def array_codec(
 
     An array of an alias of an array (`inner`) has more dimensions, and no second DHEADER.
     """
-    if isinstance(descriptor.element, ArrayDescriptor):
-        element = array_codec(format_, descriptor.element, of, True)
+    dimensions = descriptor.dimensions
+    if len(dimensions) > 1 and _is_text(descriptor.element):
+        row = ArrayDescriptor(descriptor.element, dimensions[-1:])
+        rows = ArrayDescriptor(row, dimensions[:-1])
+        return array_codec(format_, rows, of, inner)
+    target = plain(descriptor.element)
+    if isinstance(target, ArrayDescriptor):
+        element = array_codec(format_, target, of, True)
     else:
         element = of(descriptor.element)
-    dimensions = descriptor.dimensions
     several = len(dimensions) > 1
-    write_items, read_items = _items(format_, descriptor.element, element, not several)
+    write_items, read_items = _items(format_, descriptor.element, element)
     total = prod(dimensions)
     least = total * element.least
 
@@ -235,15 +241,21 @@ def _check_count(
 _ReadItems = Callable[[bytes, int, int], tuple[Any, int]]
 
 
+def _is_text(descriptor: Descriptor) -> bool:
+    """Whether a row of that type is `bytes` or `str`."""
+    target = plain(descriptor)
+    texts = ("octet", "uint8", "char")
+    return isinstance(target, PrimitiveDescriptor) and target.name in texts
+
+
 def _items(
-    format_: Format, descriptor: Descriptor, element: Codec, text: bool
+    format_: Format, descriptor: Descriptor, element: Codec
 ) -> tuple[Write, _ReadItems]:
-    """How so many elements are written and read; as `bytes` or `str` where `text` allows it."""
-    if text and isinstance(descriptor, PrimitiveDescriptor):
-        if descriptor.name in ("octet", "uint8"):
-            return _write_octets, _read_octets
-        if descriptor.name == "char":
+    """How so many elements are written and read."""
+    if _is_text(descriptor):
+        if plain(descriptor) == PrimitiveDescriptor("char"):
             return _write_characters, _read_characters
+        return _write_octets, _read_octets
     if element.run is not None and element.run.paths == ("",):
         return _scalars(format_, element.run)
     write_one, read_one = element.write, element.read

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from operator import methodcaller
 from typing import Any
 
 from rtgen.runtime.cdr_values import flags_number
@@ -129,26 +130,5 @@ def _flags(descriptor: FlagsDescriptor) -> Scalar:
 
 def _bitset(descriptor: BitsetDescriptor) -> Scalar:
     code, size = holder(descriptor.bound)
-    fields = descriptor.fields
-    class_ = descriptor.class_
-
-    def encode(value: Any) -> int:
-        number = 0
-        for bits in fields:
-            part = int(getattr(value, bits.attribute))
-            lowest = -(1 << bits.bits - 1) if bits.signed else 0
-            if not lowest <= part < lowest + (1 << bits.bits):
-                raise ValueError(f"{part} has more than {bits.bits} bits")
-            number |= (part & (1 << bits.bits) - 1) << bits.position
-        return number
-
-    def decode(number: int) -> Any:
-        values: list[int] = []
-        for bits in fields:
-            part = number >> bits.position & (1 << bits.bits) - 1
-            if bits.signed and part >> bits.bits - 1:
-                part -= 1 << bits.bits
-            values.append(bool(part) if bits.boolean else part)
-        return class_(*values)
-
-    return Scalar(code, size, size, encode, decode)
+    class_: Any = descriptor.class_
+    return Scalar(code, size, size, methodcaller("to_number"), class_.from_number)
