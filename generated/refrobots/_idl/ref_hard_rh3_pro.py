@@ -58,3 +58,4 @@ class RefHardSkeleton(Skeleton):
 
 RefHard._stub_ = RefHardStub
 RefHard._skeleton_ = RefHardSkeleton
+RefHard._calls_ = ".ref_hard_rh3_pro_calls"

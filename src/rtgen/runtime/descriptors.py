@@ -265,6 +265,7 @@ class InterfaceDescriptor(_Named):
 
     operations: tuple[str, ...] = ()
     bases: tuple[InterfaceDescriptor, ...] = ()
+    local: bool = False
 
     def is_a(self, repository_id: str) -> bool:
         """Whether it is the interface of that id or derives from it."""

@@ -35,12 +35,17 @@ class BadOperation(ServiceError):
     """The interface has no such operation, or it takes other arguments."""
 
 
+class MarshalError(ServiceError):
+    """What came over the wire, or what was to go over it, is not what the interface says."""
+
+
 class Servant(ABC):
     """The base of generated interfaces: what a servant implements, and what a client sees."""
 
     _descriptor_: ClassVar[InterfaceDescriptor]
     _stub_: ClassVar[type[Any]]
     _skeleton_: ClassVar[type[Any]]
+    _calls_: ClassVar[str]
 
 
 class Stub:

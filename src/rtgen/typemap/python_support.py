@@ -13,6 +13,7 @@ HOMES = {
     "BitsetDescriptor": "rtgen.runtime.descriptors",
     "BranchDescriptor": "rtgen.runtime.descriptors",
     "Buffer": "rtgen.runtime.cdr",
+    "Call": "rtgen.runtime.calls",
     "ClassVar": "typing",
     "Composite": "rtgen.runtime.cdr",
     "Decimal": "decimal",

@@ -11,8 +11,16 @@ from typing import Any
 import emitted
 import pytest
 
+from rtgen.runtime.calls import Client, Reply, ReplyStatus, Server, calls_of
+from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.cdr_values import ObjectReference
-from rtgen.runtime.services import ObjectNotExist, UnknownException
+from rtgen.runtime.services import (
+    BadOperation,
+    MarshalError,
+    ObjectNotExist,
+    ServiceError,
+    UnknownException,
+)
 
 CASE = Path(__file__).with_name("service_forms.idl")
 Connect = Callable[[Any, Any], Any]
@@ -27,7 +35,40 @@ def direct(interface: Any, servant: Any) -> Any:
     return interface._stub_(interface._skeleton_(servant).dispatch)
 
 
-@pytest.fixture(params=[direct])
+def marshalled(interface: Any, servant: Any, little_endian: bool = True) -> Any:
+    """A stub whose calls go through octets, there and back."""
+    objects = Objects(little_endian)
+    server = Server(interface, servant, objects=objects)
+
+    def send(operation: str, body: bytes, oneway: bool) -> Reply | None:
+        return server.handle(operation, body, little_endian)
+
+    client = Client(interface, send, little_endian=little_endian, objects=objects)
+    return interface._stub_(client)
+
+
+def marshalled_big(interface: Any, servant: Any) -> Any:
+    return marshalled(interface, servant, little_endian=False)
+
+
+class Objects:
+    """Names the servants of one process by number."""
+
+    def __init__(self, little_endian: bool) -> None:
+        self._little_endian = little_endian
+        self._known: list[Any] = []
+
+    def reference(self, interface: Any, servant: Any) -> ObjectReference:
+        key = bytes([len(self._known)])
+        self._known.append(servant)
+        return ObjectReference(interface._descriptor_.repository_id, ((0, key),))
+
+    def resolve(self, interface: Any, reference: ObjectReference) -> Any:
+        ((_, key),) = reference.profiles
+        return marshalled(interface, self._known[key[0]], self._little_endian)
+
+
+@pytest.fixture(params=[direct, marshalled, marshalled_big])
 def connect(request: pytest.FixtureRequest) -> Connect:
     """A servant's stub, by each way in which calls are carried."""
     way: Connect = request.param
@@ -305,6 +346,35 @@ def test_types_declared_inside(forms: Any, connect: Connect) -> None:
     assert caught.value.now == inner.State(inner.OFF, [])
 
 
+def test_objects_are_called_wherever_they_are(forms: Any, connect: Connect) -> None:
+    class Numbered(forms.Later):  # type: ignore[misc]
+        def __init__(self, number: int) -> None:
+            self._number = number
+
+        def number(self) -> int:
+            return self._number
+
+        def self(self) -> Any:
+            return self
+
+        def nobody(self, a: Any) -> Any:
+            assert a is None
+            return a
+
+        def other(self, given: Any, both: Any) -> Any:
+            return given, Numbered(given.back()), both
+
+    stub = connect(forms.Later, Numbered(1))
+    assert stub.number() == stub.self().number() == stub.self().self().number() == 1
+    assert stub.nobody(None) is None
+    given = serving(forms.Directions, back=lambda: 7)
+    back, taken, both = stub.other(given, None)
+    assert back.back() == taken.number() == 7
+    assert both is None
+    with pytest.raises(UnknownException):
+        stub.other(None, None)
+
+
 def test_a_local_interface_works_in_one_process(forms: Any) -> None:
     handle, later = object(), object()
     servant = serving(
@@ -314,3 +384,112 @@ def test_a_local_interface_works_in_one_process(forms: Any) -> None:
     assert stub.value == 2.5
     assert stub.take(handle) is handle
     assert stub.read(later) is later
+    with pytest.raises(ServiceError, match="Forms::Gauge is local"):
+        marshalled(forms.Gauge, servant)
+
+
+@pytest.fixture
+def errors(forms: Any) -> Any:
+    """A server whose operations raise what they are given."""
+
+    class Servant(forms.Errors):  # type: ignore[misc]
+        def one(self, which: int) -> None:
+            raise (forms.Broken("x" * which, which), BadOperation("inner"))[which > 1]
+
+        def several(self, which: int) -> int:
+            return 2**31 + which
+
+        def repeated(self) -> None:
+            raise forms.Broken("not declared", 1)
+
+    return Server(forms.Errors, Servant())
+
+
+def test_octets(forms: Any, errors: Any) -> None:
+    broken = errors.handle("one", bytes(4))
+    assert broken.status is ReplyStatus.USER_EXCEPTION
+    identity = b"IDL:Forms/Broken:1.0\0"
+    assert broken.body == b"".join(
+        (b"\x15\0\0\0", identity, b"\0\0\0", b"\1\0\0\0\0\0\0\0", bytes(4))
+    )
+    unknown = errors.handle("none", b"", little_endian=False)
+    assert unknown.status is ReplyStatus.SYSTEM_EXCEPTION
+    identity = b"IDL:omg.org/CORBA/BAD_OPERATION:1.0\0"
+    assert unknown.body == b"\0\0\0\x24" + identity + b"\0\0\0\0\0\0\0\2"
+    request = calls_of(forms.Directions)["all"].request
+    values = (1, 0.5, True, forms.Pose(1.0, 2.0))
+    assert request(*values).to_cdr().hex(" ", 8) == (
+        "0100000000000000 000000000000e03f 0100000000000000 "
+        "000000000000f03f 0000000000000040"
+    )
+
+
+@pytest.mark.parametrize(
+    ("operation", "body", "expected"),
+    [
+        ("one", bytes(3), MarshalError),  # truncated
+        ("one", bytes(5), MarshalError),  # an octet too many
+        ("one", b"\2\0\0\0", BadOperation),  # the servant's own call failed so
+        ("several", bytes(4), MarshalError),  # the result is no long
+        ("repeated", b"", UnknownException),
+        ("_get_one", b"", BadOperation),
+    ],
+)
+def test_failures_of_a_server(
+    forms: Any, errors: Any, operation: str, body: bytes, expected: type[Exception]
+) -> None:
+    reply = errors.handle(operation, body)
+    assert reply.status is ReplyStatus.SYSTEM_EXCEPTION
+    client = Client(forms.Errors, lambda *_: reply)
+    with pytest.raises(expected, match=r"the server tells of IDL:omg\.org/CORBA/"):
+        client("one", (1,))
+
+
+@pytest.mark.parametrize(
+    "reply",
+    [
+        None,
+        Reply(ReplyStatus.NO_EXCEPTION, b"\0"),
+        Reply(ReplyStatus.USER_EXCEPTION, b"\0\0"),
+        Reply(ReplyStatus.USER_EXCEPTION, b"\xff\xff\xff\xffIDL"),
+        Reply(ReplyStatus.SYSTEM_EXCEPTION, b""),
+        Reply(ReplyStatus.SYSTEM_EXCEPTION, b"\2\0\0\0x\0\0\0" + b"\7" * 8),
+    ],
+)
+def test_replies_that_cannot_be_understood(forms: Any, reply: Reply | None) -> None:
+    client = Client(forms.Errors, lambda *_: reply)
+    with pytest.raises(MarshalError):
+        client("one", (1,))
+
+
+def test_failures_of_a_client(forms: Any) -> None:
+    identity = b"\x10\0\0\0IDL:Other/X:1.0\0"
+    replies = {
+        ReplyStatus.USER_EXCEPTION: UnknownException,
+        ReplyStatus.SYSTEM_EXCEPTION: ServiceError,
+    }
+    for status, expected in replies.items():
+        reply = Reply(status, identity + bytes(8))
+        with pytest.raises(expected, match=r"IDL:Other/X:1\.0"):
+            Client(forms.Errors, lambda *_, _r=reply: _r)("one", (1,))
+    client = Client(forms.Errors, lambda *_: None)
+    with pytest.raises(CdrError, match=r"^Errors\.one request\.which: "):
+        client("one", (2**31,))
+    with pytest.raises(BadOperation, match="takes 1 arguments, not 0"):
+        client("one", ())
+    with pytest.raises(BadOperation, match="there is no operation fly"):
+        client("fly", ())
+    later = Client(forms.Attributes, lambda *_: None)
+    with pytest.raises(
+        MarshalError, match="passes no objects, here one of Forms::Later"
+    ):
+        later("_set_friend", (serving(forms.Later),))
+
+
+def test_a_servant_gives_all_results_or_the_call_fails(forms: Any) -> None:
+    servant = serving(forms.Directions, three=lambda: (1, 2.0), back=lambda: None)
+    stub = marshalled(forms.Directions, servant)
+    with pytest.raises(UnknownException):
+        stub.three()
+    with pytest.raises(MarshalError):
+        stub.back()

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.python_text import docstring, header_comment
+from rtgen.backends.types.calls import Calls
 from rtgen.backends.types.module import TypesModule
 from rtgen.backends.types.packages import Package, package_text, packages
 from rtgen.backends.types.rules import LONG_NAME, NOT_MARSHALLED
@@ -38,12 +39,13 @@ class TypesBackend:
         """All modules and packages; nothing but diagnostics if there are errors."""
         if not any(is_emitted(declaration) for declaration in model.declarations):
             return Emission()
-        names = PythonNames(model, options.package)
-        types = CdrTypes(model, names.members)
+        calls = Calls(model)
+        names = PythonNames(calls.model, options.package)
+        types = CdrTypes(calls.model, names.members)
         diagnostics = list(_check(model, types))
         if diagnostics:
             return Emission((), diagnostics)
-        writer = _Writer(model, names, types, options)
+        writer = _Writer(model, calls, names, types, options)
         return Emission(tuple(writer.artifacts()))
 
 
@@ -52,9 +54,15 @@ BACKEND = TypesBackend()
 
 class _Writer:
     def __init__(
-        self, model: Model, names: PythonNames, types: CdrTypes, options: Options
+        self,
+        model: Model,
+        calls: Calls,
+        names: PythonNames,
+        types: CdrTypes,
+        options: Options,
     ) -> None:
         self._model = model
+        self._calls = calls
         self._names = names
         self._types = types
         self._options = options
@@ -64,13 +72,16 @@ class _Writer:
         root = self._options.package
         codecs: set[ScopedName] = set()
         modules: list[Artifact] = []
+        of_calls = {self._names.module(file) for file in self._calls.origins}
         for module in self._names.modules:
+            if module in of_calls:
+                continue
             files = self._sources({d.file for d in self._names.declarations(module)})
-            builder = TypesModule(self._model, self._names, self._types, module)
-            title = f"Types of `{_keys(files)}`."
-            text = builder.text(self._header(files), title)
+            builder = TypesModule(self._calls, self._names, self._types, module)
+            text = builder.text(self._header(files), f"Types of `{_keys(files)}`.")
             codecs |= builder.codecs
             modules.append(self._artifact(f"{root}/_idl/{module}.py", text, files))
+        modules += map(self._calls_module, self._calls.origins)
         everything = self._sources(
             d.file for d in self._model.declarations if is_emitted(d)
         )
@@ -80,6 +91,17 @@ class _Writer:
         yield self._artifact(f"{root}/_idl/__init__.py", inner, everything)
         yield self._artifact(f"{root}/py.typed", "", everything)
         yield from modules
+
+    def _calls_module(self, file: str) -> Artifact:
+        files = self._sources([self._calls.origins[file]])
+        module = self._names.module(file)
+        builder = TypesModule(self._calls, self._names, self._types, module)
+        text = builder.text(
+            self._header(files),
+            f"Calls of the interfaces of `{_keys(files)}`, marshalled.",
+            self._calls.interfaces(file),
+        )
+        return self._artifact(f"{self._options.package}/_idl/{module}.py", text, files)
 
     def _package(
         self, root: str, package: Package, everything: list[SourceFile]

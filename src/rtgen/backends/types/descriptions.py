@@ -192,7 +192,8 @@ class Descriptions:
         bases = [f"{self._py.reference(b)}._descriptor_" for b in declaration.bases]
         operations = _tuple([string_literal(text) for text in texts])
         head = self._head(declaration)
-        return f"{self._py.InterfaceDescriptor}({head}, {operations}, {_tuple(bases)})"
+        facts = [head, operations, _tuple(bases)] + ["local=True"] * declaration.local
+        return f"{self._py.InterfaceDescriptor}({', '.join(facts)})"
 
     def _head(self, declaration: Declaration) -> str:
         return f"{string_literal(declaration.repository_id)}, {string_literal(declaration.scoped)}"

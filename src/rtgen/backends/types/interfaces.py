@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from rtgen.backends.python_text import docstring, string_literal
 from rtgen.backends.rendering import render
+from rtgen.backends.types.calls import Calls
 from rtgen.backends.types.descriptions import Descriptions, attribute_text, signature
 from rtgen.backends.types.scope import Scope
 from rtgen.model import (
@@ -14,7 +15,6 @@ from rtgen.model import (
     Attribute,
     Direction,
     Interface,
-    Model,
     Operation,
     ScopedName,
     Type,
@@ -52,13 +52,14 @@ class Interfaces:
     """Writes interfaces into one module."""
 
     def __init__(
-        self, model: Model, names: PythonNames, scope: Scope, describe: Descriptions
+        self, calls: Calls, names: PythonNames, scope: Scope, describe: Descriptions
     ) -> None:
+        self._calls = calls
         self._names = names
         self._py = scope
         self._describe = describe
         self._mapping = PythonMapping(
-            model, scope.reference, scope.spell, servants=True
+            calls.model, scope.reference, scope.spell, servants=True
         )
 
     def text(self, declaration: Interface, nested: list[str]) -> str:
@@ -79,6 +80,7 @@ class Interfaces:
             scoped=declaration.scoped,
             bases=", ".join(bases or [py.Servant]),
             docstring=docstring(doc, 4),
+            calls=self._calls_module(declaration),
             descriptor=self._describe.interface(declaration),
             nested=nested,
             attributes=[self._attribute(a, called) for a in declaration.attributes],
@@ -88,6 +90,10 @@ class Interfaces:
             skeleton=py.companion(declaration.name, "Skeleton"),
             skeleton_bases=", ".join(skeleton_bases or [skeleton]),
         )
+
+    def _calls_module(self, declaration: Interface) -> str:
+        file = self._calls.file(declaration)
+        return "" if file is None else string_literal(f".{self._names.module(file)}")
 
     def _attribute(self, attribute: Attribute, called: dict[str, str]) -> _Attribute:
         name = called[attribute.name]

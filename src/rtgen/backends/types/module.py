@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from math import isfinite
 
 from rtgen.backends.python_text import docstring, fit_text, string_literal
 from rtgen.backends.rendering import render
+from rtgen.backends.types.calls import Calls, CallTable
 from rtgen.backends.types.constants import Layouts
 from rtgen.backends.types.decoder import Decoder
 from rtgen.backends.types.descriptions import Descriptions
@@ -31,7 +32,6 @@ from rtgen.model import (
     ExceptionDecl,
     Interface,
     MapType,
-    Model,
     ScopedName,
     SequenceType,
     Struct,
@@ -62,9 +62,11 @@ class TypesModule:
     """Builds one module."""
 
     def __init__(
-        self, model: Model, names: PythonNames, types: CdrTypes, module: str
+        self, calls: Calls, names: PythonNames, types: CdrTypes, module: str
     ) -> None:
+        model = calls.model
         self._model = model
+        self._calls = calls
         self._names = names
         self._types = types
         self._module = module
@@ -78,15 +80,19 @@ class TypesModule:
         self._mapping = PythonMapping(model, self.scope.reference, self.scope.spell)
         self._describe = Descriptions(model, names, types, self.scope, self._is_ahead)
         self._unions = Unions(names, types, self.scope, self._tables, self._describe)
-        self._interfaces = Interfaces(model, names, self.scope, self._describe)
+        self._interfaces = Interfaces(calls, names, self.scope, self._describe)
 
-    def text(self, header: str, title: str) -> str:
-        """The whole module."""
+    def text(
+        self, header: str, title: str, interfaces: Sequence[Interface] = ()
+    ) -> str:
+        """The whole module; it ends with the calls of the interfaces."""
         blocks: list[Block] = []
         for declaration in self._names.declarations(self._module):
             blocks.extend(self._blocks(declaration))
             self._done.add(self._local(declaration))
             blocks.extend(self._ready_codecs())
+        if interfaces:
+            blocks.append(Block(CallTable(self._calls, self.scope).text(interfaces)))
         parts: list[str] = []
         for before, block in zip([None, *blocks], blocks, strict=False):
             if before is not None:

@@ -345,3 +345,4 @@ class HaltSkeleton(Skeleton):
 
 Halt._stub_ = HaltStub
 Halt._skeleton_ = HaltSkeleton
+Halt._calls_ = ".case_calls"

@@ -403,3 +403,4 @@ class MoverSkeleton(Skeleton):
 
 Mover._stub_ = MoverStub
 Mover._skeleton_ = MoverSkeleton
+Mover._calls_ = ".shapes_calls"

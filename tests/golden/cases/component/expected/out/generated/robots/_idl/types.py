@@ -112,3 +112,4 @@ class SafetySkeleton(Skeleton):
 
 Safety._stub_ = SafetyStub
 Safety._skeleton_ = SafetySkeleton
+Safety._calls_ = ".types_calls"

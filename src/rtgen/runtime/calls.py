@@ -1,0 +1,354 @@
+"""Calls as octets: what a transport puts between a stub and a skeleton.
+
+A stub hands a call to a `Client`, whose octets a transport carries to a `Server`; that calls the
+servant and answers with octets. Bodies are those of GIOP (CORBA 3.3 part 2, 9.4): arguments in
+order; return value and results in order; repository id and members of a user exception; repository
+id, minor code and completion of a system exception. Operation name, reply status and byte order
+are the transport's to carry.
+"""
+
+from __future__ import annotations
+
+import logging
+import struct
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import IntEnum
+from importlib import import_module
+from typing import Protocol, TypeAlias, TypeVar
+
+from rtgen.runtime.cdr import FAILURES, CdrError, UserException
+from rtgen.runtime.cdr_values import ObjectReference, text_value
+from rtgen.runtime.descriptors import DataType
+from rtgen.runtime.services import (
+    BadOperation,
+    MarshalError,
+    ObjectNotExist,
+    Servant,
+    ServiceError,
+    UnknownException,
+)
+
+S = TypeVar("S", bound=Servant)
+Interfaces: TypeAlias = tuple[type[Servant] | None, ...]
+
+log = logging.getLogger("rtgen.runtime")
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """How one operation is marshalled; `refused` says why it is not.
+
+    `request` and `reply` are the types of the bodies, None for empty ones; `*_objects` has the
+    interface of each member that is an object. `raises` are the types of replies that tell of
+    an exception, each with the exception.
+    """
+
+    request: type[DataType] | None = None
+    reply: type[DataType] | None = None
+    request_objects: Interfaces = ()
+    reply_objects: Interfaces = ()
+    raises: tuple[tuple[type[DataType], type[UserException]], ...] = ()
+    oneway: bool = False
+    refused: str = ""
+
+
+class ReplyStatus(IntEnum):
+    """What a reply tells of (CORBA 3.3 part 2, 9.4.3.1, ReplyStatusType_1_2)."""
+
+    NO_EXCEPTION = 0
+    USER_EXCEPTION = 1
+    SYSTEM_EXCEPTION = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """The answer to a call; the body's byte order is the transport's to tell."""
+
+    status: ReplyStatus
+    body: bytes
+    little_endian: bool = True
+
+
+Send: TypeAlias = Callable[[str, bytes, bool], Reply | None]
+"""Carries a request: operation name, body, whether it is oneway (then there is no reply)."""
+
+
+class Objects(Protocol):
+    """How a transport names objects, so that they can be passed in calls."""
+
+    def reference(self, interface: type[S], servant: S) -> ObjectReference:
+        """A reference to a servant, or the one that a stub stands for."""
+        ...
+
+    def resolve(self, interface: type[S], reference: ObjectReference) -> S:
+        """A stub that calls what the reference refers to."""
+        ...
+
+
+def calls_of(interface: type[Servant]) -> dict[str, Call]:
+    """The calls of an interface and its bases by operation name.
+
+    Raises ServiceError for a local interface.
+    """
+    if interface._descriptor_.local:
+        name = interface._descriptor_.name
+        raise ServiceError(f"{name} is local: its objects do not leave their process")
+    found: dict[str, Call] = {}
+    for base in reversed(interface.__mro__):
+        if "_calls_" in vars(base) and issubclass(base, Servant):
+            package = base.__module__.rpartition(".")[0]
+            tables = import_module(base._calls_, package)._CALLS
+            found |= tables[base._descriptor_.repository_id]
+    return found
+
+
+class Client:
+    """An invoker for stubs that marshals each call.
+
+    A call raises CdrError if an argument cannot be marshalled, what the operation declares, and
+    ServiceError: ObjectNotExist, BadOperation, UnknownException or MarshalError as the server
+    tells, MarshalError also for a reply that cannot be understood.
+    """
+
+    def __init__(
+        self,
+        interface: type[Servant],
+        send: Send,
+        *,
+        little_endian: bool = True,
+        objects: Objects | None = None,
+    ) -> None:
+        self._calls = calls_of(interface)
+        self._send = send
+        self._little_endian = little_endian
+        self._objects = objects
+
+    def __call__(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """Carries out a call."""
+        call = _call(self._calls, operation)
+        given = _references(arguments, call.request_objects, self._objects)
+        body = _encoded(operation, call.request, given, self._little_endian)
+        reply = self._send(operation, body, call.oneway)
+        if call.oneway:
+            return None
+        if reply is None:
+            raise MarshalError(f"{operation}: there is no reply")
+        try:
+            return self._result(operation, call, reply)
+        except CdrError as error:
+            raise MarshalError(f"{operation}: the reply is wrong: {error}") from error
+
+    def _result(self, operation: str, call: Call, reply: Reply) -> object:
+        match reply.status:
+            case ReplyStatus.NO_EXCEPTION:
+                values = _decoded(call.reply, reply.body, reply.little_endian)
+                results = _stubs(values, call.reply_objects, self._objects)
+                return (results or (None,))[0] if len(results) < 2 else results
+            case ReplyStatus.USER_EXCEPTION:
+                raise _user_exception(operation, call, reply)
+            case ReplyStatus.SYSTEM_EXCEPTION:
+                raise _system_exception(operation, reply)
+
+
+class Server:
+    """Calls a servant with what a `Client` marshalled."""
+
+    def __init__(
+        self,
+        interface: type[S],
+        servant: S,
+        *,
+        objects: Objects | None = None,
+    ) -> None:
+        self._calls = calls_of(interface)
+        self._skeleton = interface._skeleton_(servant)
+        self._objects = objects
+
+    def handle(
+        self, operation: str, body: bytes, little_endian: bool = True
+    ) -> Reply | None:
+        """Carries out a call; None if it is oneway. Raises nothing that a client can cause."""
+        call = self._calls.get(operation)
+        try:
+            reply = self._answer(operation, body, little_endian)
+        except ServiceError as error:
+            log.warning("%s: %s", operation, error, exc_info=error.__cause__)
+            reply = _failure(error, little_endian)
+        return None if call is not None and call.oneway else reply
+
+    def _answer(self, operation: str, body: bytes, little_endian: bool) -> Reply:
+        call = _call(self._calls, operation)
+        try:
+            values = _decoded(call.request, body, little_endian)
+        except CdrError as error:
+            raise MarshalError(f"the request is wrong: {error}") from error
+        arguments = _stubs(values, call.request_objects, self._objects)
+        try:
+            result = self._skeleton.dispatch(operation, arguments)
+        except UserException as error:
+            return self._raised(call, error, little_endian)
+        try:
+            results = _references(
+                _as_tuple(call, result), call.reply_objects, self._objects
+            )
+            octets = _encoded(operation, call.reply, results, little_endian)
+        except CdrError as error:
+            raise MarshalError(f"the result is wrong: {error}") from error
+        return Reply(ReplyStatus.NO_EXCEPTION, octets, little_endian)
+
+    def _raised(self, call: Call, error: UserException, little_endian: bool) -> Reply:
+        for body, exception in call.raises:
+            if isinstance(error, exception):
+                values = (error._descriptor_.repository_id, *error._values())
+                try:
+                    octets = body(*values).to_cdr(little_endian)
+                except CdrError as fault:
+                    raise MarshalError(f"the exception is wrong: {fault}") from error
+                return Reply(ReplyStatus.USER_EXCEPTION, octets, little_endian)
+        raise UnknownException(f"{type(error).__name__} is not declared") from error
+
+
+def _call(calls: dict[str, Call], operation: str) -> Call:
+    call = calls.get(operation)
+    if call is None:
+        raise BadOperation(f"there is no operation {operation}")
+    if call.refused:
+        raise MarshalError(f"{operation} is not marshalled: {call.refused}")
+    return call
+
+
+def _encoded(
+    operation: str,
+    type_: type[DataType] | None,
+    values: tuple[object, ...],
+    little_endian: bool,
+) -> bytes:
+    if type_ is None:
+        return b""
+    count = len(_fields(type_))
+    if len(values) != count:
+        raise BadOperation(f"{operation} takes {count} arguments, not {len(values)}")
+    return type_(*values).to_cdr(little_endian)
+
+
+def _decoded(
+    type_: type[DataType] | None, body: bytes, little_endian: bool
+) -> tuple[object, ...]:
+    if type_ is None:
+        if body:
+            raise CdrError("body", f"{len(body)} octets too many")
+        return ()
+    value = type_.from_cdr(body, little_endian)
+    return tuple(getattr(value, name) for name in _fields(type_))
+
+
+def _fields(type_: type[DataType]) -> tuple[str, ...]:
+    """The members in order, without the strings of a context clause, which nobody passes."""
+    names: tuple[str, ...] = getattr(type_, "__match_args__", ())
+    return tuple(name for name in names if name != "_context")
+
+
+def _as_tuple(call: Call, result: object) -> tuple[object, ...]:
+    count = 0 if call.reply is None else len(_fields(call.reply))
+    if count < 2:
+        return (result,) * count
+    if not isinstance(result, tuple) or len(result) != count:
+        raise UnknownException(f"the servant gave {result!r} instead of {count} values")
+    return result
+
+
+def _references(
+    values: tuple[object, ...], interfaces: Interfaces, objects: Objects | None
+) -> tuple[object, ...]:
+    if not interfaces:
+        return values
+    return tuple(
+        (
+            _passed(interface, objects).reference(interface, value)
+            if interface is not None and isinstance(value, interface)
+            else value
+        )
+        for interface, value in zip(interfaces, values, strict=True)
+    )
+
+
+def _stubs(
+    values: tuple[object, ...], interfaces: Interfaces, objects: Objects | None
+) -> tuple[object, ...]:
+    if not interfaces:
+        return values
+    return tuple(
+        (
+            _passed(interface, objects).resolve(interface, value)
+            if interface is not None and isinstance(value, ObjectReference)
+            else value
+        )
+        for interface, value in zip(interfaces, values, strict=True)
+    )
+
+
+def _passed(interface: type[Servant], objects: Objects | None) -> Objects:
+    if objects is None:
+        name = interface._descriptor_.name
+        raise MarshalError(f"this transport passes no objects, here one of {name}")
+    return objects
+
+
+def _user_exception(operation: str, call: Call, reply: Reply) -> Exception:
+    identity, _ = _identity(reply)
+    for body, exception in call.raises:
+        if exception._descriptor_.repository_id == identity:
+            _, *values = _decoded(body, reply.body, reply.little_endian)
+            return exception(*values)
+    return UnknownException(f"{operation} raised {identity}, which it does not declare")
+
+
+_SYSTEM_EXCEPTIONS: dict[str, type[ServiceError]] = {
+    f"IDL:omg.org/CORBA/{name}:1.0": type_
+    for name, type_ in (
+        ("BAD_OPERATION", BadOperation),
+        ("MARSHAL", MarshalError),
+        ("OBJECT_NOT_EXIST", ObjectNotExist),
+        ("UNKNOWN", UnknownException),
+    )
+}
+_IDENTITIES = {type_: identity for identity, type_ in _SYSTEM_EXCEPTIONS.items()}
+_COMPLETIONS = ("completed", "not completed", "perhaps completed")
+_MAYBE = 2
+
+
+def _failure(error: ServiceError, little_endian: bool) -> Reply:
+    """The reply for an error (CORBA 3.3 part 2, 9.4.3.2, SystemExceptionReplyBody)."""
+    kinds = (k for k in _IDENTITIES if isinstance(error, k))
+    identity = _IDENTITIES[next(kinds, UnknownException)].encode() + b"\0"
+    order = "<" if little_endian else ">"
+    padding = -len(identity) % 4
+    form = f"{order}I{len(identity)}s{padding}xII"
+    octets = struct.pack(form, len(identity), identity, 0, _MAYBE)
+    return Reply(ReplyStatus.SYSTEM_EXCEPTION, octets, little_endian)
+
+
+def _system_exception(operation: str, reply: Reply) -> ServiceError:
+    identity, offset = _identity(reply)
+    try:
+        order = "<" if reply.little_endian else ">"
+        minor, completion = struct.unpack_from(f"{order}II", reply.body, offset)
+        told = _COMPLETIONS[completion]
+    except FAILURES as failure:
+        raise CdrError("SystemException", str(failure)) from failure
+    type_ = _SYSTEM_EXCEPTIONS.get(identity, ServiceError)
+    return type_(f"{operation}: the server tells of {identity} (minor {minor}, {told})")
+
+
+def _identity(reply: Reply) -> tuple[str, int]:
+    """The repository id that a reply begins with, and the next offset of 4."""
+    try:
+        order = "<I" if reply.little_endian else ">I"
+        (length,) = struct.unpack_from(order, reply.body)
+        if length > len(reply.body) - 4:
+            raise ValueError(f"a length of {length}")
+        identity = text_value(reply.body[4 : 4 + length])
+    except FAILURES as failure:
+        raise CdrError("Reply", str(failure)) from failure
+    return identity, 4 + length + -length % 4
