@@ -121,16 +121,6 @@ suffix: `.idl` for OMG IDL; `.xml` for a system (RtsProfile), where a command ta
 """,
 )
 
-BAD_DEFINE = Rule(
-    "PRJ0009",
-    "macro that is no identifier",
-    Severity.ERROR,
-    """
-`-D NAME[=VALUE]` and `[sources] define` set macros of the preprocessor, whose names are C
-identifiers.
-""",
-)
-
 SAME_PATH = Rule(
     "PRJ0101",
     "two files of one name",
@@ -203,7 +193,6 @@ RULES: tuple[Rule, ...] = (
     PATH_OVERLAP,
     SOURCE_NONE,
     SOURCE_KIND,
-    BAD_DEFINE,
     SAME_PATH,
     LEAVES_OUTPUT,
     LINK_IN_OUTPUT,

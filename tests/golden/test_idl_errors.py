@@ -1,53 +1,93 @@
-"""Findings of the IDL front end word for word: a folder each, with input.idl and expected.txt."""
+"""Findings of the IDL front end as they are printed: a folder each: input.idl and expected.txt.
 
+`case.toml`, where there is one, says what else is needed: the `files` to read instead of
+input.idl, the `include` folders, the macros to `define`, and in `[fill]` what stands for a mark
+of the input: a text and how often it is repeated; `only` names the codes to be shown, where
+others are many. FOLDER is the folder of the case.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from rtgen.diagnostics import Diagnostic, Span
-from rtgen.frontends import FrontendResult
+from rtgen.explain import rules
 from rtgen.frontends.idl import load
+from rtgen.frontends.idl.rules import RULES
+from rtgen.report import report
 
-CASES = Path(__file__).with_name("idl_errors")
+GOLDEN = Path(__file__).parent
+CASES = GOLDEN / "idl_errors"
 NAMES = sorted(path.name for path in CASES.iterdir() if path.is_dir())
+CODE = re.compile(r"\b(?:error|warning|note)\[([A-Z]+\d{4})\]")
+OF_THE_TOOL = ("PRJ", "ENV", "PY", "LINT")
+"""What the command line tells of a project; these have their cases below `cases`."""
 
 
-def place(span: Span | None) -> str:
-    return f"{span.file}:{span.line}:{span.column}" if span else "nowhere"
-
-
-def shown(diagnostic: Diagnostic, result: FrontendResult) -> str:
-    """The finding with its line and caret, its related places and its hint."""
-    span = diagnostic.span
-    parts = [
-        f"{place(span)}: {diagnostic.severity} {diagnostic.code}: {diagnostic.message}"
-    ]
-    text = result.sources.get(span.file) if span else None
-    if span is not None and text is not None:
-        line = text.split("\n")[span.line - 1]
-        end = span.end_column if span.end_line == span.line else len(line) + 1
-        parts += [
-            f"  {line}",
-            "  " + " " * (span.column - 1) + "^" * (end - span.column),
-        ]
-    parts += [
-        f"  {place(related.span)}: {related.label}" for related in diagnostic.related
-    ]
-    if diagnostic.hint:
-        parts.append(f"  hint: {diagnostic.hint}")
-    return "\n".join(parts) + "\n"
+def prepare(case: Path, folder: Path) -> dict[str, Any]:
+    """Copy a case's input, fill in its marks, and give its settings."""
+    shutil.copytree(case, folder, dirs_exist_ok=True)
+    toml = case / "case.toml"
+    told = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
+    for mark, (text, times) in told.get("fill", {}).items():
+        for file in folder.rglob("*.idl"):
+            content = file.read_bytes()
+            if mark.encode() in content:
+                file.write_bytes(
+                    content.replace(mark.encode(), (text * times).encode())
+                )
+    return told
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_findings(
-    name: str, monkeypatch: pytest.MonkeyPatch, update_golden: bool
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool
 ) -> None:
-    folder = CASES / name
-    monkeypatch.chdir(folder)
-    result = load([Path("input.idl")], root=folder)
-    found = "\n".join(shown(diagnostic, result) for diagnostic in result.diagnostics)
-    found = found.replace(folder.as_posix(), "FOLDER")
-    expected = folder / "expected.txt"
+    told = prepare(CASES / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    result = load(
+        [Path(file) for file in told.get("files", ["input.idl"])],
+        root=tmp_path,
+        include=[Path(folder) for folder in told.get("include", [])],
+        define=told.get("define", {}),
+    )
+    only = told.get("only", rules())
+    shown = [d for d in result.diagnostics if d.code in only]
+    found = report(shown, result.sources)
+    found = found.replace(tmp_path.as_posix(), "FOLDER")
+    expected = CASES / name / "expected.txt"
     if update_golden:
         expected.write_text(found, encoding="utf-8")
     assert found == expected.read_text(encoding="utf-8")
+    if name.startswith("IDL"):
+        assert name.partition("_")[0] in CODE.findall(found)
+
+
+def test_every_rule_of_idl_has_a_case() -> None:
+    found = {
+        code
+        for file in CASES.glob("*/expected.txt")
+        for code in CODE.findall(file.read_text(encoding="utf-8"))
+    }
+    assert {rule.code for rule in RULES} - found == set()
+    assert found <= rules().keys()
+
+
+OF_PLUG_INS = {"PRJ0101", "PRJ0102", "PRJ0103", "PRJ0104", "PRJ0105"}
+"""What only other back ends or a changed output folder bring about: tested with those."""
+
+
+def test_every_rule_of_the_tool_has_a_case() -> None:
+    found = {
+        code
+        for file in (GOLDEN / "cases").glob("*/stderr.txt")
+        for code in CODE.findall(file.read_text(encoding="utf-8"))
+    }
+    wanted = {code for code in rules() if code.startswith(OF_THE_TOOL)}
+    assert wanted - found - OF_PLUG_INS == set()
+    assert found <= rules().keys()

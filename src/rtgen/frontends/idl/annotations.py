@@ -176,7 +176,7 @@ class Annotations:
             )
         elif place not in definition.places:
             message = f"@{node.name} means nothing for {_article(place)}"
-            hint = f"it stands before a {', '.join(sorted(definition.places))}"
+            hint = f"it belongs to: {', '.join(sorted(definition.places))}"
             self._report(rules.MISPLACED.at(span, message, hint=hint))
         arguments = []
         for argument in node.arguments:

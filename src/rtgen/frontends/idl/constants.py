@@ -462,7 +462,8 @@ class Constants:
             return quotient
         if left < 0 or right < 0:
             message = "the remainder has the sign of the left operand"
-            self._tell(rules.NEGATIVE_REMAINDER, node, message)
+            hint = "write the value itself if other compilers read this too"
+            self._tell(rules.NEGATIVE_REMAINDER, node, message, hint)
         return left - quotient * right
 
     def _checked(self, value: ConstantValue, node: tree.Expression) -> ConstantValue:

@@ -56,6 +56,7 @@ class Lookup:
         self._report = report
         self._declares = declares
         self._unknowns: list[_Unknown] = []
+        self._read_twice: set[str] = set()
         self.doubtful = False
         """Whether an include was missing: then a name that is unknown is no news."""
         self.lost: set[str] = set()
@@ -282,6 +283,11 @@ class Lookup:
     def clash(self, entity: Entity, existing: Entity) -> None:
         """Report that a scope has that name already."""
         same = entity.name == existing.name
+        if entity.span == existing.span:
+            file = entity.span.file
+            if self.doubtful or file in self._read_twice:
+                return
+            self._read_twice.add(file)
         rule = rules.REDECLARED if same else rules.CASE_CLASH
         message = (
             f"{entity.name} is declared twice"

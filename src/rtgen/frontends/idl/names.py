@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from rtgen.diagnostics import Diagnostic, Related
+from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.lookup import called, kind_of
 from rtgen.frontends.idl.naming import FORWARDS, Naming
@@ -69,7 +69,7 @@ class Resolver(Naming):
             if entity.node is None and entity.kind is not Kind.COMPONENT:
                 hard = entity.kind in (Kind.STRUCT, Kind.UNION)
                 rule = rules.NEVER_DEFINED if hard else rules.NEVER_DEFINED_INTERFACE
-                if entity.name.lower() in self._lookup.lost:
+                if entity.name.lower() in self._lookup.lost or entity.contradicted:
                     continue
                 message = f"{called(entity)} is declared, but never defined"
                 hint = "define it, or remove the declaration"
@@ -180,14 +180,17 @@ class Resolver(Naming):
 
     def _forward(self, node: tree.Forward, scope: Scope, item: tree.Item) -> None:
         existing = scope.names.get(node.name.text.lower())
+        before = existing.span if existing else None
         entity = self._new(scope, node.name, FORWARDS[node.keyword], None, item=item)
-        if entity is existing:
-            self._agree(entity, node.modifier, node.name)
+        if entity is existing and before is not None:
+            self._agree(entity, node.modifier, node.name, before)
         else:
             entity.complete = False
             entity.modifier = node.modifier
 
-    def _agree(self, entity: Entity, modifier: str, name: tree.Name) -> None:
+    def _agree(
+        self, entity: Entity, modifier: str, name: tree.Name, other: Span
+    ) -> None:
         if entity.modifier != modifier and "custom" not in (entity.modifier, modifier):
             span = self._unit.span(name.start, name.end)
             before = entity.modifier or "neither abstract nor local"
@@ -196,7 +199,7 @@ class Resolver(Naming):
                 rules.FORWARD_MISMATCH.at(
                     span,
                     message,
-                    related=[Related(entity.span, "declared here")],
+                    related=[Related(other, "declared here")],
                     hint="make the two agree",
                 )
             )
@@ -416,10 +419,11 @@ class Resolver(Naming):
         self, scope: Scope, name: tree.Name, kind: Kind, node: Any, item: tree.Item
     ) -> Entity:
         forward = scope.names.get(name.text.lower())
+        before = forward.span if forward else None
         entity = self._new(scope, name, kind, node, item=item)
         modifier = getattr(node, "modifier", "")
-        if entity is forward:
-            self._agree(entity, modifier, name)
+        if entity is forward and before is not None:
+            self._agree(entity, modifier, name, before)
         entity.modifier = modifier
         entity.complete = False
         self._inner(entity, below(scope.ids, entity.name))
@@ -548,6 +552,7 @@ class Resolver(Naming):
             type_rules.READ_ONLY.at(
                 self._unit.span(name.start, name.end) if name else None,
                 f"{node.keyword} is read, but nothing is made of it",
+                hint="declarations of modules, types and interfaces are used",
             )
         )
 

@@ -113,6 +113,7 @@ class Naming(ABC):
         return existing
 
     def _mismatch(self, entity: Entity, existing: Entity, message: str) -> None:
+        existing.contradicted = True
         self._report(
             rules.FORWARD_MISMATCH.at(
                 entity.span,

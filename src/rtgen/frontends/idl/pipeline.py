@@ -17,6 +17,7 @@ from rtgen.frontends.idl.parser import parse
 from rtgen.frontends.idl.preprocessor import Preprocessor, predefined
 from rtgen.frontends.idl.rules import lexical, names, syntax
 from rtgen.frontends.idl.source import Library, Source, absolute_path
+from rtgen.frontends.idl.suggestions import nearest
 from rtgen.frontends.idl.tables import Tables
 from rtgen.frontends.idl.tree import Item
 from rtgen.frontends.idl.typetable import Types
@@ -108,7 +109,10 @@ class _Run:
             message = (
                 f"{shown} is a folder" if path.is_dir() else f"{shown} does not exist"
             )
-            self._report(lexical.MISSING_FILE.at(Span(shown, 1, 1, 1, 1), message))
+            found = nearest(path.name, (p.name for p in path.parent.glob("*.idl")))
+            hint = f"did you mean {found}?" if found and not path.is_dir() else None
+            span = Span(shown, 1, 1, 1, 1)
+            self._report(lexical.MISSING_FILE.at(span, message, hint=hint))
         return source
 
     def _declares(self, name: str, unit: Unit) -> str | None:
@@ -147,6 +151,7 @@ class _Run:
                     declaration.span,
                     f"{declaration.scoped} is declared differently in another file",
                     related=[Related(known.span, "the other declaration")],
+                    hint="rename one, or include one file from the other",
                 )
             )
 

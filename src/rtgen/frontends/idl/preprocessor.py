@@ -163,6 +163,7 @@ class Preprocessor:
                 )
             self._exhausted = True
         if self._exhausted:
+            file.builder.unit.lacking = True
             return
         if file.at_file_scope():
             prepared = self._prepare(source, file.macros)
@@ -333,7 +334,12 @@ class _File:
         try:
             tokens = Expander(self._table(span)).expand(call)
         except ExpansionError as error:
-            self._owner.report(lexical.BAD_MACRO_CALL.at(span, error.message))
+            macro = self.macros.get(call[0].text)
+            defined = macro.span if macro else None
+            related = [Related(defined, "defined here")] if defined else []
+            self._owner.report(
+                lexical.BAD_MACRO_CALL.at(span, error.message, related=related)
+            )
             tokens = call[:1]
             builder.unit.lacking = True
             builder.unit.flawed.add(builder.length)
@@ -419,7 +425,11 @@ class _File:
                 value = (rest.split()[0] in self.macros) == (name == "ifdef")
             else:
                 self._owner.report(
-                    lexical.BAD_CONDITION.at(span, f"#{name} needs the name of a macro")
+                    lexical.BAD_CONDITION.at(
+                        span,
+                        f"#{name} needs the name of a macro",
+                        hint=f"write #{name} NAME",
+                    )
                 )
         self._open.append(_Conditional(span, outer, outer and value, value))
 
@@ -456,18 +466,23 @@ class _File:
         try:
             return conditions.evaluate(text, self._table(span))
         except ExpansionError as error:
-            self._owner.report(lexical.BAD_CONDITION.at(span, error.message))
+            hint = "write an integer expression, such as defined(NAME) && VERSION >= 2"
+            self._owner.report(lexical.BAD_CONDITION.at(span, error.message, hint=hint))
             return False
 
     def _define(self, rest: str, span: Span) -> None:
         try:
             macro = define(rest, span)
         except ExpansionError as error:
-            self._owner.report(lexical.BAD_DEFINITION.at(span, error.message))
+            hint = "write #define NAME TEXT, or #define NAME(A, B) TEXT"
+            self._owner.report(
+                lexical.BAD_DEFINITION.at(span, error.message, hint=hint)
+            )
             return
         if macro.name in (*_PREDEFINED, "defined"):
             message = f"{macro.name} cannot be defined"
-            self._owner.report(lexical.BAD_DEFINITION.at(span, message))
+            hint = "choose another name"
+            self._owner.report(lexical.BAD_DEFINITION.at(span, message, hint=hint))
             return
         previous = self.macros.get(macro.name)
         if previous is not None and previous != macro:
@@ -476,7 +491,10 @@ class _File:
             )
             self._owner.report(
                 lexical.MACRO_REDEFINED.at(
-                    span, f"{macro.name} is defined again, differently", related=related
+                    span,
+                    f"{macro.name} is defined again, differently",
+                    related=related,
+                    hint=f"put #undef {macro.name} before, if that is meant",
                 )
             )
         self.macros[macro.name] = macro
@@ -494,12 +512,12 @@ class _File:
             self._expanded(rest, span).strip()
         )
         if found is None:
-            name = rest.strip("\"<>'; \t")
+            name = rest.strip("\"<>'; \t") or "file.idl"
             self._owner.report(
                 lexical.BAD_INCLUDE.at(
                     span,
                     '#include needs "file" or <file> behind it',
-                    hint=f'write #include "{name}"' if name else None,
+                    hint=f'write #include "{name}"',
                 )
             )
             self.builder.unit.lacking = True
@@ -518,7 +536,11 @@ class _File:
         found = _LINE.match(rest)
         if found is None:
             self._owner.report(
-                lexical.BAD_LINE_MARKER.at(span, "a line marker needs a line number")
+                lexical.BAD_LINE_MARKER.at(
+                    span,
+                    "a line marker needs a line number",
+                    hint='write #line 12 "file.idl"',
+                )
             )
             return
         following = self.source.position(self.source.text_offset(end))[0] + 1

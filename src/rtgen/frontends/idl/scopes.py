@@ -54,6 +54,7 @@ class Entity:
     """Something with a name. `node` is its definition, None while only forward-declared.
 
     `type_node` is the type behind a typedef, a member or a constant, with its `declarator`.
+    `contradicted` says that another declaration of the name is of another kind or prefix.
     `order` counts the declarations of the translation unit; `modifier` is abstract, local, custom.
     """
 
@@ -73,6 +74,7 @@ class Entity:
     complete: bool = True
     modifier: str = ""
     poisoned: bool = False
+    contradicted: bool = False
     fixed_id: Span | None = None
     fixed_version: Span | None = None
     prefix: str | None = None

@@ -206,15 +206,18 @@ class Library:
         if Path(absolute).is_file():
             with Path(absolute).open("rb") as stream:
                 data = stream.read(MAX_BYTES + 1)
+            too_large = len(data) > MAX_BYTES
             source = Source(
-                self._displayed(absolute), self._key(Path(absolute), folder), path, data
+                self._displayed(absolute),
+                self._key(Path(absolute), folder),
+                path,
+                b"" if too_large else data,
             )
-            if len(data) > MAX_BYTES:
+            if too_large:
                 message = f"the file is larger than {MAX_BYTES:,} bytes"
                 source.problems = [
                     lexical.FILE_TOO_LARGE.at(source.text_span(0, 0), message)
                 ]
-                source.code = ""
             digest = source.sha256
         self._read[absolute] = source
         self._dependencies[absolute] = Dependency(Path(absolute), digest)
