@@ -48,13 +48,22 @@ Json: TypeAlias = dict[str, Any]
 
 def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
     """The model and the findings as one JSON object."""
-    declarations = [_declaration(d, model) for d in model.declarations]
+    declarations = [_declaration(d, model) for d in defined(model.declarations)]
     return {
         "format": FORMAT,
         "files": [f.name for f in model.files] + [s.file for s in model.systems],
         "declarations": declarations + [_system(s) for s in model.systems],
         "diagnostics": [as_json(d) for d in diagnostics],
     }
+
+
+def defined(declarations: Iterable[Declaration]) -> list[Declaration]:
+    """The declarations without those that are only declared in advance."""
+    return [
+        d
+        for d in declarations
+        if not (isinstance(d, Interface | Valuetype) and d.forward)
+    ]
 
 
 def _declaration(d: Declaration, model: Model) -> Json:
@@ -311,7 +320,7 @@ def tree(model: Model) -> str:
     lines: list[str] = []
     for file in model.files:
         lines.append(file.name)
-        for d in model.of_file(file.name):
+        for d in defined(model.of_file(file.name)):
             lines += _indented(_declaration_lines(d, model))
     for system in model.systems:
         lines += [system.file, f"  system {system.name}"]

@@ -230,11 +230,15 @@ class Attribute(Documented):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Interface(Declaration):
-    """An interface. Operations and attributes are its own, in source order each."""
+    """An interface. Operations and attributes are its own, in source order each.
+
+    `forward` says that it is only declared, and defined in no file that was read.
+    """
 
     bases: tuple[ScopedName, ...] = ()
     abstract: bool = False
     local: bool = False
+    forward: bool = False
     attributes: tuple[Attribute, ...] = ()
     operations: tuple[Operation, ...] = ()
 
@@ -248,11 +252,12 @@ class StateMember(Member):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Valuetype(Declaration):
-    """A valuetype; `eventtype` marks the CORBA 3 form."""
+    """A valuetype; `eventtype` marks the CORBA 3 form, `forward` is as for interfaces."""
 
     bases: tuple[ScopedName, ...] = ()
     supports: tuple[ScopedName, ...] = ()
     abstract: bool = False
+    forward: bool = False
     custom: bool = False
     truncatable: bool = False
     eventtype: bool = False

@@ -35,6 +35,7 @@ class Primitive(StrEnum):
     ANY = "any"
     OBJECT = "Object"
     VALUE_BASE = "ValueBase"
+    TYPE_CODE = "CORBA::TypeCode"
     VOID = "void"
 
 

@@ -87,6 +87,7 @@ PRIMITIVES: dict[Primitive, PythonType] = {
         (("rtgen.runtime.cdr_values", "ObjectReference"),),
     ),
     Primitive.VALUE_BASE: PythonType("object", "None", (("", "object"),)),
+    Primitive.TYPE_CODE: PythonType("object", "None", (("", "object"),)),
 }
 """The basic types (OMG IDL to Python 1.3, table 1; CORBA 3.3 part 1, 7.11.1)."""
 

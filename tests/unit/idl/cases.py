@@ -28,6 +28,10 @@ ACCEPTED: dict[str, str] = {
     "intermediate": "const long A = 4294967295 - 4294967290;",
     "concatenated": 'const string A = "a" "b";',
     "typecode": "struct S { CORBA::TypeCode t; CORBA::Object o; };",
+    "own_typecode": "module CORBA { interface TypeCode { long kind(); }; };"
+    " struct S { CORBA::TypeCode t; };",
+    "parameter_as_operation": "interface I { void f(in long f); void g(in long G); };",
+    "other_case_of_int8": "struct Int8 { int8 data; uint16 Uint16; };",
     "idl4_types": "struct S { int8 a; uint16 b; int64 c; map<string, long> m; };",
     "idl4_words": "struct map { long bitset; long uint8; long port; }; typedef map Map_2;",
     "inheritance": "struct A { long x; }; struct B : A { long y; };",

@@ -4,8 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from rtgen.diagnostics import Severity
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import load
+from rtgen.inspect import inspect, tree
 from rtgen.model import (
     Component,
     Const,
@@ -233,3 +235,54 @@ def test_names_outside_the_working_folder_are_only_inputs(tmp_path: Path) -> Non
     main.write_text('#include "../outside.idl"\n')
     result = load([main], root=tmp_path / "deep")
     assert [file.key for file in result.model.files] == ["outside.idl", "main.idl"]
+
+
+def test_a_file_without_guard_is_read_once(tmp_path: Path) -> None:
+    result = read(
+        tmp_path,
+        '#include "pose.idl"\n#include "time.idl"\nstruct Sample { Time stamp; Pose place; };',
+        pose='#include "time.idl"\nstruct Pose { Time stamp; };',
+        time="struct Time { long sec; };",
+    )
+    assert [d.scoped for d in result.model.declarations] == ["Time", "Pose", "Sample"]
+    (found,) = result.diagnostics
+    assert (found.code, found.severity) == ("IDL0024", Severity.NOTE)
+    assert found.span is not None
+    assert (found.span.line, found.message) == (
+        2,
+        "the file is included again, and has no include guard",
+    )
+
+
+def test_what_a_repeated_file_includes_is_still_read(tmp_path: Path) -> None:
+    result = read(
+        tmp_path,
+        '#include "all.idl"\n#define MORE\n#include "all.idl"\nstruct Sample { B b; };',
+        all='struct A { long a; };\n#ifdef MORE\n#include "more.idl"\n#endif',
+        more="struct B { long b; };",
+    )
+    assert [d.scoped for d in result.model.declarations] == ["A", "B", "Sample"]
+
+
+@pytest.mark.parametrize("names", [("user", "maker"), ("maker", "user")])
+def test_an_interface_that_another_file_defines(
+    tmp_path: Path, names: tuple[str, ...]
+) -> None:
+    (tmp_path / "user.idl").write_text(
+        "interface Maker; interface User { void take(in Maker one); };"
+    )
+    (tmp_path / "maker.idl").write_text("interface Maker { void make(); };")
+    result = load([tmp_path / f"{name}.idl" for name in names], root=tmp_path)
+    assert [d.code for d in result.diagnostics] == ["IDL0216"]
+    maker = result.model.find(("Maker",))
+    assert isinstance(maker, Interface)
+    assert not maker.forward
+    assert [operation.name for operation in maker.operations] == ["make"]
+
+
+def test_what_is_only_declared_is_not_listed(tmp_path: Path) -> None:
+    result = read(
+        tmp_path, "interface I; valuetype V; interface J { void f(in I i_, in V v_); };"
+    )
+    assert [d["name"] for d in inspect(result.model, ())["declarations"]] == ["J"]
+    assert "interface I" not in tree(result.model)

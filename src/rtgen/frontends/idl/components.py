@@ -41,7 +41,10 @@ _KINDS = {
 }
 _DATA = (PortKind.INPORT, PortKind.OUTPORT)
 _NO_TEXT_FORM = frozenset(
-    (Primitive.ANY, Primitive.OBJECT, Primitive.VALUE_BASE, Primitive.VOID)
+    (
+        *(Primitive.ANY, Primitive.OBJECT, Primitive.VALUE_BASE, Primitive.TYPE_CODE),
+        Primitive.VOID,
+    )
 )
 _DATE = re.compile(
     r"-?\d{4,}-(0[1-9]|1[0-2])-(0[1-9]|[12]\d|3[01])T([01]\d|2[0-3]):[0-5]\d:[0-5]\d(\.\d+)?"

@@ -102,6 +102,20 @@ class Lookup:
                 return None
         return entity
 
+    def is_declared(self, scope: Scope, name: tree.ScopedName) -> bool:
+        """Whether a name stands for a declaration that is spelt just so."""
+        first = name.parts[0].text
+        places = [self._top] if name.absolute else scope.outward()
+        found: list[Entity] = []
+        for place in places:
+            found = place.find(first.lower())
+            if found:
+                break
+        for part in name.parts[1:]:
+            inner = found[0].inner if found else None
+            found = inner.find(part.text.lower()) if inner is not None else []
+        return bool(found) and found[0].name == name.parts[-1].text
+
     def _in_enum(
         self, enum: Entity, part: tree.Name, unit: Unit, optional: bool
     ) -> Entity | None:
@@ -268,7 +282,11 @@ class Lookup:
                 )
             )
         around = scope.entity
-        if around is not None and around.name.lower() == key:
+        if (
+            around is not None
+            and around.name.lower() == key
+            and around.kind is not Kind.OPERATION
+        ):
             self._report(
                 rules.SAME_AS_SCOPE.at(
                     entity.span,

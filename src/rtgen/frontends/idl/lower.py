@@ -87,10 +87,13 @@ class Lowering:
                 **self.common(entity),
                 abstract=entity.modifier == "abstract",
                 local=entity.modifier == "local",
+                forward=True,
             )
         if entity.kind is Kind.VALUETYPE:
             return Valuetype(
-                **self.common(entity), abstract=entity.modifier == "abstract"
+                **self.common(entity),
+                abstract=entity.modifier == "abstract",
+                forward=True,
             )
         return None
 

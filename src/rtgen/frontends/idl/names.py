@@ -14,6 +14,7 @@ from rtgen.frontends.idl.rules import lexical, syntax
 from rtgen.frontends.idl.rules import names as rules
 from rtgen.frontends.idl.rules import types as type_rules
 from rtgen.frontends.idl.scopes import Entity, Kind, Scope
+from rtgen.frontends.idl.source import Source
 from rtgen.frontends.idl.tables import MAX_DEPTH, Tables
 from rtgen.frontends.idl.unit import Boundary, Inclusion, Pragma, Unit
 
@@ -60,6 +61,7 @@ class Resolver(Naming):
             tree.PortItem: self._port,
         }
         self._depth = 0
+        self._read: dict[Source, list[str]] = {}
 
     def run(self, unit: Unit) -> Tables:
         """Resolve the translation unit of a main file."""
@@ -112,13 +114,28 @@ class Resolver(Naming):
                 case Pragma():
                     self._identities.apply(event, scope)
                 case Inclusion():
-                    self._run_unit(event.unit)
+                    self._include(event)
                 case Boundary(opens=True):
                     self._nested_ids.append((scope, scope.ids))
                     scope.ids = "/".join(scope.path)
                 case Boundary() if self._nested_ids:
                     outer, ids = self._nested_ids.pop()
                     outer.ids = ids
+
+    def _include(self, inclusion: Inclusion) -> None:
+        """Read an included file; if its text was read before, only what it includes in turn."""
+        unit = inclusion.unit
+        earlier = self._read.setdefault(unit.source, [])
+        if unit.text not in earlier:
+            earlier.append(unit.text)
+            self._run_unit(unit)
+            return
+        if unit.text.strip():
+            message = "the file is included again, and has no include guard"
+            self._report(lexical.INCLUDED_AGAIN.at(inclusion.span, message))
+        for event in unit.events:
+            if isinstance(event, Inclusion):
+                self._include(event)
 
     def _inner(self, entity: Entity, ids: str) -> Scope:
         scope = Scope(entity, entity.scope, ids)

@@ -13,7 +13,7 @@ from rtgen.frontends.idl.rules import names as rules
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.rules import types as type_rules
 from rtgen.frontends.idl.scopes import TYPES, Entity, Kind, Scope
-from rtgen.frontends.idl.tables import IDL_4_TYPES, MAX_DEPTH, Tables
+from rtgen.frontends.idl.tables import CORBA_TYPES, IDL_4_TYPES, MAX_DEPTH, Tables
 from rtgen.frontends.idl.unit import Unit
 from rtgen.model import Primitive
 
@@ -126,14 +126,11 @@ class Naming(ABC):
     def _find(self, scope: Scope, name: tree.ScopedName) -> Entity | Primitive | None:
         """What a name stands for, also into the table."""
         found: Entity | Primitive | None
-        if len(name.parts) == 1 and name.parts[0].text in IDL_4_TYPES:
-            found = self._lookup.find(scope, name, self._unit, optional=True)
-            found = found or IDL_4_TYPES[name.parts[0].text]
-        elif str(name).removeprefix("::") in ("CORBA::Object", "CORBA::TypeCode"):
-            found = self._lookup.find(scope, name, self._unit, optional=True)
-            found = found or Primitive.OBJECT
-        else:
+        built_in = _built_in(scope, name)
+        if built_in is None or self._lookup.is_declared(scope, name):
             found = self._lookup.find(scope, name, self._unit)
+        else:
+            found = built_in
         self.tables.references[name] = found
         return found
 
@@ -321,3 +318,14 @@ class Naming(ABC):
                     self.tables.references[argument.value] = found
                 else:
                     self._value(argument.value, scope)
+
+
+def _built_in(scope: Scope, name: tree.ScopedName) -> Primitive | None:
+    """The type that a name stands for where nothing of that name is declared."""
+    last = name.parts[-1].text
+    if last in IDL_4_TYPES:
+        return IDL_4_TYPES[last] if len(name.parts) == 1 else None
+    if last not in ("Object", "TypeCode"):
+        return None
+    inside = len(name.parts) == 1 and not name.absolute and scope.path[:1] == ("CORBA",)
+    return CORBA_TYPES.get(f"CORBA::{last}" if inside else str(name).removeprefix("::"))

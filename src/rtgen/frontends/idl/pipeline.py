@@ -22,7 +22,14 @@ from rtgen.frontends.idl.tables import Tables
 from rtgen.frontends.idl.tree import Item
 from rtgen.frontends.idl.typetable import Types
 from rtgen.frontends.idl.unit import Inclusion, Unit
-from rtgen.model import Declaration, Model, ScopedName, SourceFile
+from rtgen.model import (
+    Declaration,
+    Interface,
+    Model,
+    ScopedName,
+    SourceFile,
+    Valuetype,
+)
 
 if TYPE_CHECKING:
     from rtgen.frontends.idl.neighbours import Neighbours
@@ -145,7 +152,12 @@ class _Run:
 
     def _add(self, name: ScopedName, declaration: Declaration) -> None:
         known = self._declarations.setdefault(name, declaration)
-        if known is not declaration and known != declaration:
+        if known is declaration or known == declaration or _is_forward(declaration):
+            return
+        if _is_forward(known) and known.repository_id == declaration.repository_id:
+            del self._declarations[name]
+            self._declarations[name] = declaration
+        else:
             self._report(
                 names.TWO_DEFINITIONS.at(
                     declaration.span,
@@ -176,3 +188,7 @@ class _Run:
             includes=names_,
             belongs_to=None if source.name in self._main else owner,
         )
+
+
+def _is_forward(declaration: Declaration) -> bool:
+    return isinstance(declaration, Interface | Valuetype) and declaration.forward

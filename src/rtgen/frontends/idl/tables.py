@@ -24,6 +24,12 @@ IDL_4_TYPES = {
 }
 """IDL 4.2's integer names, which are no keywords: a declaration of the name goes first."""
 
+CORBA_TYPES = {
+    "CORBA::Object": Primitive.OBJECT,
+    "CORBA::TypeCode": Primitive.TYPE_CODE,
+}
+"""What module CORBA holds without being declared; a declaration goes first here, too."""
+
 
 @dataclass(eq=False, slots=True)
 class Tables:

@@ -236,6 +236,24 @@ its name.
 """,
 )
 
+INCLUDED_AGAIN = Rule(
+    "IDL0024",
+    "file included again without a guard",
+    Severity.NOTE,
+    """
+The file has no include guard, and was taken in before. Its declarations are not read again, so
+nothing is declared twice; ROS 2, for one, generates such files. CORBA compilers refuse them. If
+the file is your own, give it a guard:
+
+```idl
+#ifndef WHEEL_IDL
+#define WHEEL_IDL
+// ...
+#endif
+```
+""",
+)
+
 RULES = (
     MISSING_FILE,
     UNREADABLE,
@@ -258,4 +276,5 @@ RULES = (
     UNKNOWN_DIRECTIVE,
     BAD_LINE_MARKER,
     BAD_MACRO_NAME,
+    INCLUDED_AGAIN,
 )
