@@ -62,6 +62,7 @@ class Resolver(Naming):
         }
         self._depth = 0
         self._read: dict[Source, list[str]] = {}
+        self._reading: list[Source] = []
 
     def run(self, unit: Unit) -> Tables:
         """Resolve the translation unit of a main file."""
@@ -81,11 +82,14 @@ class Resolver(Naming):
     def _run_unit(self, unit: Unit) -> None:
         saved = getattr(self, "_unit", unit), self._event, self.tables.top.ids
         self._unit, self._event, self.tables.top.ids = unit, 0, ""
+        self._read.setdefault(unit.source, []).append(unit.text)
+        self._reading.append(unit.source)
         items = self._items_of(unit)
         self._lookup.doubtful = self._lookup.doubtful or unit.lacking
         self._lookup.lost |= unit.lost
         self._items(items, self.tables.top, len(unit.text) + 1)
         self.tables.units.append(unit)
+        self._reading.pop()
         self._unit, self._event, self.tables.top.ids = saved
 
     def _items(self, items: Iterable[tree.Item], scope: Scope, end: int) -> None:
@@ -125,10 +129,10 @@ class Resolver(Naming):
     def _include(self, inclusion: Inclusion) -> None:
         """Read an included file; if its text was read before, only what it includes in turn."""
         unit = inclusion.unit
-        earlier = self._read.setdefault(unit.source, [])
-        if unit.text not in earlier:
-            earlier.append(unit.text)
+        if unit.text not in self._read.get(unit.source, ()):
             self._run_unit(unit)
+            return
+        if unit.source in self._reading:  # a circle, which is reported already
             return
         if unit.text.strip():
             message = "the file is included again, and has no include guard"
