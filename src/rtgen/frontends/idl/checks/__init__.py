@@ -19,12 +19,16 @@ from rtgen.frontends.idl.typetable import Types
 from rtgen.model import Declaration, ScopedName
 
 _CHECKS: Mapping[Kind, tuple[Callable[[Entity, Context], None], ...]] = {
-    Kind.STRUCT: (structures.members, structures.annotated),
+    Kind.STRUCT: (
+        structures.members,
+        structures.annotated,
+        structures.member_ids,
+    ),
     Kind.EXCEPTION: (structures.members, structures.annotated),
     Kind.BITSET: (structures.bitset,),
     Kind.TYPEDEF: (structures.typedef,),
     Kind.CONST: (structures.constant,),
-    Kind.UNION: (unions.branches, unions.labels),
+    Kind.UNION: (unions.branches, unions.labels, structures.member_ids),
     Kind.INTERFACE: (interfaces.bases, interfaces.inherited, operations.all_of),
     Kind.VALUETYPE: (
         values.bases,

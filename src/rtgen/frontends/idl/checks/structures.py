@@ -10,7 +10,16 @@ from rtgen.frontends.idl.rules import annotations as annotation_rules
 from rtgen.frontends.idl.rules import repository as repository_rules
 from rtgen.frontends.idl.rules import types as rules
 from rtgen.frontends.idl.scopes import Entity
-from rtgen.model import Bitset, Member, Primitive, PrimitiveType, Struct
+from rtgen.model import (
+    Bitset,
+    Case,
+    Declaration,
+    Member,
+    Primitive,
+    PrimitiveType,
+    Struct,
+    Union,
+)
 
 _WIDTH = {
     kind: max(high.bit_length(), (-low - 1).bit_length() + 1 if low else 0)
@@ -18,6 +27,8 @@ _WIDTH = {
 }
 _EXTENSIBILITIES = ("final", "appendable", "mutable")
 _MOST_BITS = 64
+_MOST_BASES = 64
+_LARGEST_ID = 2**28 - 1
 
 
 def members(entity: Entity, context: Context) -> None:
@@ -29,7 +40,7 @@ def members(entity: Entity, context: Context) -> None:
 
 
 def annotated(entity: Entity, context: Context) -> None:
-    """`@key`, `@optional`, `@id` and extensibility agree with each other."""
+    """`@key`, `@optional` and extensibility agree with each other."""
     declaration = context.made.get(entity.path)
     if declaration is None or not entity.item:
         return
@@ -45,34 +56,46 @@ def annotated(entity: Entity, context: Context) -> None:
         )
     if not isinstance(declaration, Struct):
         return
-    ids: dict[int, Member] = {}
-    base: Struct | None = declaration
-    lineage: list[Struct] = []
-    while base is not None and len(lineage) < _MOST_BITS:
-        lineage.append(base)
-        above = context.made.get(base.base) if base.base else None
-        base = above if isinstance(above, Struct) else None
-    for struct in reversed(lineage):
-        for member in struct.members:
-            if struct is declaration and member.key and member.optional:
-                message = f"{member.name} is a key, so it cannot be optional"
-                hint = "remove @key or @optional"
-                context.report(
-                    annotation_rules.KEY_OPTIONAL.at(member.span, message, hint=hint)
+    for member in declaration.members:
+        if member.key and member.optional:
+            message = f"{member.name} is a key, so it cannot be optional"
+            hint = "remove @key or @optional"
+            context.report(
+                annotation_rules.KEY_OPTIONAL.at(member.span, message, hint=hint)
+            )
+
+
+def member_ids(entity: Entity, context: Context) -> None:
+    """Each member has an id of its own, given or one more than the one before it."""
+    declaration = context.made.get(entity.path)
+    entries: list[Member | Case] = []
+    if isinstance(declaration, Union):
+        entries += declaration.cases
+    base: Declaration | None = declaration
+    for _ in range(_MOST_BASES):
+        if not isinstance(base, Struct):
+            break
+        entries[:0] = base.members
+        base = context.made.get(base.base) if base.base else None
+    own = getattr(declaration, "members", entries)
+    taken: dict[int, Member | Case] = {}
+    following = 1 if isinstance(declaration, Union) else 0
+    for entry in entries:
+        number = following if entry.id is None else entry.id
+        following = number + 1
+        other = taken.setdefault(number, entry)
+        if not 0 <= number <= _LARGEST_ID:
+            message = f"the id {number} is not from 0 to {_LARGEST_ID}"
+            context.report(annotation_rules.BAD_ARGUMENT.at(entry.span, message))
+        elif other is not entry and entry in own:
+            context.report(
+                annotation_rules.DUPLICATE_ID.at(
+                    entry.span,
+                    f"the id {number} is taken",
+                    related=[Related(other.span, f"by {other.name}")],
+                    hint="give each member an id of its own",
                 )
-            if member.id is None:
-                continue
-            if member.id in ids and struct is declaration:
-                other = ids[member.id]
-                context.report(
-                    annotation_rules.DUPLICATE_ID.at(
-                        member.span,
-                        f"the id {member.id} is taken",
-                        related=[Related(other.span, f"by {other.name}")],
-                        hint="give each member an id of its own",
-                    )
-                )
-            ids.setdefault(member.id, member)
+            )
 
 
 def typedef(entity: Entity, context: Context) -> None:

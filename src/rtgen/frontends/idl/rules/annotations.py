@@ -52,7 +52,16 @@ DUPLICATE_ID = Rule(
     "member id given twice",
     Severity.ERROR,
     """
-Each `@id` is unique in a struct, its bases included.
+Each id is unique in a struct, its bases included, or in a union. A member without an id has the one
+after that of the member before it:
+
+```idl
+struct S {
+    @id(2) long a;
+    @id(1) long b;
+    long c;             // has the id 2, too
+};
+```
 """,
 )
 
