@@ -1,9 +1,10 @@
 """Fuzzes the reading of IDL, and of octets by what is generated from it.
 
-    python tests/fuzz/idl.py grammar|mutation [--first N] [--count M] [--jobs J] [--failures DIR]
-    python tests/fuzz/idl.py grammar|mutation --show N
+    python tests/fuzz/idl.py KIND [--first N] [--count M] [--jobs J] [--failures DIR]
+    python tests/fuzz/idl.py KIND --show N
     python tests/fuzz/idl.py --replay FILE
 
+KIND is grammar, mutation or octets.
 A case's number decides its input, as long as the fuzzer and, for mutations, the definition
 files of this repository stay as they are. Each input that shows a defect is kept in DIR.
 """
@@ -22,10 +23,12 @@ from fuzzing import Factory, Failure, Report, attempt, run
 from idl_grammar import is_valid, program
 from idl_mutations import mutant
 from idl_target import HELPERS, IdlTarget
+from octets import OctetsTarget
 
 KINDS: dict[str, Factory] = {
     "grammar": partial(IdlTarget, make=program, is_valid=is_valid),
     "mutation": partial(IdlTarget, make=mutant),
+    "octets": OctetsTarget,
 }
 
 

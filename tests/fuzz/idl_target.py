@@ -18,7 +18,14 @@ from fuzzing import ViolationError
 
 from rtgen.backends import Backend, Options
 from rtgen.compiler import BUILT_IN
-from rtgen.diagnostics import Diagnostic, Severity, Span, has_errors, in_order
+from rtgen.diagnostics import (
+    Diagnostic,
+    InputError,
+    Severity,
+    Span,
+    has_errors,
+    in_order,
+)
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import load
 from rtgen.frontends.idl.rules import RULES
@@ -139,24 +146,33 @@ def _print(result: FrontendResult) -> None:
 
 def emit(model: Model, *, run: bool) -> str:
     """Let all back ends work on a model; their Python must compile, and with `run`, import."""
+    try:
+        texts = generate(model)
+    except InputError:
+        return "not emitted"
+    if run:
+        Generated(texts).load()
+        return "imported"
+    return "emitted"
+
+
+def generate(model: Model) -> dict[str, str]:
+    """The Python of all back ends by its paths; InputError if there are errors."""
     options = Options("fuzzed", "skeletons", "0")
     emissions = [backend.emit(model, options) for backend in _backends()]
     diagnostics = list(chain.from_iterable(e.diagnostics for e in emissions))
     for d in diagnostics:
         if d.span is None or not d.message:
             raise ViolationError(f"{d.code} of a back end is nowhere")
-    if any(d.severity is Severity.ERROR for d in diagnostics):
-        return "not emitted"
+    if has_errors(diagnostics):
+        raise InputError(diagnostics)
     texts: dict[str, str] = {}
     for artifact in chain.from_iterable(e.artifacts for e in emissions):
         if artifact.path.endswith(".py"):
             compile(artifact.text, artifact.path, "exec", dont_inherit=True)
             if artifact.path.startswith("fuzzed/"):
                 texts[artifact.path] = artifact.text
-    if run:
-        Generated(texts).load()
-        return "imported"
-    return "emitted"
+    return texts
 
 
 @cache
@@ -169,7 +185,8 @@ class Generated(MetaPathFinder, InspectLoader):
 
     def __init__(self, texts: dict[str, str]) -> None:
         self._texts = {_module(path): text for path, text in texts.items()}
-        self._packages = {_module(p) for p in texts if p.endswith("/__init__.py")}
+        parents = (Path(path).parents for path in texts)
+        self._packages = {p.as_posix().replace("/", ".") for p in chain(*parents)}
 
     def load(self) -> dict[str, ModuleType]:
         """Import all modules, and forget them at once; gives them by their names."""
@@ -192,7 +209,7 @@ class Generated(MetaPathFinder, InspectLoader):
         target: ModuleType | None = None,
     ) -> ModuleSpec | None:
         """A module of ours."""
-        if fullname not in self._texts:
+        if fullname not in self._texts and fullname not in self._packages:
             return None
         return ModuleSpec(fullname, self, is_package=fullname in self._packages)
 
@@ -202,7 +219,7 @@ class Generated(MetaPathFinder, InspectLoader):
 
     def get_source(self, fullname: str) -> str:
         """Its text."""
-        return self._texts[fullname]
+        return self._texts.get(fullname, "")
 
 
 def _module(path: str) -> str:

@@ -24,6 +24,7 @@ from idl_words import (
     NUMBERS,
     TEXTS,
 )
+from octets import VERSIONS, OctetsTarget
 
 from rtgen.diagnostics import Severity, Span, has_errors
 from rtgen.frontends import FrontendResult
@@ -60,6 +61,14 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
         "typedef struct A { long x; } B; struct C : B { long y; };",
         (),
     ),
+    "id_that_follows_is_taken": (
+        "struct S { @id(2) long a; @id(1) long b; long c; };",
+        ("IDL0804",),
+    ),
+    "id_of_more_than_28_bits": (
+        "union U switch (long) { case 1: @id(0x10000000) long a; };",
+        ("IDL0802",),
+    ),
 }
 """What fuzzing found, in small, with the codes that are right."""
 
@@ -86,6 +95,14 @@ def test_a_thousand_inputs(factory: partial[IdlTarget]) -> None:
     assert report.cases == 1000
     assert report.labels["accepted"] > 10
     assert report.labels["rejected"] > 100
+
+
+def test_octets_give_values_or_errors() -> None:
+    report = run(OctetsTarget, range(300))
+    assert [f"{f.number}: {f.detail}" for f in report.failures] == []
+    for name in VERSIONS:
+        assert report.labels[f"{name} value"] > 0
+        assert report.labels[f"{name} CdrError"] > 0
 
 
 @pytest.mark.parametrize("name", FOUND)

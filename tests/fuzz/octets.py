@@ -1,0 +1,181 @@
+"""Reading octets with generated types: whatever they are, a value comes out, or CdrError."""
+
+from __future__ import annotations
+
+import struct
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from random import Random
+from types import ModuleType
+from typing import Any
+
+from fuzzing import ViolationError, log_uniform
+from idl_target import Generated, generate
+
+from rtgen.frontends.idl import load
+from rtgen.runtime import xcdr
+from rtgen.runtime.cdr import CdrError
+
+ROOT = Path(__file__).parents[2]
+CONSTRUCTS = (
+    ROOT / "tests/fuzz/octets.idl",
+    ROOT / "tests/unit/types/constructs.idl",
+)
+VERSIONS = {"CDR": None, "XCDR1": 1, "XCDR2": 2}
+"""The encodings, with the version of XCDR."""
+
+_LONGEST = 1000
+_CHANGES = 40
+_COUNTS = (0, 0, 1, 1, 1, 2, 3, 4, 5, 8, 255, 2**16, 2**31 - 1, 2**31, 2**32 - 1)
+
+
+@dataclass(frozen=True)
+class Encoding:
+    """A type, one of its encodings, and octets from which a value of it can be read."""
+
+    type: type[Any]
+    name: str
+    little_endian: bool
+    least: bytes = b""
+
+    def read(self, data: bytes) -> Any:
+        """The value of the octets; raises CdrError."""
+        version = VERSIONS[self.name]
+        if version is None:
+            return self.type.from_cdr(data, self.little_endian)
+        return xcdr.decode(self.type, data, version, self.little_endian)
+
+    def write(self, value: Any) -> bytes:
+        """The octets of a value; raises CdrError."""
+        version = VERSIONS[self.name]
+        if version is None:
+            return bytes(self.type.to_cdr(value, self.little_endian))
+        return xcdr.encode(self.type, value, version, self.little_endian)
+
+
+class OctetsTarget:
+    """The types of the reference package, and of packages that have every construct."""
+
+    def __init__(self, folder: Path) -> None:
+        del folder
+        self._encodings = list(encodings())
+
+    def make(self, number: int) -> bytes:
+        """Octets that are read as the type that the number chooses."""
+        chance = Random(number)
+        return chance.randbytes(log_uniform(1, 300, chance.random()))
+
+    def check(self, number: int, data: bytes) -> Iterator[str]:
+        """Read the octets, then octets that grow from those of the type's least value.
+
+        What can be read is the start of the next change, so that values become deep.
+        """
+        chance = Random(number)
+        encoding = chance.choice(self._encodings)
+        yield _tried(encoding, data)
+        octets = encoding.least
+        for _ in range(_CHANGES):
+            changed = _changed(chance, octets, encoding.little_endian)
+            outcome = _tried(encoding, changed)
+            if outcome.endswith("value"):
+                octets = changed
+            yield outcome
+
+
+def _tried(encoding: Encoding, data: bytes) -> str:
+    """What comes of reading; what is written of a value must read as the same value."""
+    try:
+        value = encoding.read(data)
+    except CdrError:
+        return f"{encoding.name} CdrError"
+    try:
+        written = encoding.write(value)
+    except CdrError:
+        return f"{encoding.name} read-only value"
+    if encoding.write(encoding.read(written)) != written:
+        name = f"{encoding.type.__name__} in {encoding.name}"
+        raise ViolationError(f"{name} reads {written.hex()} as another value")
+    return f"{encoding.name} value"
+
+
+def _changed(chance: Random, octets: bytes, little_endian: bool) -> bytes:
+    """Other octets: a count with octets for its elements, a number, or a few at any place."""
+    data = bytearray(octets)
+    place = chance.randrange(len(data) + 1)
+    order = "<" if little_endian else ">"
+    match chance.randrange(8):
+        case 0 | 1 | 2:
+            place &= ~3
+            count = chance.choice((1, 1, 2, 3))
+            size = chance.choice((0, 1, 2, 3, 4, 7, 8, 12, 16, 20, 24, 32, 40, 48, 56))
+            data[place : place + 4] = struct.pack(f"{order}I", count) + bytes(size)
+        case 3:
+            place &= ~3
+            data[place : place + 4] = struct.pack(f"{order}I", chance.choice(_COUNTS))
+        case 4:
+            text = (
+                chance.choice((b"", b"a", b"abc", "\u3042".encode(), b"\xff")) + b"\0"
+            )
+            padding = bytes(-len(text) % 4)
+            data[place : place + 4] = (
+                struct.pack(f"{order}I", len(text)) + text + padding
+            )
+        case 5:
+            data[place : place + 1] = chance.randbytes(1)
+        case 6:
+            del data[place : place + chance.choice((1, 2, 4, 8))]
+        case _:
+            data[place:place] = chance.randbytes(chance.randint(1, 8))
+    return bytes(data[:_LONGEST])
+
+
+def encodings() -> Iterator[Encoding]:
+    """Each type in each encoding that it has, in both byte orders."""
+    for type_ in types():
+        for name in VERSIONS:
+            for little_endian in (False, True):
+                encoding = Encoding(type_, name, little_endian)
+                least = _least(encoding)
+                if least is not None:
+                    yield Encoding(type_, name, little_endian, least)
+
+
+def _least(encoding: Encoding) -> bytes | None:
+    """As few zeros as read as a value, or what the value of no arguments is written as."""
+    for length in range(300):
+        try:
+            encoding.read(bytes(length))
+        except CdrError:
+            continue
+        return bytes(length)
+    try:
+        return encoding.write(encoding.type())
+    except (CdrError, TypeError):
+        return None
+
+
+def types() -> Iterator[type[Any]]:
+    """The generated types and codecs."""
+    for module in (*_reference(), *_constructs()):
+        for value in vars(module).values():
+            own = getattr(value, "__module__", "") == module.__name__
+            if own and isinstance(value, type) and hasattr(value, "from_cdr"):
+                yield value
+
+
+def _reference() -> Iterator[ModuleType]:
+    import_module("refrobots.rtc")
+    import_module("refrobots.iis")
+    for name in sorted(sys.modules):
+        if name.startswith("refrobots._idl."):
+            yield sys.modules[name]
+
+
+def _constructs() -> Iterator[ModuleType]:
+    for path in CONSTRUCTS:
+        model = load([path], root=path.parent).model
+        modules = Generated(generate(model)).load()
+        yield from (module for name, module in modules.items() if "._idl." in name)
