@@ -45,7 +45,8 @@ def mutant(number: int) -> bytes:
 def texts() -> list[list[str]]:
     """The tokens of each definition file of this repository, in the order of paths."""
     paths = (p for folder in FOLDERS for p in (ROOT / folder).rglob("*.idl"))
-    found = (path.read_bytes().decode("utf-8", "replace") for path in sorted(paths))
+    files = sorted(path for path in paths if path.is_file())
+    found = (path.read_bytes().decode("utf-8", "replace") for path in files)
     return [tokens for text in found if (tokens := _TOKEN.findall(text))]
 
 

@@ -19,7 +19,7 @@ MARKS = """
     // /* */
     """.split()
 NAMES = """
-    A B C a b Foo foo FOO Bar T S E I V X Y M N Data data Time tm _A _struct __x RED GREEN
+    A B C a b Foo foo FOO Bar T S E I V X Y M N Data data Time tm _A _struct _ __x RED GREEN
     Object_ ValueBase_ self None class import from print type CORBA TypeCode Inc Once
     """.split()
 NUMBERS = """

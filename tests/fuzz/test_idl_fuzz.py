@@ -61,6 +61,7 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
         "typedef struct A { long x; } B; struct C : B { long y; };",
         (),
     ),
+    "lone_underscore": ("enum E { _, A }; struct S { long __; };", ("IDL0207",) * 2),
     "id_that_follows_is_taken": (
         "struct S { @id(2) long a; @id(1) long b; long c; };",
         ("IDL0804",),

@@ -32,7 +32,7 @@ def _name(token: Token) -> tree.Name:
     end = token.end_pos
     assert start is not None
     assert end is not None
-    return tree.Name(token[1:] if token[0] == "_" else str(token), start, end)
+    return tree.Name(token.removeprefix("_") or "_", start, end)
 
 
 def _chain(children: Children, operator: str) -> tree.Chain:

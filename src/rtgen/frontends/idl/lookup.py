@@ -326,11 +326,12 @@ class Lookup:
     def _spelling(self, entity: Entity, key: str, escaped: bool) -> None:
         name = entity.name
         if name[0] == "_" or not name.isascii():
-            what = (
-                "has more than one leading underscore"
-                if name[0] == "_"
-                else "has other than ASCII letters"
-            )
+            if not name.strip("_"):
+                what = "has nothing but underscores"
+            elif name[0] == "_":
+                what = "has more than one leading underscore"
+            else:
+                what = "has other than ASCII letters"
             hint = (
                 f"write {name.lstrip('_') or 'a name'}"
                 if name[0] == "_"
