@@ -16,6 +16,7 @@ from rtgen.frontends.idl.rules import names as name_rules
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.rules import types as type_rules
 from rtgen.frontends.idl.scopes import Entity, Kind
+from rtgen.frontends.idl.tables import MAX_DEPTH
 from rtgen.frontends.idl.unit import Unit
 from rtgen.model import (
     ConstantValue,
@@ -59,7 +60,6 @@ _BY_SIZE = (
 _BOUND_HINT = (
     "a bound is positive; without a bound, sequences and strings hold any number"
 )
-_DEEPEST = 48
 _EXACT = Context(prec=62, rounding=ROUND_DOWN)
 _DIGITS_31 = Context(prec=31, rounding=ROUND_DOWN)
 _LARGEST_FLOAT = 3.4028234663852886e38
@@ -226,7 +226,7 @@ class Constants:
         self._report(rule.at(span, message, related=related, hint=hint))
 
     def _evaluate(self, node: tree.Expression, sort: Sort, depth: int) -> ConstantValue:
-        if depth > _DEEPEST:
+        if depth > MAX_DEPTH:
             self._fail(syntax.TOO_DEEP, node, "this expression is nested too deeply")
         match node:
             case tree.Group(inner):

@@ -49,6 +49,31 @@ class Macro:
     span: Span | None = field(compare=False, default=None)
 
 
+class MacroTable(dict[str, Macro]):
+    """Macros by name. Every change goes through `put`, so that it can be told later."""
+
+    def __init__(self, macros: Mapping[str, Macro]) -> None:
+        super().__init__(macros)
+        self._replaced: list[tuple[str, Macro | None]] = []
+
+    def put(self, name: str, macro: Macro | None) -> None:
+        """Define a macro; None forgets the name."""
+        self._replaced.append((name, self.get(name)))
+        if macro is None:
+            self.pop(name, None)
+        else:
+            self[name] = macro
+
+    @property
+    def now(self) -> int:
+        """The number of changes so far."""
+        return len(self._replaced)
+
+    def changed_since(self, then: int) -> dict[str, Macro | None]:
+        """What each name that was changed since `then` stood for at that time."""
+        return dict(reversed(self._replaced[then:]))
+
+
 def tokenize(text: str) -> list[Token]:
     """The tokens of a text, white space included."""
     return [

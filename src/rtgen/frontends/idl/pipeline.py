@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span, in_order
 from rtgen.frontends import FrontendResult
-from rtgen.frontends.idl import checks
+from rtgen.frontends.idl import checks, preprocessor, tables
 from rtgen.frontends.idl.lower import Lowering
 from rtgen.frontends.idl.macros import ExpansionError, Macro
 from rtgen.frontends.idl.names import Resolver
@@ -37,6 +38,9 @@ if TYPE_CHECKING:
 MAX_FINDINGS = 1000
 """How many findings of one severity a run gives."""
 
+_FRAMES = 12 * max(tables.MAX_DEPTH, preprocessor.MAX_DEPTH)
+"""Enough calls within calls for what nests as deeply as it may."""
+
 
 def load(
     paths: Sequence[Path],
@@ -52,7 +56,12 @@ def load(
     the diagnostics, sorted; nothing is raised for it. Declarations with an error are not in the
     model, nor what depends on them.
     """
-    return _Run(paths, root, include).result(define or {})
+    limit = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(limit, _FRAMES))
+    try:
+        return _Run(paths, root, include).result(define or {})
+    finally:
+        sys.setrecursionlimit(limit)
 
 
 class _Run:

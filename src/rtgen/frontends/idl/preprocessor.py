@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import ChainMap
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,9 +11,11 @@ from pathlib import Path
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl import conditions
 from rtgen.frontends.idl.macros import (
+    TOKEN,
     Expander,
     ExpansionError,
     Macro,
+    MacroTable,
     Token,
     define,
     tokenize,
@@ -22,8 +25,11 @@ from rtgen.frontends.idl.source import Library, Source
 from rtgen.frontends.idl.suggestions import nearest
 from rtgen.frontends.idl.unit import Boundary, Inclusion, Pragma, TextBuilder, Unit
 
-MAX_DEPTH = 64
-"""How deeply includes may nest; far more than real files do, so more is a cycle."""
+MAX_DEPTH = 256
+"""How deeply includes may nest."""
+
+MOST_WITHIN_ITSELF = 32
+"""How often a file may stand within itself; more is a cycle."""
 
 MAX_INCLUDES = 10_000
 """How many inclusions one translation unit may need."""
@@ -35,6 +41,11 @@ _LINE = re.compile(r'(\d{1,9})(?:\s+"((?:\\.|[^"\\])*)"(?:\s+\d+)*)?')
 _STRUCTURE = re.compile(
     r'"(?:\\.|[^"\\])*"|\'(?:\\.|[^\'\\\n]){0,12}\'|[{}()\[\]]|[^\s{}()\[\]"\']+'
 )
+_NAME_OR_TEXT = re.compile(
+    r"""L?"(?:\\.|[^"\\])*"|L?'(?:\\.|[^'\\\n]){0,12}'|\.?\d(?:[eE][+-]|[\w.])*|[^\W\d]\w*""",
+    re.DOTALL,
+)
+_WORD = re.compile(r"[^\W\d]\w*")
 _KNOWN = (
     *("define", "elif", "else", "endif", "error", "if", "ifdef", "ifndef", "include"),
     *("line", "pragma", "undef", "warning"),
@@ -58,16 +69,17 @@ class _Conditional:
 class _Prepared:
     """A unit as it came out with a macro table: reusable where the file can see no difference."""
 
-    before: dict[str, Macro]
-    words: frozenset[str]
+    words: set[str]
+    defined: dict[str, Macro]
+    undefined: set[str]
     changes: dict[str, Macro | None]
     unit: Unit
+    weight: int
+    """How many inclusions there are in it, counting itself, but no file that comes to nothing."""
 
     def fits(self, macros: Mapping[str, Macro]) -> bool:
-        return all(
-            macros.get(word) == self.before.get(word)
-            for word in self.words
-            if word in macros or word in self.before
+        return macros.keys().isdisjoint(self.undefined) and all(
+            macros.get(name) == macro for name, macro in self.defined.items()
         )
 
 
@@ -94,6 +106,7 @@ class Preprocessor:
         self._library = library
         self._report = report
         self._prepared: dict[Source, list[_Prepared]] = {}
+        self._found: dict[tuple[Path | None, str], Source] = {}
         self._stack: list[Source] = []
         self._included = 0
         self._exhausted = False
@@ -102,75 +115,71 @@ class Preprocessor:
         """The unit of a file that was given, with everything it includes."""
         self._included = 0
         self._exhausted = False
-        return self._prepare(source, dict(macros)).unit
+        return self._prepare(source, MacroTable(macros)).unit
 
-    def _prepare(self, source: Source, macros: dict[str, Macro]) -> _Prepared:
+    def _prepare(self, source: Source, macros: MacroTable) -> _Prepared:
         known = self._prepared.setdefault(source, [])
         for prepared in known:
             if prepared.fits(macros):
                 for name, macro in prepared.changes.items():
-                    if macro is None:
-                        macros.pop(name, None)
-                    else:
-                        macros[name] = macro
+                    macros.put(name, macro)
                 return prepared
-        before = dict(macros)
+        start = macros.now
         for problem in source.problems:
             self._report(problem)
+        included = self._included
         file = _File(self, source, macros, TextBuilder(source))
         self._stack.append(source)
         file.run()
         self._stack.pop()
-        changes = {
-            name: macros.get(name)
-            for name in before.keys() | macros.keys()
-            if macros.get(name) != before.get(name)
-        }
-        prepared = _Prepared(before, file.words, changes, file.builder.finish())
+        unit = file.builder.finish()
+        weight = self._included - included
+        weight += bool(unit.events or not (unit.text.isspace() or unit.text == ""))
+        self._included = included
+        replaced = macros.changed_since(start)
+        before = {word: replaced.get(word, macros.get(word)) for word in file.words}
+        prepared = _Prepared(
+            words=file.words,
+            defined={name: macro for name, macro in before.items() if macro},
+            undefined={name for name, macro in before.items() if macro is None},
+            changes={name: macros.get(name) for name in replaced},
+            unit=unit,
+            weight=weight,
+        )
         if not self._exhausted:
             known.append(prepared)
         return prepared
 
     def include(self, file: _File, quoted: str | None, name: str, span: Span) -> None:
         """Take in the file that an `#include` in `file` names."""
-        source = self._find(file.source, quoted is not None, name, span)
+        place = (file.source.folder if quoted is not None else None, name)
+        source = self._found.get(place) or self._find(*place, span)
         if source is None:
             file.builder.unit.lacking = True
             return
-        if _ONCE + str(source.path.resolve()) in file.macros:
+        self._found[place] = source
+        if _ONCE + source.real in file.macros:
             return
-        self._included += 1
-        if len(self._stack) >= MAX_DEPTH or self._included > MAX_INCLUDES:
-            if not self._exhausted:
-                cycle = (
-                    self._stack[self._stack.index(source) :]
-                    if source in self._stack
-                    else []
-                )
-                chain = (
-                    " -> ".join(s.name for s in (*cycle[:6], source)) if cycle else ""
-                )
-                self._report(
-                    lexical.INCLUDE_CYCLE.at(
-                        span,
-                        (
-                            f"the includes have no end: {chain}"
-                            if chain
-                            else "too many includes"
-                        ),
-                        hint="give each file an include guard, or #pragma once",
-                    )
-                )
-            self._exhausted = True
+        if (
+            len(self._stack) >= MAX_DEPTH
+            or self._stack.count(source) >= MOST_WITHIN_ITSELF
+            or self._included >= MAX_INCLUDES
+        ):
+            self._exhaust(source, span)
         if self._exhausted:
             file.builder.unit.lacking = True
             return
         if file.at_file_scope():
             prepared = self._prepare(source, file.macros)
             file.words |= prepared.words
-            unit = prepared.unit
-            file.builder.unit.events.append(Inclusion(file.builder.length, unit, span))
+            self._included += prepared.weight
+            if self._included > MAX_INCLUDES:
+                self._exhaust(source, span)
+                return
+            inclusion = Inclusion(file.builder.length, prepared.unit, span)
+            file.builder.unit.events.append(inclusion)
             return
+        self._included += 1
         unit = file.builder.unit
         for problem in source.problems:
             self._report(problem)
@@ -183,12 +192,25 @@ class Preprocessor:
         file.words |= inner.words
         unit.events.append(Boundary(file.builder.length, source, False))
 
-    def _find(
-        self, source: Source, quoted: bool, name: str, span: Span
-    ) -> Source | None:
+    def _exhaust(self, source: Source, span: Span) -> None:
+        """Give up all further includes."""
+        if not self._exhausted:
+            cycle: list[Source] = []
+            if source in self._stack:
+                cycle = self._stack[self._stack.index(source) :]
+            chain = " -> ".join(s.name for s in (*cycle[:6], source)) if cycle else ""
+            message = (
+                f"the includes have no end: {chain}" if chain else "too many includes"
+            )
+            hint = "give each file an include guard, or #pragma once"
+            self._report(lexical.INCLUDE_CYCLE.at(span, message, hint=hint))
+        self._exhausted = True
+
+    def _find(self, beside: Path | None, name: str, span: Span) -> Source | None:
+        """The file of that name: in the folder of its includer or those of -I."""
         folders: list[tuple[Path, Path | None]] = []
-        if quoted:
-            folders.append((source.path.parent, None))
+        if beside is not None:
+            folders.append((beside, None))
         folders += [(folder, folder) for folder in self._library.include]
         for folder, include in folders:
             try:
@@ -238,14 +260,14 @@ class _File:
         self,
         owner: Preprocessor,
         source: Source,
-        macros: dict[str, Macro],
+        macros: MacroTable,
         builder: TextBuilder,
         nested: bool = False,
     ) -> None:
         self.source = source
         self.macros = macros
         self.builder = builder
-        self.words = source.words
+        self.words: set[str] = set()
         self._owner = owner
         self._nested = nested
         self._open: list[_Conditional] = []
@@ -294,38 +316,29 @@ class _File:
     def _text(self, start: int, end: int) -> None:
         if start == end or not self._active:
             return
-        names = self.macros.keys() & self.source.words
-        if names and self._calls(names, start, end):
-            self._expand(start, end)
-        else:
-            self._copy(start, end)
-
-    def _calls(self, names: set[str], start: int, end: int) -> bool:
         code = self.source.code
-        return any(code.find(name, start, end) >= 0 for name in names)
+        copied = start
+        calls = not self.macros.keys().isdisjoint(self._words(start, end))
+        for match in _NAME_OR_TEXT.finditer(code, start, end) if calls else ():
+            macro = self.macros.get(match[0])
+            if macro is None or match.start() < copied:
+                continue
+            self._copy(copied, match.start())
+            copied = match.end()
+            if macro.parameters is not None:
+                copied = _call_end(code, copied, end)
+            call = tokenize(code[match.start() : copied])
+            self._replace(call, match.start(), copied)
+        self._copy(copied, end)
+
+    def _words(self, start: int, end: int) -> set[str]:
+        """The words of a piece that counts: the macros among them decide what it comes to."""
+        words = set(_WORD.findall(self.source.code, start, end))
+        self.words |= words
+        return words
 
     def _copy(self, start: int, end: int) -> None:
         self.builder.copy(self.source, start, end, self._file, self._shift)
-
-    def _expand(self, start: int, end: int) -> None:
-        """Copy text up to each macro call, and put what the call expands to in its place."""
-        tokens = tokenize(self.source.code[start:end])
-        copied = offset = start
-        index = 0
-        while index < len(tokens):
-            token = tokens[index]
-            macro = self.macros.get(token.text) if token.kind == "name" else None
-            if macro is None:
-                offset += len(token.text)
-                index += 1
-                continue
-            until = index + 1 if macro.parameters is None else _call_end(tokens, index)
-            self._copy(copied, offset)
-            copied = offset + sum(len(t.text) for t in tokens[index:until])
-            self._replace(tokens[index:until], offset, copied)
-            offset = copied
-            index = until
-        self._copy(copied, end)
 
     def _replace(self, call: list[Token], start: int, end: int) -> None:
         """Append what a macro call at [start, end) expands to."""
@@ -348,10 +361,11 @@ class _File:
 
     def _table(self, span: Span) -> Mapping[str, Macro]:
         file = self._file or self.source.name
-        table = dict(self.macros)
-        table["__FILE__"] = Macro("__FILE__", None, (Token("text", f'"{file}"'),))
-        table["__LINE__"] = Macro("__LINE__", None, (Token("number", str(span.line)),))
-        return table
+        place = {
+            "__FILE__": Macro("__FILE__", None, (Token("text", f'"{file}"'),)),
+            "__LINE__": Macro("__LINE__", None, (Token("number", str(span.line)),)),
+        }
+        return ChainMap(place, self.macros)
 
     def _span(self, start: int, end: int) -> Span:
         span = self.source.span(start, end)
@@ -372,6 +386,8 @@ class _File:
         begin = match.start(1)
         hash_at = begin - 1
         span = self._span(hash_at, max(begin + command.end(2), begin))
+        if self._active or (name == "elif" and self._open[-1].outer):
+            self._words(begin, match.end())
         match name:
             case "if" | "ifdef" | "ifndef":
                 self._begin(name, rest, span)
@@ -384,7 +400,7 @@ class _File:
             case "define":
                 self._define(rest, span)
             case "undef":
-                self.macros.pop(rest.split()[0] if rest else "", None)
+                self.macros.put(rest.split()[0] if rest else "", None)
             case "include":
                 self._include(rest, span)
             case "error":
@@ -497,7 +513,7 @@ class _File:
                     hint=f"put #undef {macro.name} before, if that is meant",
                 )
             )
-        self.macros[macro.name] = macro
+        self.macros.put(macro.name, macro)
 
     def _expanded(self, text: str, span: Span) -> str:
         try:
@@ -526,9 +542,9 @@ class _File:
 
     def _pragma(self, rest: str, span: Span) -> None:
         if rest.split() == ["once"]:
-            name = _ONCE + str(self.source.path.resolve())
-            self.words |= {name}
-            self.macros[name] = Macro(name, None, ())
+            name = _ONCE + self.source.real
+            self.words.add(name)
+            self.macros.put(name, Macro(name, None, ()))
             return
         self.builder.unit.events.append(Pragma(self.builder.length, rest, span))
 
@@ -549,17 +565,16 @@ class _File:
             self._file = re.sub(r"\\(.)", r"\1", found[2])
 
 
-def _call_end(tokens: list[Token], index: int) -> int:
-    """Behind the closing parenthesis of a call; behind the name if there is no call."""
-    until = index + 1
-    while until < len(tokens) and tokens[until].kind == "space":
-        until += 1
-    if until == len(tokens) or tokens[until].text != "(":
-        return index + 1
+def _call_end(code: str, start: int, end: int) -> int:
+    """Behind the closing parenthesis of a call whose name ends at `start`, or there."""
     depth = 0
-    while until < len(tokens):
-        depth += {"(": 1, ")": -1}.get(tokens[until].text, 0)
-        until += 1
-        if depth == 0:
-            break
-    return until
+    for match in TOKEN.finditer(code, start, end):
+        if match[0] == "(":
+            depth += 1
+        elif match[0] == ")" and depth:
+            depth -= 1
+            if not depth:
+                return match.end()
+        elif not depth and match.lastgroup != "space":
+            return start
+    return end if depth else start

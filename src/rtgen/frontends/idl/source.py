@@ -28,7 +28,6 @@ _COMMENT_OR_TEXT = re.compile(
     re.DOTALL,
 )
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
-_WORD = re.compile(r"[^\W\d]\w*")
 
 
 def _as_latin_1(error: UnicodeError) -> tuple[str, int]:
@@ -73,7 +72,7 @@ class Source:
         self.code = self._blank_comments(self._join_lines(self._acceptable_text()))
 
     def _acceptable_text(self) -> str:
-        if len(self.text) > MAX_LINE:
+        if max(map(len, self.text.split("\n"))) > MAX_LINE:
             start = 0
             for number, line in enumerate(self.text.split("\n"), 1):
                 if len(line) > MAX_LINE:
@@ -132,9 +131,14 @@ class Source:
         return "".join(parts)
 
     @cached_property
-    def words(self) -> frozenset[str]:
-        """All identifiers of the code, those of directives too."""
-        return frozenset(_WORD.findall(self.code))
+    def folder(self) -> Path:
+        """The folder that the file is in."""
+        return self.path.parent
+
+    @cached_property
+    def real(self) -> str:
+        """The path without links: the same for a file that is found in two ways."""
+        return str(self.path.resolve())
 
     @cached_property
     def _line_starts(self) -> list[int]:

@@ -9,8 +9,8 @@ from rtgen.frontends.idl.scopes import Entity, Scope
 from rtgen.frontends.idl.unit import Unit
 from rtgen.model import Primitive
 
-MAX_DEPTH = 48
-"""How deeply scopes, and how deeply types, may nest."""
+MAX_DEPTH = 256
+"""How deeply scopes, types and expressions may nest."""
 
 IDL_4_TYPES = {
     "int8": Primitive.INT8,

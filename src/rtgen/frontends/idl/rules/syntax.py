@@ -150,7 +150,7 @@ TOO_DEEP = Rule(
     "nested too deeply",
     Severity.ERROR,
     """
-Modules, types and parentheses may nest 48 levels deep each, far more than definitions need.
+Modules, types and parentheses may nest 256 levels deep each, far more than definitions need.
 """,
 )
 
