@@ -203,15 +203,17 @@ class Parser:
         }
 
     def _would_shift(self, kind: str) -> bool:
-        states = self.states.copy()
-        actions = self._grammar.actions
+        states, actions = self.states, self._grammar.actions
+        kept = len(states)
+        added: list[int] = []
         while True:
-            action = actions[states[-1]].get(kind)
+            action = actions[added[-1] if added else states[kept - 1]].get(kind)
             if action is None or action >= 0:
                 return action is not None
             size, origin, _ = self._grammar.rules[~action]
-            del states[len(states) - size :]
-            states.append(actions[states[-1]][origin])
+            kept -= max(size - len(added), 0)
+            del added[max(len(added) - size, 0) :]
+            added.append(actions[added[-1] if added else states[kept - 1]][origin])
 
 
 def _rule(

@@ -26,9 +26,8 @@ if TYPE_CHECKING:
 MAX_ERRORS = 50
 """After so many syntax errors in one file the rest of it is not read."""
 
-MOST_CLOSED = 200
-"""At the end of a broken text so many marks at most are supplied to close what is open: each one
-costs a copy of the parser's stack."""
+MOST_CLOSED = 1000
+"""At the end of a broken text so many marks at most are supplied to close what is open."""
 
 _MARKS = re.compile(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n]){0,12}\'|[{};]', re.DOTALL)
 _TEMPLATES = re.compile(
