@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.cdr_faults import _Scan
+from rtgen.runtime.cdr_reader import Reader
 from rtgen.runtime.descriptors import Descriptor
 
 
-class _Padding(_Scan):
+class _Padding(Reader):
     """Walks octets and notes where padding lies."""
 
     def __init__(self, data: bytes, little_endian: bool) -> None:
         super().__init__(data, little_endian)
         self.places: list[int] = []
 
-    def _octets(self, size: int, align: int, path: str) -> bytes:
-        before = self._offset
-        octets = super()._octets(size, align, path)
-        self.places.extend(range(before, self._offset - size))
+    def _take(self, size: int, align: int) -> bytes:
+        before = self.offset
+        octets = super()._take(size, align)
+        self.places.extend(range(before, self.offset - size))
         return octets
 
 
 def padding(descriptor: Descriptor, octets: bytes, little_endian: bool) -> list[int]:
     """The offsets of the padding in a body."""
     scan = _Padding(octets, little_endian)
-    scan.value(descriptor, "")
-    scan.end("")
+    scan.value(descriptor)
+    scan.end()
     return scan.places
 
 

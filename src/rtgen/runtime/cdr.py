@@ -253,6 +253,14 @@ def _arranged(sections: Iterable[str], phase: int, counts: Iterator[int]) -> str
     return "".join(texts)
 
 
+def _register(cls: type[Any]) -> None:
+    """The class is what values of its own descriptor are made as."""
+    if "_descriptor_" in cls.__dict__:
+        from rtgen.runtime.descriptors import register
+
+        register(cls, cls._descriptor_)
+
+
 def members(enum: type[_E]) -> dict[int, _E]:
     """The members of an enumeration by number; refuses every other value with KeyError."""
     return {member.value: member for member in enum}
@@ -266,8 +274,7 @@ class _Described:
     _descriptor_: ClassVar[Any]
 
     def __init_subclass__(cls) -> None:
-        if "_descriptor_" in cls.__dict__:
-            object.__setattr__(cls._descriptor_, "class_", cls)
+        _register(cls)
 
     def to_xcdr2(self, little_endian: bool = True) -> bytes:
         """The value as an XCDR2 body; raises CdrError."""
@@ -445,6 +452,9 @@ class UserException(Exception):
     """The base of generated exceptions: equal if of one class with equal members."""
 
     _descriptor_: ClassVar[ExceptionDescriptor]
+
+    def __init_subclass__(cls) -> None:
+        _register(cls)
 
     def _values(self) -> tuple[object, ...]:
         return tuple(getattr(self, m.attribute) for m in self._descriptor_.members)

@@ -7,7 +7,7 @@ not look at them.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Final, Protocol, Self, TypeAlias, TypeVar
 
@@ -17,13 +17,18 @@ NEXT: Final = -1
 """The member id that follows that of the member before."""
 
 
-def _unbound(*_: object) -> Any:
-    raise TypeError("the descriptor belongs to no class")
+class _Shared:
+    """What a copy of a value refers to as the value does."""
+
+    __slots__ = ()
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Self:
+        return self
 
 
 @dataclass(frozen=True, slots=True)
-class PrimitiveDescriptor:
-    """A basic type, by its IDL name."""
+class PrimitiveDescriptor(_Shared):
+    """A basic type, by its IDL name; `null` and `void` are types of nothing."""
 
     name: str
 
@@ -32,7 +37,7 @@ class PrimitiveDescriptor:
 
 
 @dataclass(frozen=True, slots=True)
-class StringDescriptor:
+class StringDescriptor(_Shared):
     """`string` (`bound` in octets of UTF-8) or `wstring` (in UTF-16 units)."""
 
     wide: bool = False
@@ -44,7 +49,7 @@ class StringDescriptor:
 
 
 @dataclass(frozen=True, slots=True)
-class FixedDescriptor:
+class FixedDescriptor(_Shared):
     """`fixed<digits,scale>`."""
 
     digits: int
@@ -55,7 +60,7 @@ class FixedDescriptor:
 
 
 @dataclass(frozen=True, slots=True)
-class SequenceDescriptor:
+class SequenceDescriptor(_Shared):
     """`sequence<element>` or `sequence<element,bound>`."""
 
     element: Descriptor
@@ -67,7 +72,7 @@ class SequenceDescriptor:
 
 
 @dataclass(frozen=True, slots=True)
-class ArrayDescriptor:
+class ArrayDescriptor(_Shared):
     """An array; dimensions outermost first."""
 
     element: Descriptor
@@ -78,7 +83,7 @@ class ArrayDescriptor:
 
 
 @dataclass(frozen=True, slots=True)
-class MapDescriptor:
+class MapDescriptor(_Shared):
     """`map<key,value>` or `map<key,value,bound>`."""
 
     key: Descriptor
@@ -91,14 +96,12 @@ class MapDescriptor:
 
 
 @dataclass(frozen=True, slots=True)
-class _Named:
-    """`class_` is the Python class it describes; `codecs` what was compiled from it."""
+class _Named(_Shared):
+    """`class_` is the Python class it describes, or None; `codecs` what was compiled from it."""
 
     repository_id: str
     name: str
-    class_: Callable[..., Any] = field(
-        default=_unbound, init=False, compare=False, repr=False
-    )
+    class_: Any = field(default=None, init=False, compare=False, repr=False)
     codecs: dict[Any, Any] = field(
         default_factory=dict, init=False, compare=False, repr=False
     )
@@ -181,6 +184,8 @@ class BitsetDescriptor(_Named):
 class MemberDescriptor:
     """A member of a struct: its name in the definition, its type, and its attribute in Python.
 
+    `private` is meant for the state of a value.
+
     `id` is the member id of DDS-XTypes (1.3, 7.3.1.2.1); NEXT stands for the one after that of
     the member before, and is replaced by that number in the descriptor of the struct.
     """
@@ -193,6 +198,7 @@ class MemberDescriptor:
     key: bool = False
     must_understand: bool = False
     external: bool = False
+    private: bool = False
 
     def __post_init__(self) -> None:
         _name_attribute(self)
@@ -266,11 +272,57 @@ class InterfaceDescriptor(_Named):
     operations: tuple[str, ...] = ()
     bases: tuple[InterfaceDescriptor, ...] = ()
     local: bool = False
+    abstract: bool = False
 
     def is_a(self, repository_id: str) -> bool:
         """Whether it is the interface of that id or derives from it."""
         own = self.repository_id == repository_id
         return own or any(base.is_a(repository_id) for base in self.bases)
+
+
+@dataclass(frozen=True, slots=True)
+class ValueDescriptor(_Named):
+    """A valuetype: its own state, its bases, and what it is: custom, abstract, truncatable."""
+
+    members: tuple[MemberDescriptor, ...]
+    bases: tuple[ValueDescriptor, ...] = ()
+    modifier: str = ""
+
+    def concrete_base(self) -> ValueDescriptor | None:
+        """The base that has state; None if there is none."""
+        return next((b for b in self.bases if b.modifier != "abstract"), None)
+
+    def all_members(self) -> tuple[MemberDescriptor, ...]:
+        """The state, that of the base first."""
+        base = self.concrete_base()
+        return self.members if base is None else base.all_members() + self.members
+
+    def truncates_to(self) -> tuple[str, ...]:
+        """The ids of the bases that a value can be truncated to, the nearest first."""
+        base = self.concrete_base()
+        if self.modifier != "truncatable" or base is None:
+            return ()
+        return (base.repository_id, *base.truncates_to())
+
+    def is_a(self, repository_id: str) -> bool:
+        """Whether it is the valuetype of that id or derives from it."""
+        own = self.repository_id == repository_id
+        return own or any(base.is_a(repository_id) for base in self.bases)
+
+
+@dataclass(frozen=True, slots=True)
+class BoxDescriptor(_Named):
+    """A boxed value."""
+
+    target: Descriptor
+
+    def truncates_to(self) -> tuple[str, ...]:
+        """Nothing."""
+        return ()
+
+    def is_a(self, repository_id: str) -> bool:
+        """Whether it is the box of that id."""
+        return self.repository_id == repository_id
 
 
 @dataclass(frozen=True, slots=True)
@@ -305,7 +357,7 @@ def _numbered(entries: tuple[_E, ...], first: int) -> tuple[_E, ...]:
 def bind(class_: Any, descriptor: EnumDescriptor | FlagsDescriptor) -> None:
     """Gives an enum or a bitmask its descriptor, which a class body of theirs cannot hold."""
     class_._descriptor_ = descriptor
-    object.__setattr__(descriptor, "class_", class_)
+    register(class_, descriptor)
 
 
 def plain(descriptor: Descriptor) -> Descriptor:
@@ -333,8 +385,83 @@ Descriptor: TypeAlias = (
     | ExceptionDescriptor
     | UnionDescriptor
     | InterfaceDescriptor
+    | ValueDescriptor
+    | BoxDescriptor
     | LinkDescriptor
 )
+
+ANY: Final = PrimitiveDescriptor("any")
+"""The type that can hold every other."""
+
+_REGISTERED: dict[str, _Named] = {}
+
+
+def register(class_: type[Any], descriptor: _Named) -> None:
+    """Makes a class the one that values of the descriptor are made as.
+
+    Of two types with one repository id the last is found by it.
+    """
+    object.__setattr__(descriptor, "class_", class_)
+    if descriptor.repository_id:
+        _REGISTERED[descriptor.repository_id] = descriptor
+
+
+def registered(repository_id: str) -> Descriptor | None:
+    """The descriptor of the generated type with that id, or None."""
+    found: Any = _REGISTERED.get(repository_id)
+    return found  # type: ignore[no-any-return]
+
+
+def class_of(descriptor: Descriptor) -> Any:
+    """The class that values of the descriptor are made as; None if there is none."""
+    return getattr(descriptor, "class_", None)
+
+
+def known(descriptor: Descriptor) -> Descriptor:
+    """The generated type with the same repository id and structure, or the descriptor itself."""
+    found = registered(getattr(descriptor, "repository_id", ""))
+    return found if found is not None and _same(descriptor, found) else descriptor
+
+
+def _same(a: Descriptor, b: Descriptor) -> bool:
+    """Whether what a type code told is a generated type; names that it left out are no matter."""
+    if isinstance(a, LinkDescriptor) or isinstance(b, LinkDescriptor):
+        return getattr(a, "repository_id", None) == getattr(b, "repository_id", "")
+    if type(a) is not type(b):
+        return False
+    match a, b:
+        case AliasDescriptor(target=one), AliasDescriptor(target=other):
+            return _same(one, other)
+        case BoxDescriptor(target=one), BoxDescriptor(target=other):
+            return _same(one, other)
+        case SequenceDescriptor(one, most), SequenceDescriptor(other, limit):
+            return most == limit and _same(one, other)
+        case ArrayDescriptor(one, here), ArrayDescriptor(other, there):
+            return here == there and _same(one, other)
+        case EnumDescriptor(), EnumDescriptor():
+            return len(a.members) == len(b.members)
+        case UnionDescriptor(), UnionDescriptor():
+            return _same(a.switch, b.switch) and _same_parts(a.branches, b.branches)
+        case (
+            StructDescriptor() | ExceptionDescriptor() | ValueDescriptor(),
+            StructDescriptor() | ExceptionDescriptor() | ValueDescriptor(),
+        ):
+            return _same_parts(a.members, b.members)
+        case _Named(), _Named():
+            return a.repository_id == b.repository_id
+    return a == b
+
+
+def _same_parts(
+    left: Sequence[MemberDescriptor | BranchDescriptor],
+    right: Sequence[MemberDescriptor | BranchDescriptor],
+) -> bool:
+    return len(left) == len(right) and all(
+        a.name in ("", b.name)
+        and getattr(a, "labels", ()) == getattr(b, "labels", ())
+        and _same(a.type, b.type)
+        for a, b in zip(left, right, strict=True)
+    )
 
 
 class DataType(Protocol):

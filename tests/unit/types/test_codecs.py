@@ -16,7 +16,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from rtgen.runtime.cdr import SHAPES_KEPT, CdrError
-from rtgen.runtime.cdr_faults import _Scan
+from rtgen.runtime.cdr_faults import encoded
+from rtgen.runtime.cdr_reader import Reader
 from rtgen.runtime.descriptors import (
     AliasDescriptor,
     InterfaceDescriptor,
@@ -77,9 +78,10 @@ def round_trip(type_: type[Any], types: dict[str, type[Any]]) -> None:
         octets = value.to_cdr(little_endian)
         assert type_.from_cdr(octets, little_endian) == value
         assert type_.from_cdr(memoryview(bytearray(octets)), little_endian) == value
-        scan = _Scan(octets, little_endian)
-        scan.value(descriptor, "")
-        scan.end("")
+        reader = Reader(octets, little_endian)
+        assert reader.value(descriptor) == value
+        reader.end()
+        assert encoded(descriptor, value, little_endian) == octets
         if hasattr(value, "_snapshot_"):
             assert value._snapshot_() == value
 

@@ -1,0 +1,591 @@
+"""Classic CDR to values along descriptors: the way back of `cdr_writer`.
+
+Lengths are checked against the octets that are left, and the values that are made are counted, so
+that no input takes more than its size allows.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from functools import partial
+from math import prod
+from typing import Any, TypeVar
+
+from rtgen.runtime.cdr import Buffer
+from rtgen.runtime.cdr_values import (
+    ObjectReference,
+    fixed_value,
+    quad_value,
+    text_value,
+    wide_character_value,
+    wide_value,
+)
+from rtgen.runtime.cdr_writer import (
+    CHUNKED,
+    CODEBASE,
+    CODES,
+    ID_LIST,
+    INDIRECTION,
+    NULL_TAG,
+    ONE_ID,
+    TEXTS,
+    VALUE_TAG,
+    bits_code,
+    check_bound,
+    check_string,
+    size_of,
+)
+from rtgen.runtime.descriptors import (
+    AliasDescriptor,
+    ArrayDescriptor,
+    BitsetDescriptor,
+    BoxDescriptor,
+    Descriptor,
+    EnumDescriptor,
+    ExceptionDescriptor,
+    FixedDescriptor,
+    FlagsDescriptor,
+    InterfaceDescriptor,
+    LinkDescriptor,
+    MapDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    ValueDescriptor,
+    class_of,
+    plain,
+    registered,
+)
+from rtgen.runtime.faults import LOCATED, Fault, located
+from rtgen.runtime.type_codes import TypeCodeReader, simple_type
+from rtgen.runtime.values import (
+    AnyValue,
+    DynamicBox,
+    DynamicState,
+    DynamicUnion,
+    DynamicValue,
+)
+
+_T = TypeVar("_T")
+_WORK_FOR_AN_OCTET = 16
+_LEAST_WORK = 100_000
+_MOST_IDS = 100
+
+
+class Input(bytes):
+    """A body that is being read, with the values in it by the offsets of their headers."""
+
+    values: dict[int, Any]
+
+    def __new__(cls, data: Buffer) -> Input:
+        made = super().__new__(cls, memoryview(data))
+        made.values = {}
+        return made
+
+
+def read_dynamic(
+    data: Buffer, offset: int, descriptor: Descriptor, little_endian: bool
+) -> tuple[Any, int]:
+    """The value of the descriptor at `offset`, and the offset behind it; raises ValueError."""
+    reader = Reader(data, little_endian, offset)
+    return reader.value(descriptor), reader.offset
+
+
+class Reader:
+    """Reads values one after the other. What is wrong raises Fault."""
+
+    def __init__(self, data: Buffer, little_endian: bool, offset: int = 0) -> None:
+        self._data = data if isinstance(data, Input) else Input(data)
+        self._little = bool(little_endian)
+        self._order = "<" if little_endian else ">"
+        self.offset = offset
+        self._level = 0
+        self._chunk_end = 0
+        self._closed = 0
+        self._least_sizes: dict[int, int] = {}
+        self._work = _LEAST_WORK + _WORK_FOR_AN_OCTET * len(self._data)
+
+    def end(self) -> None:
+        """Refuses octets that are left."""
+        rest = len(self._data) - self.offset
+        if rest:
+            raise Fault(f"{rest} octets too many")
+
+    def value(self, descriptor: Descriptor) -> Any:
+        """A value of any type."""
+        self._work -= 1
+        if self._work < 0:
+            raise Fault("more values than the octets account for")
+        match descriptor:
+            case LinkDescriptor() | AliasDescriptor():
+                return self.value(plain(descriptor))
+            case PrimitiveDescriptor(name):
+                return self._primitive(name)
+            case StringDescriptor(wide, bound):
+                octets = self._octets(self._count(1))
+                text = (wide_value if wide else text_value)(octets)
+                check_string(text, wide, bound)
+                return text
+            case FixedDescriptor(digits, scale):
+                return fixed_value(self._take(digits // 2 + 1, 1), digits, scale)
+            case EnumDescriptor():
+                return self._enumerator(descriptor)
+            case FlagsDescriptor() | BitsetDescriptor():
+                return self._bits(descriptor)
+            case SequenceDescriptor(element, bound):
+                return self._sequence(element, bound)
+            case ArrayDescriptor(element, dimensions):
+                if not self._least(element):
+                    self._work -= prod(dimensions)
+                return self._array(element, dimensions)
+            case MapDescriptor(key, item, bound):
+                return self._map(key, item, bound)
+            case StructDescriptor() | ExceptionDescriptor():
+                return self._struct(descriptor)
+            case UnionDescriptor():
+                return self._union(descriptor)
+            case InterfaceDescriptor(abstract=True):
+                return self._reference() if self._boolean() else self._valued(None)
+            case InterfaceDescriptor():
+                return self._reference()
+            case ValueDescriptor() | BoxDescriptor():
+                return self._valued(descriptor)
+
+    # Octets, from chunks where they belong to a value.
+
+    def _take(self, size: int, align: int) -> bytes:
+        """So many octets, which stand together."""
+        if self._level and self.offset >= self._chunk_end:
+            self._open_chunk()
+        start = self.offset + -self.offset % align
+        end = self._chunk_end if self._level else len(self._data)
+        if size > end - start:
+            left = max(end - self.offset, 0)
+            raise Fault(f"truncated: {size} octets are needed, {left} are left")
+        self.offset = start + size
+        return self._data[start : self.offset]
+
+    def _octets(self, count: int) -> bytes:
+        """So many octets, which may be spread over chunks."""
+        if not self._level:
+            return self._take(count, 1)
+        parts = []
+        while count:
+            if self.offset >= self._chunk_end:
+                self._open_chunk()
+            size = min(count, self._chunk_end - self.offset)
+            parts.append(self._take(size, 1))
+            count -= size
+        return b"".join(parts)
+
+    def _open_chunk(self) -> None:
+        size = self._between("i")
+        if self._closed or not 0 < size < VALUE_TAG:
+            raise Fault("a value ends before its state does")
+        if size > len(self._data) - self.offset:
+            raise Fault("a chunk is longer than what is left")
+        self._chunk_end = self.offset + size
+
+    def _between(self, code: str) -> int:
+        """A number that stands between chunks, or where there are none."""
+        start = self.offset + -self.offset % 4
+        if start + 4 > len(self._data):
+            left = max(len(self._data) - self.offset, 0)
+            raise Fault(f"truncated: 4 octets are needed, {left} are left")
+        self.offset = start + 4
+        number = struct.unpack_from(f"{self._order}{code}", self._data, start)[0]
+        return int(number)
+
+    def _number(self, code: str) -> Any:
+        size = struct.calcsize(f"<{code}")
+        return struct.unpack(self._order + code, self._take(size, size))[0]
+
+    def _integer(self, code: str) -> int:
+        return int(self._number(code))
+
+    def _count(self, least: int) -> int:
+        count = self._integer("I")
+        left = len(self._data) - self.offset
+        if count * least > left:
+            raise Fault(f"a length of {count}, and {left} octets are left")
+        return count
+
+    # Basic types.
+
+    def _primitive(self, name: str) -> Any:
+        match name:
+            case "boolean":
+                return self._boolean()
+            case "char":
+                return self._take(1, 1).decode("latin-1")
+            case "wchar":
+                return wide_character_value(self._take(3, 1))
+            case "long double":
+                return quad_value(self._take(16, 8), self._little)
+            case "Object":
+                return self._reference()
+            case "any":
+                return self._any()
+            case "CORBA::TypeCode":
+                return self._type_code()
+            case "ValueBase":
+                return self._valued(None)
+            case "null" | "void":
+                return None
+        return self._number(CODES[name])
+
+    def _boolean(self) -> bool:
+        octet = self._take(1, 1)[0]
+        if octet > 1:
+            raise Fault(f"{octet} is not a boolean")
+        return bool(octet)
+
+    def _enumerator(self, descriptor: EnumDescriptor) -> Any:
+        number = self._integer("I")
+        if number not in [n for _, n in descriptor.members]:
+            raise Fault(f"{number} is not a member of {descriptor.name}")
+        made = class_of(descriptor)
+        return number if made is None else made(number)
+
+    def _bits(self, descriptor: FlagsDescriptor | BitsetDescriptor) -> Any:
+        number = self._integer(bits_code(descriptor.bound))
+        if number >> descriptor.bound:
+            raise Fault(f"{number} has more than {descriptor.bound} bits")
+        made = class_of(descriptor)
+        return number if made is None else made.from_number(number)
+
+    # Collections.
+
+    def _sequence(self, element: Descriptor, bound: int | None) -> Any:
+        count = self._count(self._least(element) or 1)
+        check_bound(count, bound, "items")
+        return self._items(element, count)
+
+    def _items(self, element: Descriptor, count: int) -> Any:
+        inner = plain(element)
+        name = inner.name if isinstance(inner, PrimitiveDescriptor) else ""
+        if name in TEXTS:
+            octets = self._octets(count)
+            return octets.decode("latin-1") if name == "char" else octets
+        return self._repeated(count, partial(self.value, element))
+
+    def _repeated(self, count: int, read: Callable[[], Any]) -> list[Any]:
+        items: list[Any] = []
+        try:
+            for _ in range(count):
+                items.append(read())
+        except LOCATED as failure:
+            raise located(failure, f"[{len(items)}]") from failure
+        return items
+
+    def _array(self, element: Descriptor, dimensions: tuple[int, ...]) -> Any:
+        if len(dimensions) == 1:
+            return self._items(element, dimensions[0])
+        return self._repeated(
+            dimensions[0], partial(self._array, element, dimensions[1:])
+        )
+
+    def _map(self, key: Descriptor, item: Descriptor, bound: int | None) -> Any:
+        count = self._count(1)
+        check_bound(count, bound, "items")
+        made: dict[Any, Any] = {}
+        try:
+            for _ in range(count):
+                k = self.value(key)
+                made[k] = self.value(item)
+        except LOCATED as failure:
+            raise located(failure, f"[{len(made)}]") from failure
+        if len(made) != count:
+            raise Fault("a key that is there twice")
+        return made
+
+    # Constructed types.
+
+    def _struct(self, descriptor: StructDescriptor | ExceptionDescriptor) -> Any:
+        values: list[Any] = []
+        part = ""
+        try:
+            for member in descriptor.members:
+                part = f".{member.name}"
+                values.append(self.value(member.type))
+        except LOCATED as failure:
+            raise located(failure, part) from failure
+        made = class_of(descriptor)
+        if made is not None:
+            return made(*values)
+        names = [member.name for member in descriptor.members]
+        return DynamicValue(descriptor, dict(zip(names, values, strict=True)))
+
+    def _union(self, descriptor: UnionDescriptor) -> Any:
+        part = ".discriminator"
+        value = None
+        try:
+            discriminator = self.value(descriptor.switch)
+            branch = descriptor.branch(discriminator)
+            if branch is not None:
+                part = f".{branch.name}"
+                value = self.value(branch.type)
+        except LOCATED as failure:
+            raise located(failure, part) from failure
+        made = class_of(descriptor) or partial(DynamicUnion, descriptor)
+        return made(discriminator, value)
+
+    def _reference(self) -> ObjectReference | None:
+        type_id = self._text()
+        profiles = []
+        for _ in range(self._count(8)):
+            tag = self._integer("I")
+            profiles.append((tag, bytes(self._octets(self._count(1)))))
+        return ObjectReference(type_id, tuple(profiles)) if profiles else None
+
+    def _text(self) -> str:
+        return text_value(self._octets(self._count(1)))
+
+    # Any and type codes.
+
+    def _any(self) -> AnyValue:
+        type_ = self._type_code()
+        described = plain(type_)
+        try:
+            if isinstance(described, ExceptionDescriptor):
+                repository_id = self._text()
+                if repository_id != described.repository_id:
+                    raise Fault(f"{repository_id} instead of {described.repository_id}")
+            return AnyValue(type_, self.value(described))
+        except LOCATED as failure:
+            raise located(failure, ".value") from failure
+
+    def _type_code(self) -> Descriptor:
+        kind = self._integer("I")
+        simple = simple_type(kind, self._integer)
+        if simple is not None:
+            return simple
+        return TypeCodeReader(self._octets(self._count(1))).parameters(kind)
+
+    # Values (CORBA 3.3 part 2, 9.3.4).
+
+    def _valued(self, formal: ValueDescriptor | BoxDescriptor | None) -> Any:
+        start = -1
+        if self._level and self.offset >= self._chunk_end:
+            tag, start = self._tag_between_chunks()
+        inside = start < 0
+        if inside:
+            tag = self._integer("I")
+            start = self.offset - 4
+        if tag == NULL_TAG:
+            return None
+        if tag == INDIRECTION:
+            place = self.offset + -self.offset % 4
+            return self._shared(place + self._integer("i"), formal)
+        if not VALUE_TAG <= tag < 0x80000000 or (self._level and inside):
+            raise Fault(f"{tag:#x} does not begin a value")
+        ids = self._header(tag)
+        chunked = bool(tag & CHUNKED)
+        if self._level and not chunked:
+            raise Fault("a value without chunks inside of one that has them")
+        actual, truncated = self._actual(formal, ids)
+        if truncated and not chunked:
+            raise Fault(f"{ids[0]} is not known, and has no chunks")
+        return self._state(actual, start, chunked, truncated)
+
+    def _tag_between_chunks(self) -> tuple[int, int]:
+        """The tag of a header between chunks, and its place; (0, -1) if a chunk follows."""
+        before = self.offset
+        tag = self._between("I")
+        if tag == NULL_TAG or VALUE_TAG <= tag < 0x80000000:
+            return tag, self.offset - 4
+        self.offset = before
+        return 0, -1
+
+    def _header(self, tag: int) -> list[str]:
+        """The repository ids behind a tag, the most derived first."""
+        level, self._level = self._level, 0
+        if tag & CODEBASE:
+            self._id()
+        ids: list[str] = []
+        if tag & ID_LIST == ID_LIST:
+            ids = self._ids()
+        elif tag & ONE_ID:
+            ids = [self._id()]
+        self._level = level
+        self._chunk_end = self.offset
+        return ids
+
+    def _ids(self) -> list[str]:
+        return self._redirected(self._id_list)
+
+    def _id_list(self) -> list[str]:
+        count = self._count(4)
+        check_bound(count, _MOST_IDS, "repository ids")
+        return [self._id() for _ in range(count)]
+
+    def _id(self) -> str:
+        return self._redirected(self._text)
+
+    def _redirected(self, read: Callable[[], _T]) -> _T:
+        """What `read` reads here, or where an indirection points to, which is further in front."""
+        before = self.offset
+        if self._integer("I") != INDIRECTION:
+            self.offset = before
+            return read()
+        here = self.offset
+        place = here + self._integer("i")
+        after = self.offset
+        if not 0 <= place < before:
+            raise Fault("an indirection to no repository id")
+        self.offset = place
+        found = read()
+        self.offset = after
+        return found
+
+    def _shared(
+        self, place: int, formal: ValueDescriptor | BoxDescriptor | None
+    ) -> Any:
+        if place not in self._data.values:
+            raise Fault("an indirection to no value")
+        found = self._data.values[place]
+        self._fits(formal, found.described())
+        return found
+
+    def _fits(
+        self, formal: ValueDescriptor | BoxDescriptor | None, actual: Any
+    ) -> None:
+        if formal is not None and not actual.is_a(formal.repository_id):
+            raise Fault(f"a {formal.name} is needed, not a {actual.name}")
+
+    def _actual(
+        self, formal: ValueDescriptor | BoxDescriptor | None, ids: list[str]
+    ) -> tuple[ValueDescriptor | BoxDescriptor, bool]:
+        """The type that the value is made as, and whether that leaves some of its state out."""
+        if not ids:
+            if formal is None:
+                raise Fault("a value that does not say what it is")
+            return formal, False
+        for index, repository_id in enumerate(ids):
+            found = registered(repository_id)
+            if formal is not None and repository_id == formal.repository_id:
+                found = formal
+            if isinstance(found, ValueDescriptor | BoxDescriptor):
+                self._fits(formal, found)
+                return found, index > 0
+        raise Fault(f"{ids[0]} is not known")
+
+    def _state(
+        self,
+        actual: ValueDescriptor | BoxDescriptor,
+        place: int,
+        chunked: bool,
+        truncated: bool,
+    ) -> Any:
+        self._level += chunked
+        self._chunk_end = self.offset
+        made: Any
+        if isinstance(actual, BoxDescriptor):
+            class_ = class_of(actual)
+            made = DynamicBox(actual) if class_ is None else class_.__new__(class_)
+            self._data.values[place] = made
+            try:
+                made.value = self.value(actual.target)
+            except LOCATED as failure:
+                raise located(failure, ".value") from failure
+        else:
+            made = self._members(actual, place)
+        if chunked:
+            self._end_value(truncated)
+        return made
+
+    def _members(self, actual: ValueDescriptor, place: int) -> Any:
+        if actual.modifier in ("abstract", "custom"):
+            raise Fault(f"{actual.name} is {actual.modifier}: it has no state here")
+        class_ = class_of(actual)
+        made = DynamicState(actual) if class_ is None else class_.__new__(class_)
+        self._data.values[place] = made
+        part = ""
+        try:
+            for member in actual.all_members():
+                part = f".{member.name}"
+                inner = self.value(member.type)
+                if class_ is None:
+                    made.members[member.name] = inner
+                else:
+                    setattr(made, member.attribute, inner)
+        except LOCATED as failure:
+            raise located(failure, part) from failure
+        return made
+
+    def _end_value(self, truncated: bool) -> None:
+        """The end tag, which may close the values around this one too."""
+        if not self._closed:
+            if self.offset < self._chunk_end and not truncated:
+                raise Fault(
+                    f"{self._chunk_end - self.offset} octets too many in a chunk"
+                )
+            self.offset = self._chunk_end
+            level = self._level
+            while True:
+                tag = self._between("i")
+                if tag < 0:
+                    if -tag > level:
+                        raise Fault(f"an end tag {tag} at level {level}")
+                    level = -tag - 1
+                    if level < self._level:
+                        break
+                elif not truncated or not tag:
+                    raise Fault("a value goes on behind the end of its state")
+                elif tag < VALUE_TAG:
+                    self._skip(tag)
+                else:
+                    self._header(tag)
+                    level += 1
+            self._closed = level + 1
+        if self._closed == self._level:
+            self._closed = 0
+        self._level -= 1
+        self._chunk_end = self.offset
+
+    def _skip(self, size: int) -> None:
+        if size > len(self._data) - self.offset:
+            raise Fault("a chunk is longer than what is left")
+        self.offset += size
+
+    # The least size of a value, which counts are checked against.
+
+    def _least(self, element: Descriptor) -> int:
+        known = self._least_sizes.get(id(element))
+        if known is None:
+            self._least_sizes[id(element)] = 1
+            known = self._least_sizes[id(element)] = self._least_of(element)
+        return known
+
+    def _least_of(self, element: Descriptor) -> int:
+        match element:
+            case PrimitiveDescriptor("wchar"):
+                return 3
+            case PrimitiveDescriptor("long double"):
+                return 16
+            case PrimitiveDescriptor(name) if name in CODES:
+                return size_of(name)
+            case PrimitiveDescriptor("null" | "void"):
+                return 0
+            case FixedDescriptor(digits=digits):
+                return digits // 2 + 1
+            case ArrayDescriptor(element=inner, dimensions=dimensions):
+                return self._least(inner) * prod(dimensions)
+            case StructDescriptor(members=members):
+                return sum(self._least(member.type) for member in members)
+            case AliasDescriptor(target=target):
+                return self._least(target)
+            case LinkDescriptor() | PrimitiveDescriptor("char"):
+                return 1
+            case InterfaceDescriptor(abstract=True):
+                return 5
+            case PrimitiveDescriptor("Object") | InterfaceDescriptor():
+                return 8
+            case FlagsDescriptor(bound=bound) | BitsetDescriptor(bound=bound):
+                return struct.calcsize(f"<{bits_code(bound)}")
+            case UnionDescriptor(switch=switch):
+                return self._least(switch)
+        return 4

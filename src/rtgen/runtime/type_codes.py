@@ -1,0 +1,462 @@
+"""Type codes: descriptors as octets, and back (CORBA 3.3 part 2, 9.3.5).
+
+Parameters stand in encapsulations, which are little-endian here. A type that was told before, or
+that is being told, is referred to by an indirection. What is read and known as a generated type
+(same repository id, same structure) becomes the descriptor of that; other types work as well.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from typing import Any
+
+from rtgen.runtime.cdr_values import text_octets, text_value
+from rtgen.runtime.descriptors import (
+    AliasDescriptor,
+    ArrayDescriptor,
+    BoxDescriptor,
+    BranchDescriptor,
+    Descriptor,
+    EnumDescriptor,
+    ExceptionDescriptor,
+    FixedDescriptor,
+    InterfaceDescriptor,
+    LinkDescriptor,
+    MemberDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    ValueDescriptor,
+    known,
+    plain,
+)
+from rtgen.runtime.faults import Fault
+
+_SIMPLE = {
+    0: "null",
+    1: "void",
+    2: "short",
+    3: "long",
+    4: "unsigned short",
+    5: "unsigned long",
+    6: "float",
+    7: "double",
+    8: "boolean",
+    9: "char",
+    10: "octet",
+    11: "any",
+    12: "CORBA::TypeCode",
+    23: "long long",
+    24: "unsigned long long",
+    25: "long double",
+    26: "wchar",
+}
+_KINDS = {name: kind for kind, name in _SIMPLE.items()}
+_OBJREF, _STRUCT, _UNION, _ENUM, _STRING, _SEQUENCE, _ARRAY = 14, 15, 16, 17, 18, 19, 20
+_ALIAS, _EXCEPT, _WSTRING, _FIXED, _VALUE, _BOX = 21, 22, 27, 28, 29, 30
+_NATIVE, _ABSTRACT, _LOCAL, _COMPONENT, _HOME, _EVENT = 31, 32, 33, 34, 35, 36
+_INDIRECTION = 0xFFFFFFFF
+_MODIFIERS = ("", "custom", "abstract", "truncatable")
+_VALUE_BASE = ValueDescriptor("IDL:omg.org/CORBA/ValueBase:1.0", "ValueBase", ())
+_OBJECT = InterfaceDescriptor("", "Object")
+_OBJECT_IDS = ("", "IDL:omg.org/CORBA/Object:1.0")
+
+_LABELS = {
+    "short": ("h", -(1 << 15), 1),
+    "unsigned short": ("H", (1 << 16) - 1, -1),
+    "long": ("i", -(1 << 31), 1),
+    "unsigned long": ("I", (1 << 32) - 1, -1),
+    "long long": ("q", -(1 << 63), 1),
+    "unsigned long long": ("Q", (1 << 64) - 1, -1),
+    "octet": ("B", 255, -1),
+    "char": ("B", 255, -1),
+    "wchar": ("H", 0xFFFF, -1),
+    "boolean": ("B", 0, 1),
+}
+"""Code of a label, and where the search for an unused one begins, with its step."""
+
+DEEPEST = 100
+"""How deep encapsulations may stand in each other."""
+
+
+def type_code_octets(descriptor: Any, little_endian: bool) -> tuple[int, bytes]:
+    """The kind of a type code and its parameters, which begin at a multiple of 4."""
+    writer = _Writer()
+    writer.type(descriptor, little_endian)
+    kind = struct.unpack_from("<I" if little_endian else ">I", writer.out)[0]
+    return kind, bytes(writer.out[4:])
+
+
+class _Writer:
+    def __init__(self) -> None:
+        self.out = bytearray()
+        self._base = 0
+        self._order = "<"
+        self._places: dict[str | int, int] = {}
+
+    def type(self, descriptor: Any, little_endian: bool = True) -> None:
+        self._order = "<" if little_endian else ">"
+        match descriptor:
+            case PrimitiveDescriptor("Object"):
+                self._named(_OBJREF, _OBJECT, None)
+            case PrimitiveDescriptor("ValueBase"):
+                self._named(_VALUE, _VALUE_BASE, lambda: self._value(_VALUE_BASE))
+            case PrimitiveDescriptor(name) if name in _KINDS:
+                self._number("I", _KINDS[name])
+            case StringDescriptor(wide, bound):
+                self._number("I", _WSTRING if wide else _STRING)
+                self._number("I", bound or 0)
+            case FixedDescriptor(digits, scale):
+                self._number("I", _FIXED)
+                self._number("H", digits)
+                self._number("h", scale)
+            case SequenceDescriptor(element, bound):
+                self._bounded(_SEQUENCE, element, bound or 0)
+            case ArrayDescriptor(element, (length, *inner)):
+                rows = ArrayDescriptor(element, tuple(inner)) if inner else element
+                self._bounded(_ARRAY, rows, length)
+            case AliasDescriptor(target=target):
+                self._named(_ALIAS, descriptor, lambda: self.type(target))
+            case LinkDescriptor():
+                self.type(plain(descriptor), little_endian)
+            case StructDescriptor(members=members):
+                self._named(_STRUCT, descriptor, lambda: self._members(members))
+            case ExceptionDescriptor(members=members):
+                self._named(_EXCEPT, descriptor, lambda: self._members(members))
+            case UnionDescriptor():
+                self._named(_UNION, descriptor, lambda: self._union(descriptor))
+            case EnumDescriptor():
+                self._named(_ENUM, descriptor, lambda: self._enum(descriptor))
+            case InterfaceDescriptor(abstract=abstract, local=local):
+                kind = _ABSTRACT if abstract else _LOCAL if local else _OBJREF
+                self._named(kind, descriptor, None)
+            case ValueDescriptor():
+                self._named(_VALUE, descriptor, lambda: self._value(descriptor))
+            case BoxDescriptor(target=target):
+                self._named(_BOX, descriptor, lambda: self.type(target))
+            case _:
+                raise Fault(f"{descriptor} has no type code")
+
+    def _number(self, code: str, number: int) -> None:
+        octets = struct.pack(self._order + code, number)
+        self._align(len(octets))
+        self.out += octets
+
+    def _align(self, align: int) -> None:
+        self.out += bytes(-(len(self.out) - self._base) % align)
+
+    def _text(self, text: str) -> None:
+        octets = text_octets(text) + b"\0"
+        self._number("I", len(octets))
+        self.out += octets
+
+    def _named(self, kind: int, named: Any, fill: Callable[[], None] | None) -> None:
+        """A type with a repository id, or a reference to where it stands."""
+        self._align(4)
+        key = named.repository_id or id(named)
+        place = self._places.get(key)
+        if place is not None:
+            self._number("I", _INDIRECTION)
+            self._number("i", place - len(self.out))
+            return
+        self._places[key] = len(self.out)
+
+        def parameters() -> None:
+            self._text(named.repository_id)
+            self._text(named.name.rpartition("::")[2])
+            if fill is not None:
+                fill()
+
+        self._encapsulated(kind, parameters)
+
+    def _bounded(self, kind: int, element: Descriptor, bound: int) -> None:
+        def parameters() -> None:
+            self.type(element)
+            self._number("I", bound)
+
+        self._encapsulated(kind, parameters)
+
+    def _encapsulated(self, kind: int, parameters: Callable[[], None]) -> None:
+        order, base = self._order, self._base
+        self._number("I", kind)
+        self.out += bytes(4)
+        start = self._base = len(self.out)
+        self.out += b"\1"
+        self._order = "<"
+        parameters()
+        self._order, self._base = order, base
+        struct.pack_into(f"{order}I", self.out, start - 4, len(self.out) - start)
+
+    def _members(self, members: tuple[MemberDescriptor, ...]) -> None:
+        self._number("I", len(members))
+        for member in members:
+            if member.optional:
+                raise Fault(f"{member.name} is optional: that has no type code")
+            self._text(member.name)
+            self.type(member.type)
+
+    def _enum(self, descriptor: EnumDescriptor) -> None:
+        self._number("I", len(descriptor.members))
+        for name, _ in descriptor.members:
+            self._text(name)
+
+    def _value(self, descriptor: ValueDescriptor) -> None:
+        self._number("h", _MODIFIERS.index(descriptor.modifier))
+        self.type(descriptor.concrete_base() or PrimitiveDescriptor("null"))
+        self._number("I", len(descriptor.members))
+        for member in descriptor.members:
+            self._text(member.name)
+            self.type(member.type)
+            self._number("h", 0 if member.private else 1)
+
+    def _union(self, descriptor: UnionDescriptor) -> None:
+        switch = plain(descriptor.switch)
+        self.type(descriptor.switch)
+        entries: list[tuple[Any, BranchDescriptor]] = []
+        default = -1
+        for branch in descriptor.branches:
+            entries += [(label, branch) for label in branch.labels]
+            if branch.default:
+                default = len(entries)
+                entries.append((None, branch))
+        self._number("i", default)
+        self._number("I", len(entries))
+        used = {_label_number(label) for label, _ in entries if label is not None}
+        for label, branch in entries:
+            self._label(switch, label, used)
+            self._text(branch.name)
+            self.type(branch.type)
+
+    def _label(self, switch: Descriptor, label: Any, used: set[int]) -> None:
+        """A label; that of the default is a discriminator which no other branch has."""
+        if isinstance(switch, EnumDescriptor):
+            code, number, step = "I", 0, 1
+        elif isinstance(switch, PrimitiveDescriptor) and switch.name in _LABELS:
+            code, number, step = _LABELS[switch.name]
+        else:
+            raise Fault(f"a union that switches on {switch} has no type code")
+        if label is not None:
+            number = _label_number(label)
+        while label is None and number in used:
+            number += step
+        if code == "H" and switch == PrimitiveDescriptor("wchar"):
+            self.out += b"\2" + number.to_bytes(2)
+        else:
+            self._number(code, number)
+
+
+def _label_number(label: int | str | bool) -> int:
+    return ord(label) if isinstance(label, str) else int(label)
+
+
+class TypeCodeReader:
+    """Reads the parameters of one type code, in an encapsulation that begins 8 behind its kind."""
+
+    def __init__(self, encapsulation: bytes) -> None:
+        self._data = bytes(8) + encapsulation
+        self._offset = 8
+        self._end = len(self._data)
+        self._base = 8
+        self._order = "<"
+        self._depth = 0
+        self._begun: dict[int, tuple[str, str]] = {}
+        self._done: dict[int, Descriptor] = {}
+
+    def parameters(self, kind: int) -> Descriptor:
+        """The type of a kind whose parameters the encapsulation holds."""
+        return self._inside(kind, 0, self._end)
+
+    def _type(self) -> Descriptor:
+        self._align(4)
+        place = self._offset
+        kind = self._number("I")
+        if kind == _INDIRECTION:
+            return self._referred()
+        simple = simple_type(kind, self._number)
+        if simple is not None:
+            return simple
+        length = self._number("I")
+        if length > self._end - self._offset:
+            raise Fault("a type code is longer than what it stands in")
+        base, order, end = self._base, self._order, self._end
+        self._base = self._offset
+        stop = self._offset + length
+        descriptor = self._inside(kind, place, stop)
+        self._base, self._order, self._end, self._offset = base, order, end, stop
+        return descriptor
+
+    def _inside(self, kind: int, place: int, end: int) -> Descriptor:
+        self._end = end
+        self._depth += 1
+        if self._depth > DEEPEST:
+            raise Fault(f"a type code is nested more than {DEEPEST} deep")
+        self._order = "<" if self._octet() else ">"
+        if kind in (_SEQUENCE, _ARRAY):
+            descriptor = self._collection(kind)
+        else:
+            descriptor = self._named(kind, place)
+        self._depth -= 1
+        self._done[place] = descriptor
+        return descriptor
+
+    def _referred(self) -> Descriptor:
+        here = self._offset + -(self._offset - self._base) % 4
+        place = here + self._number("i")
+        if place in self._done:
+            return self._done[place]
+        if place not in self._begun:
+            raise Fault("an indirection in a type code leads nowhere")
+
+        def target() -> Descriptor:
+            return self._done[place]
+
+        return LinkDescriptor(*self._begun[place], target)
+
+    def _octet(self) -> int:
+        return self._number("B")
+
+    def _number(self, code: str) -> int:
+        size = struct.calcsize(f"<{code}")
+        self._align(size)
+        if size > self._end - self._offset:
+            raise Fault("a type code ends too soon")
+        (number,) = struct.unpack_from(self._order + code, self._data, self._offset)
+        self._offset += size
+        return int(number)
+
+    def _align(self, align: int) -> None:
+        self._offset += -(self._offset - self._base) % align
+
+    def _text(self) -> str:
+        length = self._count(1)
+        self._offset += length
+        return text_value(self._data[self._offset - length : self._offset])
+
+    def _count(self, least: int) -> int:
+        count = self._number("I")
+        if count * least > self._end - self._offset:
+            raise Fault(f"a type code of {count} parts ends too soon")
+        return count
+
+    def _collection(self, kind: int) -> Descriptor:
+        element = self._type()
+        bound = self._number("I")
+        if kind == _SEQUENCE:
+            return SequenceDescriptor(element, bound or None)
+        if not bound:
+            raise Fault("an array without elements in a type code")
+        if isinstance(element, ArrayDescriptor):
+            return ArrayDescriptor(element.element, (bound, *element.dimensions))
+        return ArrayDescriptor(element, (bound,))
+
+    def _named(self, kind: int, place: int) -> Descriptor:
+        repository_id, name = self._text(), self._text()
+        self._begun[place] = (repository_id, name)
+        head = (repository_id, name)
+        match kind:
+            case 14 | 32 | 33 | 34 | 35:
+                if kind == _OBJREF and repository_id in _OBJECT_IDS:
+                    return PrimitiveDescriptor("Object")
+                return known(
+                    InterfaceDescriptor(
+                        *head, abstract=kind == _ABSTRACT, local=kind == _LOCAL
+                    )
+                )
+            case 15:
+                return known(StructDescriptor(*head, self._members()))
+            case 22:
+                return known(ExceptionDescriptor(*head, self._members()))
+            case 17:
+                names = [self._text() for _ in range(self._count(5))]
+                numbered = tuple((n, i) for i, n in enumerate(names))
+                return known(EnumDescriptor(*head, numbered))
+            case 16:
+                return known(self._union(head))
+            case 21:
+                return AliasDescriptor(*head, self._type())
+            case 30:
+                return known(BoxDescriptor(*head, self._type()))
+            case 29 | 36:
+                if repository_id == _VALUE_BASE.repository_id:
+                    return PrimitiveDescriptor("ValueBase")
+                return known(self._value(head))
+        raise Fault(f"a type code of kind {kind}")
+
+    def _members(self) -> tuple[MemberDescriptor, ...]:
+        count = self._count(9)
+        return tuple(MemberDescriptor(self._text(), self._type()) for _ in range(count))
+
+    def _value(self, head: tuple[str, str]) -> ValueDescriptor:
+        modifier = self._number("h")
+        if not 0 <= modifier < len(_MODIFIERS):
+            raise Fault(f"a value modifier {modifier} in a type code")
+        base = plain_value(self._type())
+        members = []
+        for _ in range(self._count(11)):
+            name, type_ = self._text(), self._type()
+            private = self._number("h") == 0
+            members.append(MemberDescriptor(name, type_, private=private))
+        bases = () if base is None else (base,)
+        return ValueDescriptor(*head, tuple(members), bases, _MODIFIERS[modifier])
+
+    def _union(self, head: tuple[str, str]) -> UnionDescriptor:
+        switch = self._type()
+        default = self._number("i")
+        branches: list[BranchDescriptor] = []
+        for index in range(self._count(10)):
+            label = self._label(plain(switch))
+            name, type_ = self._text(), self._type()
+            last = branches[-1] if branches else None
+            joined = last is not None and last.name == name
+            labels = last.labels if last is not None and joined else ()
+            is_default = index == default
+            if not is_default:
+                labels = (*labels, label)
+            is_default |= last is not None and joined and last.default
+            if joined:
+                branches.pop()
+            branches.append(BranchDescriptor(labels, is_default, name, type_))
+        return UnionDescriptor(*head, switch, tuple(branches))
+
+    def _label(self, switch: Descriptor) -> int | str | bool:
+        if isinstance(switch, EnumDescriptor):
+            return self._number("I")
+        if not isinstance(switch, PrimitiveDescriptor) or switch.name not in _LABELS:
+            raise Fault(f"a type code of a union that switches on {switch}")
+        if switch.name == "wchar":
+            self._octet()
+            return chr(self._octet() << 8 | self._octet())
+        number = self._number(_LABELS[switch.name][0])
+        if switch.name == "char":
+            return chr(number)
+        return bool(number) if switch.name == "boolean" else number
+
+
+def plain_value(descriptor: Descriptor) -> ValueDescriptor | None:
+    """The concrete base in the type code of a value; None for `null`."""
+    if descriptor == PrimitiveDescriptor("null"):
+        return None
+    descriptor = plain(descriptor)
+    if not isinstance(descriptor, ValueDescriptor):
+        raise Fault(f"a value cannot derive from {descriptor}")
+    return descriptor
+
+
+def simple_type(kind: int, number: Callable[[str], int]) -> Descriptor | None:
+    """The type of a kind without an encapsulation; `number` reads its parameters."""
+    if kind in _SIMPLE:
+        return PrimitiveDescriptor(_SIMPLE[kind])
+    if kind in (_STRING, _WSTRING):
+        return StringDescriptor(kind == _WSTRING, number("I") or None)
+    if kind == _FIXED:
+        digits = number("H")
+        scale = number("h")
+        if not 0 < digits <= 31 or not 0 <= scale <= digits:
+            raise Fault(f"fixed<{digits},{scale}> in a type code")
+        return FixedDescriptor(digits, scale)
+    if not _OBJREF <= kind <= _EVENT or kind == _NATIVE:
+        raise Fault(f"a type code of kind {kind}")
+    return None

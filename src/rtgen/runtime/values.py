@@ -1,0 +1,176 @@
+"""Values whose type is known only at run time, and the bases of generated valuetypes."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, Self, TypeVar
+
+from rtgen.runtime.cdr import Buffer
+from rtgen.runtime.descriptors import (
+    ANY,
+    BoxDescriptor,
+    Descriptor,
+    ExceptionDescriptor,
+    PrimitiveDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    ValueDescriptor,
+    register,
+)
+
+_T = TypeVar("_T")
+
+
+class Dynamic:
+    """The codec of what is marshalled along its descriptor."""
+
+    __slots__ = ()
+
+    _descriptor_: ClassVar[Any]
+
+    def to_cdr(self, little_endian: bool = True) -> bytes:
+        """The value as a CDR body; raises CdrError."""
+        from rtgen.runtime.cdr_faults import encoded
+
+        return encoded(self.described(), self, little_endian)
+
+    @classmethod
+    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
+        """The value of a CDR body; raises CdrError."""
+        from rtgen.runtime.cdr_faults import decoded
+
+        value: Self = decoded(cls._descriptor_, data, little_endian)
+        return value
+
+    def described(self) -> Any:
+        """The descriptor of the value."""
+        return self._descriptor_
+
+    def _snapshot_(self) -> Self:
+        return deepcopy(self)
+
+
+@dataclass(frozen=True, slots=True)
+class AnyValue(Dynamic):
+    """What an `any` holds: a value, and the type that it is marshalled as.
+
+    The type is given as a descriptor, or as a generated class or codec that has one.
+    """
+
+    _descriptor_: ClassVar[Descriptor] = ANY
+
+    type: Descriptor = field(default=PrimitiveDescriptor("null"))
+    value: Any = None
+
+    def __post_init__(self) -> None:
+        described = getattr(self.type, "_descriptor_", self.type)
+        object.__setattr__(self, "type", described)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> AnyValue:
+        return AnyValue(self.type, deepcopy(self.value, memo))
+
+    def __reduce__(self) -> tuple[Any, tuple[bytes]]:
+        return (AnyValue.from_cdr, (self.to_cdr(),))
+
+
+@dataclass(slots=True)
+class DynamicValue(Dynamic):
+    """A struct or an exception of no generated type: `members` by their names."""
+
+    type: StructDescriptor | ExceptionDescriptor
+    members: dict[str, Any]
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self.members[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def described(self) -> Descriptor:
+        """The descriptor of the value."""
+        return self.type
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> DynamicValue:
+        return DynamicValue(self.type, deepcopy(self.members, memo))
+
+
+@dataclass(slots=True)
+class DynamicUnion(Dynamic):
+    """A union of no generated type."""
+
+    type: UnionDescriptor
+    discriminator: Any
+    value: Any
+
+    def described(self) -> Descriptor:
+        """The descriptor of the value."""
+        return self.type
+
+
+class Value(Dynamic):
+    """The base of generated valuetypes. Values are compared by identity, as they are shared."""
+
+    __slots__ = ()
+
+    _descriptor_: ClassVar[ValueDescriptor]
+
+    def __init_subclass__(cls) -> None:
+        if "_descriptor_" in cls.__dict__:
+            register(cls, cls._descriptor_)
+
+
+class Box(Dynamic):
+    """The base of generated boxed values: one value under an identity, so that it is shared."""
+
+    __slots__ = ()
+
+    _descriptor_: ClassVar[BoxDescriptor]
+    value: Any
+
+    def __init_subclass__(cls) -> None:
+        if "_descriptor_" in cls.__dict__:
+            register(cls, cls._descriptor_)
+
+
+def implementation(cls: type[_T]) -> type[_T]:
+    """A class decorator: values of the valuetype that `cls` derives from are made as `cls`."""
+    descriptor = cls._descriptor_  # type: ignore[attr-defined]
+    register(cls, descriptor)
+    return cls
+
+
+class DynamicState(Value):
+    """A value of no generated type: its state is in `members`, by name."""
+
+    __slots__ = ("members", "type")
+
+    def __init__(self, type_: ValueDescriptor) -> None:
+        self.type = type_
+        self.members: dict[str, Any] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        if name in ("members", "type"):
+            raise AttributeError(name)
+        try:
+            return self.members[name]
+        except KeyError:
+            raise AttributeError(name) from None
+
+    def described(self) -> ValueDescriptor:
+        """The descriptor of the value."""
+        return self.type
+
+
+class DynamicBox(Box):
+    """A boxed value of no generated type."""
+
+    __slots__ = ("type", "value")
+
+    def __init__(self, type_: BoxDescriptor, value: Any = None) -> None:
+        self.type = type_
+        self.value = value
+
+    def described(self) -> BoxDescriptor:
+        """The descriptor of the value."""
+        return self.type
