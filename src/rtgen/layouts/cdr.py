@@ -13,7 +13,7 @@ from enum import Enum, auto
 from math import gcd, prod
 from typing import TypeAlias
 
-from rtgen.model import ScopedName
+from rtgen.model import ScopedName, Type
 
 
 class Form(Enum):
@@ -154,6 +154,14 @@ class Reference:
     """An object reference (IOR: type id, profiles)."""
 
 
+@dataclass(frozen=True, slots=True)
+class Dynamic:
+    """A value that is marshalled along its descriptor: `any`, a type code, a value."""
+
+    type: Type
+    minimum: int = 4
+
+
 Node: TypeAlias = (
     Atom
     | AtomArray
@@ -165,6 +173,7 @@ Node: TypeAlias = (
     | Group
     | Call
     | Reference
+    | Dynamic
 )
 
 Path: TypeAlias = tuple[str, ...]
@@ -237,7 +246,7 @@ class Jump:
     """A value that its own codec writes and reads."""
 
     path: Path
-    node: Call | Reference
+    node: Call | Reference | Dynamic
 
 
 Step: TypeAlias = Run | Loop | Jump
@@ -292,7 +301,7 @@ def fields_of(node: Node, path: Path = ()) -> list[Field | Loop | Jump]:
             return [Field(path, node), Loop(path, node, ())]
         case Repeat():
             return [Loop(path, node, ())]
-        case Call() | Reference():
+        case Call() | Reference() | Dynamic():
             return [Jump(path, node)]
         case _:
             return [Field(path, node)]
@@ -330,7 +339,7 @@ def minimum_size(node: Node) -> int:
             return 4 if length is None else length * minimum
         case Group(members=members):
             return sum(minimum_size(inner) for _, inner in members)
-        case Call(minimum=minimum):
+        case Call(minimum=minimum) | Dynamic(minimum=minimum):
             return minimum
         case Reference():
             return 8

@@ -10,6 +10,7 @@ from rtgen.layouts.cdr import (
     AtomArray,
     AtomSequence,
     Call,
+    Dynamic,
     Field,
     Form,
     Group,
@@ -43,6 +44,8 @@ from rtgen.model import (
     Struct,
     Type,
     Union,
+    ValueBox,
+    Valuetype,
 )
 
 ATOMS: dict[Primitive, Atom] = {
@@ -63,6 +66,8 @@ ATOMS: dict[Primitive, Atom] = {
     Primitive.BOOLEAN: Atom("B", 1, 1, Form.BOOLEAN),
 }
 """The basic types: CORBA 3.3 part 2, table 9.1; wchar as GIOP 1.2 has it (9.3.1.6)."""
+
+_DYNAMIC = frozenset((Primitive.ANY, Primitive.TYPE_CODE, Primitive.VALUE_BASE))
 
 _TEXTS = {
     Primitive.OCTET: Text.OCTETS,
@@ -86,11 +91,42 @@ class CdrTypes:
         self._model = model
         self._rename = rename
         self._nodes: dict[ScopedName, Node] = {}
-        self._recursive = _recursive(model)
+        uses = _uses(model)
+        self._recursive = frozenset(n for n in uses if n in _reachable(uses, n))
+        self._dynamic = _holders(model, uses, self._holds_dynamic)
+        self._optional = _holders(model, uses, _holds_optional)
 
     def is_recursive(self, name: ScopedName) -> bool:
         """Whether values of the struct or union can contain values of the same type."""
         return name in self._recursive
+
+    def is_dynamic(self, type_: Type) -> bool:
+        """Whether values of the type hold what is marshalled along its descriptor."""
+        names = _names(self._model, type_)
+        return not names.isdisjoint(self._dynamic) or any(
+            self._is_dynamic_leaf(t) for t in _leaves(self._model, type_)
+        )
+
+    def has_optional(self, type_: Type) -> bool:
+        """Whether values of the type have optional members, which XCDR1 puts headers before."""
+        return not _names(self._model, type_).isdisjoint(self._optional)
+
+    def _holds_dynamic(self, declaration: Struct | Union) -> bool:
+        return any(
+            self._is_dynamic_leaf(leaf)
+            for type_ in _member_types(declaration)
+            for leaf in _leaves(self._model, type_)
+        )
+
+    def _is_dynamic_leaf(self, type_: Type) -> bool:
+        if isinstance(type_, PrimitiveType):
+            return type_.kind in _DYNAMIC
+        if not isinstance(type_, NamedType):
+            return False
+        declaration = self._model.find(type_.name)
+        if isinstance(declaration, Interface):
+            return declaration.abstract
+        return isinstance(declaration, Valuetype | ValueBox)
 
     def body(self, declaration: Struct | ExceptionDecl) -> Group:
         """The members of a struct or exception in place, those of its bases first.
@@ -112,6 +148,8 @@ class CdrTypes:
         match type_:
             case PrimitiveType(Primitive.OBJECT):
                 return Reference()
+            case PrimitiveType(kind) if kind in _DYNAMIC:
+                return Dynamic(type_)
             case PrimitiveType(kind):
                 if kind not in ATOMS:
                     raise NotMarshalledError(
@@ -146,6 +184,18 @@ class CdrTypes:
                 return _bits(bound, Form.FLAGS, name)
             case Bitset():
                 return _bits(bit_count(self._model, declaration), Form.BITS, name)
+            case Valuetype(custom=True):
+                raise NotMarshalledError(
+                    f"`{declaration.scoped}` is custom: its user marshals its state"
+                )
+            case Valuetype() | ValueBox():
+                return Dynamic(NamedType(name))
+            case Interface(abstract=True):
+                return Dynamic(NamedType(name), 5)
+            case Interface(local=True):
+                raise NotMarshalledError(
+                    f"`{declaration.scoped}` is local: it does not leave its process"
+                )
             case Interface():
                 return Reference()
             case Union():
@@ -219,31 +269,62 @@ def bit_count(model: Model, bitset: Bitset) -> int:
     return count
 
 
-def _recursive(model: Model) -> frozenset[ScopedName]:
-    """The structs and unions that can contain themselves."""
-    uses: dict[ScopedName, set[ScopedName]] = {}
-    for declaration in model.declarations:
-        match declaration:
-            case Struct(members=members, base=base):
-                types = [m.type for m in members] + ([NamedType(base)] if base else [])
-            case Union(cases=cases):
-                types = [c.type for c in cases]
-            case _:
-                continue
-        uses[declaration.name] = {name for t in types for name in _names(model, t)}
-    return frozenset(name for name in uses if name in _reachable(uses, name))
+def _uses(model: Model) -> dict[ScopedName, set[ScopedName]]:
+    """The named types that structs and unions have parts of."""
+    return {
+        declaration.name: {
+            name for t in _member_types(declaration) for name in _names(model, t)
+        }
+        for declaration in model.declarations
+        if isinstance(declaration, Struct | Union)
+    }
 
 
-def _names(model: Model, type_: Type) -> set[ScopedName]:
+def _member_types(declaration: Struct | Union) -> list[Type]:
+    if isinstance(declaration, Union):
+        return [case.type for case in declaration.cases]
+    types = [member.type for member in declaration.members]
+    return types + ([NamedType(declaration.base)] if declaration.base else [])
+
+
+def _holders(
+    model: Model,
+    uses: dict[ScopedName, set[ScopedName]],
+    holds: Callable[[Struct | Union], bool],
+) -> frozenset[ScopedName]:
+    """The structs and unions that hold something themselves, or have parts that do."""
+    found = {
+        declaration.name
+        for declaration in model.declarations
+        if isinstance(declaration, Struct | Union) and holds(declaration)
+    }
+    return frozenset(
+        name
+        for name in uses
+        if name in found or not found.isdisjoint(_reachable(uses, name))
+    )
+
+
+def _holds_optional(declaration: Struct | Union) -> bool:
+    return isinstance(declaration, Struct) and any(
+        member.optional for member in declaration.members
+    )
+
+
+def _leaves(model: Model, type_: Type) -> list[Type]:
+    """The types that a type is made of, down to names and basic types."""
     type_ = model.unalias(type_)
     match type_:
         case SequenceType(element) | ArrayType(element):
-            return _names(model, element)
+            return _leaves(model, element)
         case MapType(key, value):
-            return _names(model, key) | _names(model, value)
-        case NamedType(name):
-            return {name}
-    return set()
+            return _leaves(model, key) + _leaves(model, value)
+    return [type_]
+
+
+def _names(model: Model, type_: Type) -> set[ScopedName]:
+    leaves = _leaves(model, type_)
+    return {leaf.name for leaf in leaves if isinstance(leaf, NamedType)}
 
 
 def _reachable(

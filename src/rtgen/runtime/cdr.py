@@ -104,6 +104,20 @@ def from_xcdr2(type_: Any, data: Buffer, little_endian: bool) -> Any:
     return decode(type_, data, 2, little_endian)
 
 
+def to_xcdr1(type_: Any, value: object, little_endian: bool) -> bytes:
+    """The XCDR1 body of a value of a generated type or typedef; raises CdrError."""
+    from rtgen.runtime.xcdr import encode
+
+    return encode(type_, value, 1, little_endian)
+
+
+def from_xcdr1(type_: Any, data: Buffer, little_endian: bool) -> Any:
+    """The value of an XCDR1 body; raises CdrError."""
+    from rtgen.runtime.xcdr import decode
+
+    return decode(type_, data, 1, little_endian)
+
+
 def _name(type_: Any) -> str:
     """The unscoped name of a generated type, or of the typedef that a codec is for."""
     return str(type_._descriptor_.name).rpartition("::")[2]
@@ -397,14 +411,23 @@ class Aggregated(_Described):
 
 
 class Composite(Aggregated):
-    """The base of generated types that other codecs call: unions, recursive structs."""
+    """The base of generated types that other codecs call: unions, recursive structs.
+
+    `_shares_`: it holds what is marshalled along its descriptor, and may be shared in a body.
+    """
 
     __slots__ = ()
+
+    _shares_: ClassVar[bool] = False
 
     def to_cdr(self, little_endian: bool = True) -> bytes:
         """The value as a CDR body; raises CdrError."""
         try:
             out = bytearray()
+            if self._shares_:
+                from rtgen.runtime.cdr_writer import Output
+
+                out = Output()
             self._write_(out, little_endian)
             return bytes(out)
         except FAILURES as failure:
@@ -414,6 +437,10 @@ class Composite(Aggregated):
     def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
         """The value of a CDR body; raises CdrError."""
         try:
+            if cls._shares_:
+                from rtgen.runtime.cdr_reader import Input
+
+                data = Input(data)
             value, offset = cls._read_(data, 0, little_endian)
             if offset != len(data):
                 raise ValueError("octets too many")

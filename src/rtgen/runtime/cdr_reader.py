@@ -76,13 +76,18 @@ _MOST_IDS = 100
 
 
 class Input(bytes):
-    """A body that is being read, with the values in it by the offsets of their headers."""
+    """A body that is being read, with the values in it by the offsets of their headers.
+
+    `work` is how many values may still be made of it.
+    """
 
     values: dict[int, Any]
+    work: int
 
     def __new__(cls, data: Buffer) -> Input:
         made = super().__new__(cls, memoryview(data))
         made.values = {}
+        made.work = _LEAST_WORK + _WORK_FOR_AN_OCTET * len(made)
         return made
 
 
@@ -106,7 +111,6 @@ class Reader:
         self._chunk_end = 0
         self._closed = 0
         self._least_sizes: dict[int, int] = {}
-        self._work = _LEAST_WORK + _WORK_FOR_AN_OCTET * len(self._data)
 
     def end(self) -> None:
         """Refuses octets that are left."""
@@ -116,8 +120,8 @@ class Reader:
 
     def value(self, descriptor: Descriptor) -> Any:
         """A value of any type."""
-        self._work -= 1
-        if self._work < 0:
+        self._data.work -= 1
+        if self._data.work < 0:
             raise Fault("more values than the octets account for")
         match descriptor:
             case LinkDescriptor() | AliasDescriptor():
@@ -139,7 +143,7 @@ class Reader:
                 return self._sequence(element, bound)
             case ArrayDescriptor(element, dimensions):
                 if not self._least(element):
-                    self._work -= prod(dimensions)
+                    self._data.work -= prod(dimensions)
                 return self._array(element, dimensions)
             case MapDescriptor(key, item, bound):
                 return self._map(key, item, bound)

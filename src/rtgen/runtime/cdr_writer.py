@@ -149,7 +149,8 @@ class Writer:
                 part = ""
                 inner = _attribute(value, member.attribute, descriptor.name)
                 part = f".{member.name}"
-                self.value(member.type, inner)
+                if inner is not None or not member.optional:
+                    self.value(member.type, inner)
         except LOCATED as failure:
             raise located(failure, part) from failure
 

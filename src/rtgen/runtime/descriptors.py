@@ -393,6 +393,9 @@ Descriptor: TypeAlias = (
 ANY: Final = PrimitiveDescriptor("any")
 """The type that can hold every other."""
 
+NULL: Final = PrimitiveDescriptor("null")
+"""The type of nothing."""
+
 _REGISTERED: dict[str, _Named] = {}
 
 

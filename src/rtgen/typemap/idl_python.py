@@ -80,14 +80,27 @@ PRIMITIVES: dict[Primitive, PythonType] = {
     Primitive.WCHAR: _CHAR,
     Primitive.BOOLEAN: PythonType("bool", "False", (("", "bool"),)),
     Primitive.VOID: PythonType("None", "None"),
-    Primitive.ANY: PythonType("object", "None", (("", "object"),)),
+    Primitive.ANY: PythonType(
+        "AnyValue", "AnyValue()", (("rtgen.runtime.values", "AnyValue"),)
+    ),
+    Primitive.TYPE_CODE: PythonType(
+        "Descriptor",
+        "NULL",
+        (
+            ("rtgen.runtime.descriptors", "Descriptor"),
+            ("rtgen.runtime.descriptors", "NULL"),
+        ),
+    ),
     Primitive.OBJECT: PythonType(
         "ObjectReference | None",
         "None",
         (("rtgen.runtime.cdr_values", "ObjectReference"),),
     ),
-    Primitive.VALUE_BASE: PythonType("object", "None", (("", "object"),)),
-    Primitive.TYPE_CODE: PythonType("object", "None", (("", "object"),)),
+    Primitive.VALUE_BASE: PythonType(
+        "Value | Box | None",
+        "None",
+        (("rtgen.runtime.values", "Value"), ("rtgen.runtime.values", "Box")),
+    ),
 }
 """The basic types (OMG IDL to Python 1.3, table 1; CORBA 3.3 part 1, 7.11.1)."""
 
@@ -133,11 +146,12 @@ OWN_NAMES: dict[type[Declaration], frozenset[str]] = {
 """What the Python class of a declaration has by itself, so that no member can have the name."""
 OWN_NAMES[Bitmask] = OWN_NAMES[Enum]
 OWN_NAMES[Bitset] = CODEC | NUMBER
+OWN_NAMES[Valuetype] = CODEC | {"described"}
 
 _PACKAGES = frozenset({"components"})
 """The packages that rtgen itself makes below the root."""
 
-Fielded: TypeAlias = Struct | ExceptionDecl | Union | Bitset
+Fielded: TypeAlias = Struct | ExceptionDecl | Union | Bitset | Valuetype
 """What has named parts that become attributes."""
 
 NameOf: TypeAlias = Callable[[ScopedName], str]
@@ -167,7 +181,7 @@ class PythonMapping:
         """The annotation of a value of the type, on one line."""
         match type_:
             case PrimitiveType(kind):
-                return self._basic(PRIMITIVES[kind])
+                return self._spelled(PRIMITIVES[kind], PRIMITIVES[kind].annotation)
             case StringType():
                 return self._spell("", "str")
             case FixedType():
@@ -194,7 +208,7 @@ class PythonMapping:
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(kind):
-                return PRIMITIVES[kind].default
+                return self._spelled(PRIMITIVES[kind], PRIMITIVES[kind].default)
             case StringType():
                 return '""'
             case FixedType():
@@ -259,20 +273,26 @@ class PythonMapping:
                 return "str"
         return None
 
-    def _basic(self, basic: PythonType) -> str:
-        text = basic.annotation
+    def _spelled(self, basic: PythonType, text: str) -> str:
         for module, name in basic.imports:
-            text = text.replace(name, self._spell(module, name), 1)
+            if name in text:
+                text = text.replace(name, self._spell(module, name), 1)
         return text
 
     def _named(self, name: ScopedName) -> str:
         declaration = self._model.find(name)
         if isinstance(declaration, Interface) and self._servants:
             return f"{self._name_of(name)} | None"
+        if isinstance(declaration, Interface) and declaration.abstract:
+            base = self._spelled(PRIMITIVES[Primitive.VALUE_BASE], "Value | Box | None")
+            reference = self._spell("rtgen.runtime.cdr_values", "ObjectReference")
+            return f"{reference} | {base}"
         if isinstance(declaration, Interface):
             reference = self._spell("rtgen.runtime.cdr_values", "ObjectReference")
             return f"{reference} | None"
-        if isinstance(declaration, Native | Valuetype | ValueBox):
+        if isinstance(declaration, Valuetype | ValueBox):
+            return f"{self._name_of(name)} | None"
+        if isinstance(declaration, Native):
             return self._spell("", "object")
         return self._name_of(name)
 
@@ -388,6 +408,9 @@ class PythonNames:
         entries: Sequence[Member | Case | Bitfield]
         if isinstance(declaration, Union):
             entries = declaration.cases
+        elif isinstance(declaration, Valuetype):
+            entries = declaration.state
+            inherited = [n for base in declaration.bases for n in self._state(base)]
         else:
             entries = declaration.members
             if isinstance(declaration, Struct | Bitset) and declaration.base:
@@ -397,11 +420,13 @@ class PythonNames:
         own = OWN_NAMES[type(declaration)]
         return distinct((e.name for e in entries if e.name), own.union(inherited))
 
-    def operations(self, declaration: Interface) -> dict[str, str]:
-        """The Python names of the attributes and operations that an interface adds."""
+    def operations(self, declaration: Interface | Valuetype) -> dict[str, str]:
+        """The Python names of the attributes and operations that it adds to its bases."""
         taken = {self._attribute(inner.name) for inner in self.inside(declaration.name)}
         for base in declaration.bases:
             taken.update(self._lineage(base))
+        if isinstance(declaration, Valuetype):
+            taken.update(OWN_NAMES[Valuetype], self._state(declaration.name))
         attributes = [attribute.name for attribute in declaration.attributes]
         operations = [operation.name for operation in declaration.operations]
         return distinct(attributes + operations, taken)
@@ -409,18 +434,26 @@ class PythonNames:
     def _lineage(self, name: ScopedName) -> Iterator[str]:
         """The Python names of the operations of an interface and its bases."""
         declaration = self._model.find(name)
-        assert isinstance(declaration, Interface)
+        assert isinstance(declaration, Interface | Valuetype)
         yield from self.operations(declaration).values()
         for base in declaration.bases:
             yield from self._lineage(base)
 
-    def bases(self, declaration: Interface) -> list[ScopedName]:
-        """The bases of an interface as its classes have them: the latest declared first.
+    def bases(self, declaration: Interface | Valuetype) -> list[ScopedName]:
+        """The bases as the classes have them: the latest declared first.
 
         Where all classes keep one order, in which the derived stand before their bases, Python
         finds a method resolution order for everything that IDL allows.
         """
         return sorted(declaration.bases, key=self._places.__getitem__, reverse=True)
+
+    def _state(self, name: ScopedName) -> Iterator[str]:
+        """The Python names of the state of a valuetype and its bases."""
+        declaration = self._model.find(name)
+        assert isinstance(declaration, Valuetype)
+        yield from self.members(declaration).values()
+        for base in declaration.bases:
+            yield from self._state(base)
 
     def attribute_names(self, module: str) -> frozenset[str]:
         """The attributes that classes of an implementation module have in class scope."""
@@ -429,6 +462,11 @@ class PythonNames:
             match declaration:
                 case Struct() | ExceptionDecl() | Union() | Bitset():
                     found.update(self.members(declaration).values())
+                case Valuetype():
+                    found.update(self.members(declaration).values())
+                    found.update(self.operations(declaration).values())
+                case ValueBox():
+                    found.add("value")
                 case Interface():
                     found.update(self.operations(declaration).values())
             if self.is_nested(declaration.name):
@@ -555,7 +593,7 @@ def is_signed(model: Model, field: Bitfield) -> bool:
 
 def is_emitted(declaration: Declaration) -> bool:
     """Whether the types back end makes something for it."""
-    return not isinstance(declaration, Component | Home | Native | Valuetype | ValueBox)
+    return not isinstance(declaration, Component | Home | Native)
 
 
 def package_path(scope: ScopedName) -> tuple[str, ...]:

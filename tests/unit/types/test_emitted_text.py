@@ -19,6 +19,7 @@ from rtgen.frontends.idl import load
 HERE = Path(__file__).parent
 GOLDEN = Path(__file__).parents[2] / "golden" / "types"
 CONSTRUCTS = HERE / "constructs.idl"
+DYNAMIC = Path(__file__).with_name("dynamic.idl")
 OPTIONS = Options("robots", "skeletons", "0.1.0")
 MODE = black.Mode(line_length=88, target_versions={black.TargetVersion.PY311})
 
@@ -157,14 +158,19 @@ def test_headers_name_the_sources() -> None:
 
 def test_types_without_codec_are_reported_at_the_member(tmp_path: Path) -> None:
     text = (
-        "struct A { long x; any y; };\nstruct B { A inner; };\n"
-        "union C switch (long) { case 1: any z; };\nstruct D { @optional long y; };"
+        "native H; struct A { long x; H y; };\nstruct B { A inner; };\n"
+        "union C switch (long) { case 1: H z; };\n"
+        "struct D { @optional long y; any z; };\n"
+        "custom valuetype V { public long x; }; struct E { V v1; };\n"
+        "local interface L {}; exception F { L where; };\n"
+        "struct G {}; struct I { sequence<G> g1; }; valuetype J { public H y; };\n"
+        "typedef H Handles; interface K { H work(in Handles h1, in V v1); };"
     )
     made = emission_of(tmp_path, text)
     assert not made.artifacts
     places = [(d.code, d.span.line, d.span.column) for d in made.diagnostics if d.span]
-    assert [code for code, _, _ in places] == ["PY0001"] * 3
-    assert [line for _, line, _ in places] == [1, 3, 4]
+    assert [code for code, _, _ in places] == ["PY0001"] * 7
+    assert [line for _, line, _ in places] == [1, 3, 4, 5, 6, 7, 7]
 
 
 def test_nothing_is_emitted_for_nothing(tmp_path: Path) -> None:
@@ -173,7 +179,7 @@ def test_nothing_is_emitted_for_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_emitted_modules_pass_mypy(tmp_path: Path) -> None:
-    for artifact in emission(CONSTRUCTS).artifacts:
+    for artifact in (*emission(CONSTRUCTS).artifacts, *emission(DYNAMIC).artifacts):
         path = tmp_path / artifact.path
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(artifact.text, encoding="utf-8")

@@ -15,6 +15,7 @@ from rtgen.diagnostics import Diagnostic
 from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
 from rtgen.model import (
     Case,
+    Declaration,
     ExceptionDecl,
     Member,
     Model,
@@ -23,6 +24,8 @@ from rtgen.model import (
     SourceFile,
     Struct,
     Union,
+    ValueBox,
+    Valuetype,
 )
 from rtgen.typemap.idl_python import PythonNames, is_emitted, package_path
 
@@ -140,27 +143,47 @@ def _check(model: Model, types: CdrTypes) -> Iterator[Diagnostic]:
             )
             yield LONG_NAME.at(declaration.span, message)
     for declaration in model.declarations:
-        entries: tuple[Member | Case, ...] = ()
-        if isinstance(declaration, Struct | ExceptionDecl):
-            entries = declaration.members
-        elif isinstance(declaration, Union):
-            entries = declaration.cases
-        for entry in entries:
-            fault = _fault(model, types, entry)
+        for entry in _entries(declaration):
+            fault = _fault(model, types, declaration, entry)
             if fault is not None:
                 yield fault
 
 
-def _fault(model: Model, types: CdrTypes, entry: Member | Case) -> Diagnostic | None:
+def _entries(declaration: Declaration) -> tuple[Member | Case | ValueBox, ...]:
+    """What a declaration has that is marshalled."""
+    match declaration:
+        case Struct(members=members) | ExceptionDecl(members=members):
+            return members
+        case Union(cases=cases):
+            return cases
+        case Valuetype(custom=False, state=state):
+            return state
+        case ValueBox():
+            return (declaration,)
+    return ()
+
+
+def _fault(
+    model: Model,
+    types: CdrTypes,
+    declaration: Declaration,
+    entry: Member | Case | ValueBox,
+) -> Diagnostic | None:
     """The finding at a member; none for a struct whose own member has one."""
-    if isinstance(entry, Member) and entry.optional:
-        message = f"`{entry.name}`: an optional member has no place in classic CDR"
-        return NOT_MARSHALLED.at(entry.span, message)
+    name = entry.name if isinstance(entry.name, str) else entry.name[-1]
+    holder = NamedType(declaration.name)
+    is_aggregate = isinstance(declaration, Struct | Union)
+    optional = types.has_optional(entry.type)
+    optional |= isinstance(entry, Member) and entry.optional
+    dynamic = types.is_dynamic(holder if is_aggregate else entry.type)
+    if optional and (dynamic or isinstance(declaration, Valuetype | ValueBox)):
+        reason = "optional members do not go together with `any`, type codes and values"
+        return NOT_MARSHALLED.at(entry.span, f"`{name}`: {reason}")
     try:
         types.node(entry.type)
     except NotMarshalledError as failure:
         type_ = model.unalias(entry.type)
         if isinstance(type_, NamedType) and isinstance(model.find(type_.name), Struct):
             return None
-        return NOT_MARSHALLED.at(entry.span, f"`{entry.name}`: {failure}")
+        return NOT_MARSHALLED.at(entry.span, f"`{name}`: {failure}")
     return None

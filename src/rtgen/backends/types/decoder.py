@@ -11,6 +11,7 @@ from rtgen.layouts.cdr import (
     AtomArray,
     AtomSequence,
     Call,
+    Dynamic,
     Entry,
     Field,
     Group,
@@ -84,13 +85,16 @@ class Decoder:
                 case Jump(path=path, node=node):
                     self._settle()
                     name = self._locals.name((*prefix, *path))
+                    arguments = "data, offset, little_endian"
                     if isinstance(node, Call):
                         read = f"{self._py.reference(node.name)}._read_"
+                    elif isinstance(node, Dynamic):
+                        read = self._py.read_dynamic
+                        described = self._tables.dynamic(node)
+                        arguments = f"data, offset, {described}, little_endian"
                     else:
                         read = self._py.read_reference
-                    self.body.add(
-                        f"{name}, offset = {read}(data, offset, little_endian)"
-                    )
+                    self.body.add(f"{name}, offset = {read}({arguments})")
 
     def value(self, node: Node, path: Path, outermost: bool = False) -> str:
         """The expression that makes a value of what was read."""

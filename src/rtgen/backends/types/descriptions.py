@@ -27,14 +27,17 @@ from rtgen.model import (
     PrimitiveType,
     ScopedName,
     SequenceType,
+    StateMember,
     StringType,
     Struct,
     Type,
     Typedef,
     Union,
+    ValueBox,
+    Valuetype,
 )
 from rtgen.model.declarations import ConstantValue, Declaration
-from rtgen.typemap.idl_python import PythonNames, is_boolean, is_signed
+from rtgen.typemap.idl_python import PythonNames, is_boolean, is_emitted, is_signed
 
 
 class Descriptions:
@@ -78,9 +81,12 @@ class Descriptions:
                 declaration = self._model.find(name)
                 if isinstance(declaration, Typedef):
                     return py.alias(name)
+                if not is_emitted(declaration):
+                    return f"{py.PrimitiveDescriptor}({string_literal(declaration.scoped)})"
                 if isinstance(declaration, Interface):
                     # A reference to an object: the operations are not part of the data.
-                    return f"{py.InterfaceDescriptor}({self._head(declaration)})"
+                    facts = [self._head(declaration), *_interface_kind(declaration)]
+                    return f"{py.InterfaceDescriptor}({', '.join(facts)})"
                 declared = py.reference(name)
                 if not (self._types.is_recursive(name) or self._is_ahead(type_)):
                     return f"{declared}._descriptor_"
@@ -111,7 +117,27 @@ class Descriptions:
         facts += _differing(member, attribute)
         for flag in ("optional", "key", "must_understand", "external"):
             facts += [f"{flag}=True"] * getattr(member, flag)
+        if isinstance(member, StateMember) and not member.public:
+            facts.append("private=True")
         return f"{self._py.MemberDescriptor}({', '.join(facts)})"
+
+    def value(self, declaration: Valuetype) -> str:
+        """The descriptor of a valuetype."""
+        names = self._names.members(declaration)
+        state = [self._member(m, names[m.name]) for m in declaration.state]
+        bases = [f"{self._py.reference(b)}._descriptor_" for b in declaration.bases]
+        facts = [self._head(declaration), _tuple(state)]
+        kinds = ("custom", "abstract", "truncatable")
+        modifier = next((kind for kind in kinds if getattr(declaration, kind)), "")
+        if bases or modifier:
+            facts.append(_tuple(bases))
+        facts += [f'"{modifier}"'] * bool(modifier)
+        return f"{self._py.ValueDescriptor}({', '.join(facts)})"
+
+    def box(self, declaration: ValueBox) -> str:
+        """The descriptor of a boxed value."""
+        target = self.of(declaration.type)
+        return f"{self._py.BoxDescriptor}({self._head(declaration)}, {target})"
 
     def alias(self, declaration: Typedef) -> str:
         """The descriptor of a typedef."""
@@ -192,7 +218,7 @@ class Descriptions:
         bases = [f"{self._py.reference(b)}._descriptor_" for b in declaration.bases]
         operations = _tuple([string_literal(text) for text in texts])
         head = self._head(declaration)
-        facts = [head, operations, _tuple(bases)] + ["local=True"] * declaration.local
+        facts = [head, operations, _tuple(bases), *_interface_kind(declaration)]
         return f"{self._py.InterfaceDescriptor}({', '.join(facts)})"
 
     def _head(self, declaration: Declaration) -> str:
@@ -222,6 +248,10 @@ def signature(operation: Operation) -> str:
 def _raises(word: str, names: Sequence[ScopedName]) -> str:
     listed = ", ".join("::".join(name) for name in dict.fromkeys(names))
     return f" {word} ({listed})" if listed else ""
+
+
+def _interface_kind(declaration: Interface) -> list[str]:
+    return ["abstract=True"] * declaration.abstract + ["local=True"] * declaration.local
 
 
 def _differing(entry: Member | Case, attribute: str) -> list[str]:

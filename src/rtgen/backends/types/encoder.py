@@ -11,6 +11,7 @@ from rtgen.layouts.cdr import (
     AtomArray,
     AtomSequence,
     Call,
+    Dynamic,
     Field,
     Group,
     Jump,
@@ -69,6 +70,11 @@ class Encoder:
                     self.body.add(
                         f"{self._value((*prefix, *path))}._write_(out, little_endian)"
                     )
+                case Jump(path=path, node=Dynamic() as dynamic):
+                    value = self._value((*prefix, *path))
+                    described = self._tables.dynamic(dynamic)
+                    arguments = f"out, {value}, {described}, little_endian"
+                    self.body.add(f"{self._py.write_dynamic}({arguments})")
                 case Jump(path=path):
                     value = self._value((*prefix, *path))
                     self.body.add(

@@ -110,16 +110,13 @@ class Interfaces:
         )
 
     def _operation(self, operation: Operation, called: dict[str, str]) -> _Operation:
-        names = distinct((p.name for p in operation.parameters), ("self",))
+        names = _parameter_names(operation)
         given = [p for p in operation.parameters if p.direction is not Direction.OUT]
-        annotated = [
-            f"{names[p.name]}: {self._mapping.annotation(p.type)}" for p in given
-        ]
         key = string_literal(operation.name)
         return _Operation(
             name=called[operation.name],
-            parameters=", ".join(["self", *annotated]),
-            result=self._result(operation),
+            parameters=self.parameters(operation),
+            result=self.result(operation),
             docstring=docstring(operation.doc or f"`{signature(operation)}`.", 8),
             key=key,
             call=", ".join([key, *(names[p.name] for p in given)]),
@@ -128,7 +125,18 @@ class Interfaces:
             dispatcher="_send_" if operation.oneway else "_call_",
         )
 
-    def _result(self, operation: Operation) -> str:
+    def annotation(self, type_: Type) -> str:
+        """The annotation of a parameter or attribute."""
+        return self._mapping.annotation(type_)
+
+    def parameters(self, operation: Operation) -> str:
+        """What a method takes: `self`, then what is not only out."""
+        names = _parameter_names(operation)
+        given = [p for p in operation.parameters if p.direction is not Direction.OUT]
+        annotated = [f"{names[p.name]}: {self.annotation(p.type)}" for p in given]
+        return ", ".join(["self", *annotated])
+
+    def result(self, operation: Operation) -> str:
         """As omniORBpy: nothing, one result, or a tuple with the return value first."""
         types: list[Type] = [] if operation.returns == VOID else [operation.returns]
         types += [
@@ -146,3 +154,7 @@ class Interfaces:
         return (
             f", ({classes[0]},)" if len(classes) == 1 else f", ({', '.join(classes)})"
         )
+
+
+def _parameter_names(operation: Operation) -> dict[str, str]:
+    return distinct((p.name for p in operation.parameters), ("self",))

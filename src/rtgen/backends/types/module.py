@@ -18,6 +18,7 @@ from rtgen.backends.types.interfaces import Interfaces
 from rtgen.backends.types.scope import Scope
 from rtgen.backends.types.unions import Unions
 from rtgen.backends.types.values import Tables
+from rtgen.backends.types.valuetypes import Valuetypes
 from rtgen.layouts.cdr import ANYWHERE, ORIGIN, Node, Run, Step, steps_of
 from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
 from rtgen.model import (
@@ -32,14 +33,23 @@ from rtgen.model import (
     ExceptionDecl,
     Interface,
     MapType,
+    Member,
+    NamedType,
     ScopedName,
     SequenceType,
     Struct,
     Type,
     Typedef,
     Union,
+    ValueBox,
+    Valuetype,
 )
-from rtgen.typemap.idl_python import PythonMapping, PythonNames, is_boolean
+from rtgen.typemap.idl_python import (
+    PythonMapping,
+    PythonNames,
+    is_boolean,
+    is_emitted,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +81,6 @@ class TypesModule:
         self._types = types
         self._module = module
         self.scope = Scope(names, module)
-        self._tables = Tables(self.scope, {})
         self._shown_tables: set[str] = set()
         self._done: set[str] = set()
         self._waiting: list[Typedef] = []
@@ -79,8 +88,12 @@ class TypesModule:
         self._late: dict[ScopedName, str] = {}
         self._mapping = PythonMapping(model, self.scope.reference, self.scope.spell)
         self._describe = Descriptions(model, names, types, self.scope, self._is_ahead)
+        self._tables = Tables(self.scope, {}, self._describe.of)
         self._unions = Unions(names, types, self.scope, self._tables, self._describe)
         self._interfaces = Interfaces(calls, names, self.scope, self._describe)
+        self._valuetypes = Valuetypes(
+            names, self.scope, self._mapping, self._describe, self._interfaces
+        )
 
     def text(
         self, header: str, title: str, interfaces: Sequence[Interface] = ()
@@ -127,6 +140,11 @@ class TypesModule:
             case Interface():
                 nested = self._nested(declaration)
                 yield Block(self._interfaces.text(declaration, nested))
+            case Valuetype():
+                nested = self._nested(declaration)
+                yield Block(self._valuetypes.text(declaration, nested))
+            case ValueBox():
+                yield Block(self._valuetypes.box(declaration))
 
     def _local(self, declaration: Declaration) -> str:
         return self._names.implementation(declaration.name)[1]
@@ -141,12 +159,16 @@ class TypesModule:
         name = self._local(declaration)
         names = self._names.members(declaration)
         body = self._types.body(declaration)
-        composite = self._types.is_recursive(declaration.name)
+        holds = _Holdings(self._types, declaration)
+        composite = self._types.is_recursive(declaration.name) and not holds.optional
         fields = [
-            Statement(f"{names[m.name]}: {self._field(m.type)}", docstring(m.doc, 4))
+            Statement(f"{names[m.name]}: {self._field(m)}", docstring(m.doc, 4))
             for m in declaration.members
         ]
-        codec = self._functions(name, body, composite, "self")
+        if holds.optional:
+            codec = _Functions([], [], [])
+        else:
+            codec = self._functions(name, body, composite, "self", holds.dynamic)
         is_struct = isinstance(declaration, Struct)
         return render(
             "types/struct.py.j2",
@@ -162,10 +184,12 @@ class TypesModule:
             attributes=self._nested(declaration),
             fields=fields,
             composite=composite,
+            optional=holds.optional,
+            shares=composite and holds.dynamic,
             constants=codec.constants,
             encode=codec.encode,
             decode=codec.decode,
-            copy=self._copy(body) if is_struct else [],
+            copy=self._copy(body, holds) if is_struct else [],
         )
 
     def _bases(self, declaration: Struct | ExceptionDecl) -> str:
@@ -188,14 +212,15 @@ class TypesModule:
             name = declaration.base if isinstance(declaration, Struct) else None
         return False
 
-    def _field(self, type_: Type) -> str:
-        annotation = self._mapping.annotation(type_)
-        if self._mapping.immutable(type_):
-            return f"{annotation} = {self._mapping.default(type_)}"
-        factory = self._mapping.factory(type_)
-        return f"{annotation} = {self.scope.field}(default_factory={factory})"
+    def _field(self, member: Member) -> str:
+        if member.optional:
+            annotation = self._mapping.annotation(member.type)
+            return annotation.removesuffix(" | None") + " | None = None"
+        return self._valuetypes.field(member.type)
 
-    def _copy(self, body: Node) -> list[str]:
+    def _copy(self, body: Node, holds: _Holdings) -> list[str]:
+        if holds.dynamic or holds.optional:
+            return [f"return {self.scope.deepcopy}(self)"]
         copier = Copier(self.scope)
         expression = copier.copy(body, "self")
         return [*copier.body.lines, f"return {expression}"]
@@ -232,7 +257,13 @@ class TypesModule:
     # Codecs.
 
     def _functions(
-        self, name: str, node: Node, composite: bool, base: str, annotation: str = ""
+        self,
+        name: str,
+        node: Node,
+        composite: bool,
+        base: str,
+        dynamic: bool,
+        annotation: str = "",
     ) -> _Functions:
         layouts = Layouts(name)
         steps = steps_of(node, ANYWHERE if composite else ORIGIN)
@@ -243,19 +274,22 @@ class TypesModule:
             encode = encoder.parts(steps, base)
             decode = decoder.parts(steps, node)
         else:
-            encode = self._encode(encoder, steps, base)
+            encode = self._encode(encoder, steps, base, dynamic)
+            if dynamic:
+                decoder.body.first.append(f"data = {self.scope.Input}(data)")
             decode = self._decode(decoder, steps, node)
         constants = layouts.lines(self.scope, whole)
         return _Functions([*self._new_tables(), *constants], encode, decode)
 
     def _encode(
-        self, encoder: Encoder, steps: tuple[Step, ...], base: str
+        self, encoder: Encoder, steps: tuple[Step, ...], base: str, dynamic: bool
     ) -> list[str]:
         if not steps:
             return ['return b""']
         if len(steps) == 1 and isinstance(steps[0], Run):
             return encoder.whole(steps[0], base)
-        return ["out = bytearray()", *encoder.parts(steps, base), "return bytes(out)"]
+        out = f"out = {self.scope.Output}()" if dynamic else "out = bytearray()"
+        return [out, *encoder.parts(steps, base), "return bytes(out)"]
 
     def _decode(
         self, decoder: Decoder, steps: tuple[Step, ...], node: Node
@@ -279,9 +313,8 @@ class TypesModule:
         layouts = Layouts(name)
         mapping = self._mapping
         first = declaration.cases[0]
-        value = mapping.default(first.type)
-        if not mapping.immutable(first.type):
-            value = f"{self.scope.field}(default_factory={mapping.factory(first.type)})"
+        value = self._valuetypes.field(first.type).partition(" = ")[2]
+        holds = _Holdings(self._types, declaration)
         values = self._unions.values(declaration, mapping, layouts)
         return render(
             "types/union.py.j2",
@@ -290,6 +323,8 @@ class TypesModule:
             docstring=self._doc(declaration),
             attributes=self._nested(declaration),
             value=value,
+            shares=holds.dynamic,
+            optional=holds.optional,
             **values,
             constants=[*self._new_tables(), *layouts.lines(self.scope, False)],
         )
@@ -377,7 +412,7 @@ class TypesModule:
                 ahead = self._is_ahead(key, through_aliases)
                 return ahead or self._is_ahead(value, through_aliases)
         name = getattr(type_, "name", None)
-        if name is None:
+        if name is None or not is_emitted(self._model.find(name)):
             return False
         path, local = self._names.implementation(name)
         return path == f"_idl.{self._module}" and local not in self._done
@@ -407,7 +442,12 @@ class TypesModule:
         self.codecs.add(declaration.name)
         name = self._names.companion(declaration.name, "Codec")
         type_ = self._local(declaration)
-        codec = self._functions(name, node, False, "value", type_)
+        optional = self._types.has_optional(declaration.type)
+        dynamic = self._types.is_dynamic(declaration.type)
+        if optional:
+            codec = _Functions([], [], [])
+        else:
+            codec = self._functions(name, node, False, "value", dynamic, type_)
         text = render(
             "types/codec.py.j2",
             py=self.scope,
@@ -415,6 +455,7 @@ class TypesModule:
             scoped=declaration.scoped,
             descriptor=self.scope.alias(declaration.name),
             type=type_,
+            optional=optional,
             constants=codec.constants,
             encode=codec.encode,
             decode=codec.decode,
@@ -423,6 +464,22 @@ class TypesModule:
             holder = self._names.implementation(declaration.name[:-1])[1]
             text += f"\n\n{holder}.{self._late[declaration.name]} = {name}\n"
         return text
+
+
+class _Holdings:
+    """What a struct, exception or union holds that its codec has to care for."""
+
+    def __init__(
+        self, types: CdrTypes, declaration: Struct | ExceptionDecl | Union
+    ) -> None:
+        parts: list[Type] = [NamedType(declaration.name)]
+        if isinstance(declaration, ExceptionDecl):
+            parts = [member.type for member in declaration.members]
+        self.dynamic = any(map(types.is_dynamic, parts))
+        self.optional = any(map(types.has_optional, parts)) or (
+            isinstance(declaration, ExceptionDecl)
+            and any(member.optional for member in declaration.members)
+        )
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,13 +5,21 @@ from __future__ import annotations
 from rtgen.diagnostics import Rule, Severity
 
 _NOT_MARSHALLED = """\
-The member has no codec in classic CDR here: it is optional, or its type is `any`, a valuetype, a
-native type, a bitset, or a sequence of elements without content. Such a type may be a parameter
-of an operation that is called within one process, but not a member of a struct, a union or an
-exception:
+The member has no codec in CDR. Its type is, or holds,
+
+- a native type, a component, a home: they have no form outside of the process;
+- a local interface: its objects do not leave the process;
+- a custom valuetype: only its user's own code knows how its state is marshalled;
+- a sequence of elements that take no octets: nothing would bound its length when it is read;
+- an optional member (`@optional`) together with `any`, `CORBA::TypeCode`, a value or an abstract
+  interface: the former belongs to the CDR of DDS, the latter to that of CORBA.
+
+Such a type may be a parameter of an operation that is called within one process, but not a member
+of a struct, a union, an exception or a value:
 
 ```idl
-struct Sample { any value; };     // PY0001 at `value`
+native Handle;
+struct Sample { Handle at; };     // PY0001 at `at`
 ```
 
 Give the member a definite type, or a union of the types that are needed.

@@ -13,7 +13,7 @@ from rtgen.backends.types.scope import Scope
 from rtgen.backends.types.values import Tables
 from rtgen.layouts.cdr import ANYWHERE, Atom, Form, Node, Path, Step, steps_of
 from rtgen.layouts.cdr_types import CdrTypes
-from rtgen.model import Case, Union
+from rtgen.model import Case, NamedType, Union
 from rtgen.typemap.idl_python import OWN_NAMES, PythonMapping, PythonNames, distinct
 
 _DISCRIMINATOR = ("discriminator",)
@@ -223,6 +223,9 @@ class Unions:
         body.add(f"value: {self._py.Any} = self.value")
         body.block("match self.discriminator:")
         copied = []
+        holder = NamedType(union.name)
+        if self._types.is_dynamic(holder) or self._types.has_optional(holder):
+            return [f"return {self._py.deepcopy}(self)"]
         for choice in parts.choices:
             body.block(f"case {choice.pattern}:")
             copied.append(copier.copy(choice.node, "value", ("value",)))

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from rtgen.backends.types.scope import Scope
-from rtgen.layouts.cdr import Atom, Form, Text
+from rtgen.layouts.cdr import Atom, Dynamic, Form, Text
+from rtgen.model import NamedType, Primitive, PrimitiveType, Type
 
 
 @dataclass(frozen=True, slots=True)
@@ -15,6 +16,15 @@ class Tables:
 
     scope: Scope
     enums: dict[str, str]
+    describe: Callable[[Type], str]
+
+    def dynamic(self, node: Dynamic) -> str:
+        """The descriptor of what is marshalled along it, for a statement in a function."""
+        if isinstance(node.type, NamedType):
+            return f"{self.scope.reference(node.type.name)}._descriptor_"
+        if node.type == PrimitiveType(Primitive.ANY):
+            return self.scope.ANY
+        return self.describe(node.type)
 
     def table(self, atom: Atom) -> str:
         """The table of an enum's members by number."""

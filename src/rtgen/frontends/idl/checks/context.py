@@ -86,6 +86,7 @@ class Context:
             Primitive.DOUBLE,
             Primitive.LONG_DOUBLE,
             Primitive.ANY,
+            Primitive.TYPE_CODE,
         )
         bad = (
             isinstance(key, SequenceType | ArrayType | MapType | FixedType)

@@ -1,0 +1,123 @@
+"""Valuetypes and boxed values: classes whose codec walks their descriptor."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rtgen.backends.python_text import docstring, string_literal
+from rtgen.backends.rendering import render
+from rtgen.backends.types.descriptions import Descriptions, attribute_text, signature
+from rtgen.backends.types.interfaces import Interfaces
+from rtgen.backends.types.scope import Scope
+from rtgen.model import Type, ValueBox, Valuetype
+from rtgen.typemap.idl_python import PythonMapping, PythonNames
+
+
+@dataclass(frozen=True, slots=True)
+class _Method:
+    name: str
+    parameters: str
+    result: str
+    docstring: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Property:
+    name: str
+    type: str
+    docstring: str
+    readonly: bool
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class _State:
+    text: str
+    docstring: str
+
+
+class Valuetypes:
+    """Writes valuetypes into one module."""
+
+    def __init__(
+        self,
+        names: PythonNames,
+        scope: Scope,
+        mapping: PythonMapping,
+        describe: Descriptions,
+        interfaces: Interfaces,
+    ) -> None:
+        self._names = names
+        self._py = scope
+        self._mapping = mapping
+        self._describe = describe
+        self._interfaces = interfaces
+
+    def text(self, declaration: Valuetype, nested: list[str]) -> str:
+        """The class of a valuetype: its state as fields, its operations for the user."""
+        py = self._py
+        names = self._names.members(declaration)
+        called = self._names.operations(declaration)
+        methods = [
+            _Method(
+                name=called[o.name],
+                parameters=self._interfaces.parameters(o),
+                result=self._interfaces.result(o),
+                docstring=docstring(o.doc or f"`{signature(o)}`.", 8),
+                message=string_literal(f"{declaration.scoped}::{o.name}"),
+            )
+            for o in declaration.operations
+        ]
+        properties = [
+            _Property(
+                name=called[a.name],
+                type=self._interfaces.annotation(a.type),
+                docstring=docstring(a.doc or f"`{attribute_text(a)}`.", 8),
+                readonly=a.readonly,
+                message=string_literal(f"{declaration.scoped}::{a.name}"),
+            )
+            for a in declaration.attributes
+        ]
+        bases = [py.reference(base) for base in self._names.bases(declaration)]
+        return render(
+            "types/valuetype.py.j2",
+            py=py,
+            name=py.reference(declaration.name),
+            bases=", ".join(bases or [py.Value]),
+            docstring=docstring(declaration.doc or f"`{declaration.scoped}`.", 4),
+            descriptor_class=py.ValueDescriptor,
+            descriptor=self._describe.value(declaration),
+            nested=nested,
+            fields=[
+                _State(f"{names[m.name]}: {self.field(m.type)}", docstring(m.doc, 4))
+                for m in declaration.state
+            ],
+            methods=methods,
+            properties=properties,
+        )
+
+    def box(self, declaration: ValueBox) -> str:
+        """The class of a boxed value."""
+        py = self._py
+        return render(
+            "types/valuetype.py.j2",
+            py=py,
+            name=py.reference(declaration.name),
+            bases=py.Box,
+            docstring=docstring(declaration.doc or f"`{declaration.scoped}`.", 4),
+            descriptor_class=py.BoxDescriptor,
+            descriptor=self._describe.box(declaration),
+            nested=[],
+            fields=[_State(f"value: {self.field(declaration.type)}", "")],
+            methods=[],
+            properties=[],
+        )
+
+    def field(self, type_: Type) -> str:
+        """Annotation and initial value of a field."""
+        annotation = self._mapping.annotation(type_)
+        if self._mapping.immutable(type_):
+            return f"{annotation} = {self._mapping.default(type_)}"
+        factory = self._mapping.factory(type_)
+        return f"{annotation} = {self._py.field}(default_factory={factory})"
