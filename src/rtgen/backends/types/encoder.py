@@ -105,6 +105,9 @@ class Encoder:
         else:
             if node.length is not None:
                 items = f"{self._py.exact}({items}, {node.length})"
+            if not loop.steps:  # an array of empty structs
+                self.body.add(items)
+                return
             self.body.block(f"for {item} in {items}:")
         self._bound[inner] = item
         self.steps(loop.steps, inner)
