@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import re
-import sys
-from collections.abc import Callable, Sequence
-from functools import cache
-from importlib.abc import InspectLoader, MetaPathFinder
-from importlib.machinery import ModuleSpec
-from itertools import chain
+from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType
+from random import Random
 
+import octets
 from fuzzing import ViolationError
+from generated import Generated, generate
 
-from rtgen.backends import Backend, Options
-from rtgen.compiler import BUILT_IN
 from rtgen.diagnostics import (
     Diagnostic,
     InputError,
@@ -46,7 +40,7 @@ HELPERS = {
 }
 """What an input may include beside itself (`input.idl`)."""
 
-EVERY = {"emit": 3, "again": 20, "import": 60, "print": 12}
+EVERY = {"emit": 3, "again": 20, "import": 30, "print": 12}
 """One in so many inputs gets the check named."""
 
 _MARKER = re.compile(rb"line|#(?:\\\\|\s|/\*.*?\*/)*\d", re.DOTALL)
@@ -88,7 +82,7 @@ class IdlTarget:
             if (again.model, again.diagnostics) != (model, diagnostics):
                 raise ViolationError("the same input gives something else")
         if labels[-1] == "accepted" and number % EVERY["emit"] == 0:
-            labels.append(emit(model, run=number % EVERY["import"] == 0))
+            labels.append(_emit(model, number))
         return list(dict.fromkeys(labels))
 
     def _read(self, data: bytes) -> FrontendResult:
@@ -144,83 +138,19 @@ def _print(result: FrontendResult) -> None:
     ).encode()
 
 
-def emit(model: Model, *, run: bool) -> str:
-    """Let all back ends work on a model; their Python must compile, and with `run`, import."""
+def _emit(model: Model, number: int) -> str:
+    """Let all back ends work; now and then import what they make, and let its types read octets."""
     try:
         texts = generate(model)
     except InputError:
         return "not emitted"
-    if run:
-        Generated(texts).load()
-        return "imported"
-    return "emitted"
-
-
-def generate(model: Model) -> dict[str, str]:
-    """The Python of all back ends by its paths; InputError if there are errors."""
-    options = Options("fuzzed", "skeletons", "0")
-    emissions = [backend.emit(model, options) for backend in _backends()]
-    diagnostics = list(chain.from_iterable(e.diagnostics for e in emissions))
-    for d in diagnostics:
-        if d.span is None or not d.message:
-            raise ViolationError(f"{d.code} of a back end is nowhere")
-    if has_errors(diagnostics):
-        raise InputError(diagnostics)
-    texts: dict[str, str] = {}
-    for artifact in chain.from_iterable(e.artifacts for e in emissions):
-        if artifact.path.endswith(".py"):
-            compile(artifact.text, artifact.path, "exec", dont_inherit=True)
-            if artifact.path.startswith("fuzzed/"):
-                texts[artifact.path] = artifact.text
-    return texts
-
-
-@cache
-def _backends() -> tuple[Backend, ...]:
-    return tuple(importlib.import_module(module).BACKEND for module in BUILT_IN)
-
-
-class Generated(MetaPathFinder, InspectLoader):
-    """Generated Python that is imported from memory; `texts` maps paths to texts."""
-
-    def __init__(self, texts: dict[str, str]) -> None:
-        self._texts = {_module(path): text for path, text in texts.items()}
-        parents = (Path(path).parents for path in texts)
-        self._packages = {p.as_posix().replace("/", ".") for p in chain(*parents)}
-
-    def load(self) -> dict[str, ModuleType]:
-        """Import all modules, and forget them at once; gives them by their names."""
-        before = set(sys.modules)
-        sys.meta_path.insert(0, self)
-        try:
-            for name in self._texts:
-                importlib.import_module(name)
-            return {name: sys.modules[name] for name in self._texts}
-        finally:
-            sys.meta_path.remove(self)
-            for name in set(sys.modules) - before:
-                if name in self._texts:
-                    del sys.modules[name]
-
-    def find_spec(
-        self,
-        fullname: str,
-        path: Sequence[str] | None,
-        target: ModuleType | None = None,
-    ) -> ModuleSpec | None:
-        """A module of ours."""
-        if fullname not in self._texts and fullname not in self._packages:
-            return None
-        return ModuleSpec(fullname, self, is_package=fullname in self._packages)
-
-    def is_package(self, fullname: str) -> bool:
-        """Whether it is a package."""
-        return fullname in self._packages
-
-    def get_source(self, fullname: str) -> str:
-        """Its text."""
-        return self._texts.get(fullname, "")
-
-
-def _module(path: str) -> str:
-    return path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+    if number % EVERY["import"]:
+        return "emitted"
+    chance = Random(number)
+    found = [
+        t for module in Generated(texts).load().values() for t in octets.types(module)
+    ]
+    for type_ in chance.sample(found, min(len(found), 2)):
+        for encoding in octets.encodings(type_):
+            list(octets.explore(encoding, chance, 10))
+    return "imported"

@@ -7,13 +7,14 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import import_module
+from itertools import chain
 from pathlib import Path
 from random import Random
 from types import ModuleType
 from typing import Any
 
 from fuzzing import ViolationError, log_uniform
-from idl_target import Generated, generate
+from generated import Generated, generate
 
 from rtgen.frontends.idl import load
 from rtgen.runtime import xcdr
@@ -61,7 +62,8 @@ class OctetsTarget:
 
     def __init__(self, folder: Path) -> None:
         del folder
-        self._encodings = list(encodings())
+        found = chain.from_iterable(map(types, (*_reference(), *_constructs())))
+        self._encodings = list(chain.from_iterable(map(encodings, found)))
 
     def make(self, number: int) -> bytes:
         """Octets that are read as the type that the number chooses."""
@@ -69,20 +71,25 @@ class OctetsTarget:
         return chance.randbytes(log_uniform(1, 300, chance.random()))
 
     def check(self, number: int, data: bytes) -> Iterator[str]:
-        """Read the octets, then octets that grow from those of the type's least value.
-
-        What can be read is the start of the next change, so that values become deep.
-        """
+        """Read the octets, and many more."""
         chance = Random(number)
         encoding = chance.choice(self._encodings)
         yield _tried(encoding, data)
-        octets = encoding.least
-        for _ in range(_CHANGES):
-            changed = _changed(chance, octets, encoding.little_endian)
-            outcome = _tried(encoding, changed)
-            if outcome.endswith("value"):
-                octets = changed
-            yield outcome
+        yield from explore(encoding, chance, _CHANGES)
+
+
+def explore(encoding: Encoding, chance: Random, changes: int) -> Iterator[str]:
+    """Read octets that grow from those of the type's least value.
+
+    What can be read is the start of the next change, so that values become deep.
+    """
+    octets = encoding.least
+    for _ in range(changes):
+        changed = _changed(chance, octets, encoding.little_endian)
+        outcome = _tried(encoding, changed)
+        if outcome.endswith("value"):
+            octets = changed
+        yield outcome
 
 
 def _tried(encoding: Encoding, data: bytes) -> str:
@@ -132,15 +139,14 @@ def _changed(chance: Random, octets: bytes, little_endian: bool) -> bytes:
     return bytes(data[:_LONGEST])
 
 
-def encodings() -> Iterator[Encoding]:
-    """Each type in each encoding that it has, in both byte orders."""
-    for type_ in types():
-        for name in VERSIONS:
-            for little_endian in (False, True):
-                encoding = Encoding(type_, name, little_endian)
-                least = _least(encoding)
-                if least is not None:
-                    yield Encoding(type_, name, little_endian, least)
+def encodings(type_: type[Any]) -> Iterator[Encoding]:
+    """The encodings that a type has, in both byte orders."""
+    for name in VERSIONS:
+        for little_endian in (False, True):
+            encoding = Encoding(type_, name, little_endian)
+            least = _least(encoding)
+            if least is not None:
+                yield Encoding(type_, name, little_endian, least)
 
 
 def _least(encoding: Encoding) -> bytes | None:
@@ -157,13 +163,12 @@ def _least(encoding: Encoding) -> bytes | None:
         return None
 
 
-def types() -> Iterator[type[Any]]:
-    """The generated types and codecs."""
-    for module in (*_reference(), *_constructs()):
-        for value in vars(module).values():
-            own = getattr(value, "__module__", "") == module.__name__
-            if own and isinstance(value, type) and hasattr(value, "from_cdr"):
-                yield value
+def types(module: ModuleType) -> Iterator[type[Any]]:
+    """The types and codecs that a generated module defines."""
+    for value in vars(module).values():
+        own = getattr(value, "__module__", "") == module.__name__
+        if own and isinstance(value, type) and hasattr(value, "from_cdr"):
+            yield value
 
 
 def _reference() -> Iterator[ModuleType]:
@@ -178,4 +183,4 @@ def _constructs() -> Iterator[ModuleType]:
     for path in CONSTRUCTS:
         model = load([path], root=path.parent).model
         modules = Generated(generate(model)).load()
-        yield from (module for name, module in modules.items() if "._idl." in name)
+        yield from modules.values()

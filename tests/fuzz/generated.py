@@ -1,0 +1,90 @@
+"""What the back ends make of a model, imported from memory."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Sequence
+from functools import cache
+from importlib.abc import InspectLoader, MetaPathFinder
+from importlib.machinery import ModuleSpec
+from itertools import chain
+from pathlib import Path
+from types import ModuleType
+
+from fuzzing import ViolationError
+
+from rtgen.backends import Backend, Options
+from rtgen.compiler import BUILT_IN
+from rtgen.diagnostics import InputError, has_errors
+from rtgen.model import Model
+
+
+def generate(model: Model) -> dict[str, str]:
+    """The Python of all back ends by its paths; InputError if there are errors."""
+    options = Options("fuzzed", "skeletons", "0")
+    emissions = [backend.emit(model, options) for backend in _backends()]
+    diagnostics = list(chain.from_iterable(e.diagnostics for e in emissions))
+    for d in diagnostics:
+        if d.span is None or not d.message:
+            raise ViolationError(f"{d.code} of a back end is nowhere")
+    if has_errors(diagnostics):
+        raise InputError(diagnostics)
+    texts: dict[str, str] = {}
+    for artifact in chain.from_iterable(e.artifacts for e in emissions):
+        if artifact.path.endswith(".py"):
+            compile(artifact.text, artifact.path, "exec", dont_inherit=True)
+            if artifact.path.startswith("fuzzed/"):
+                texts[artifact.path] = artifact.text
+    return texts
+
+
+@cache
+def _backends() -> tuple[Backend, ...]:
+    return tuple(importlib.import_module(module).BACKEND for module in BUILT_IN)
+
+
+class Generated(MetaPathFinder, InspectLoader):
+    """Generated Python that is imported from memory; `texts` maps paths to texts."""
+
+    def __init__(self, texts: dict[str, str]) -> None:
+        self._texts = {_module(path): text for path, text in texts.items()}
+        parents = (Path(path).parents for path in texts)
+        self._packages = {p.as_posix().replace("/", ".") for p in chain(*parents)}
+
+    def load(self) -> dict[str, ModuleType]:
+        """Import all modules, and forget them at once; gives them by their names."""
+        before = set(sys.modules)
+        sys.meta_path.insert(0, self)
+        try:
+            for name in self._texts:
+                importlib.import_module(name)
+            return {name: sys.modules[name] for name in self._texts}
+        finally:
+            sys.meta_path.remove(self)
+            for name in set(sys.modules) - before:
+                if name in self._texts or name in self._packages:
+                    del sys.modules[name]
+
+    def find_spec(
+        self,
+        fullname: str,
+        path: Sequence[str] | None,
+        target: ModuleType | None = None,
+    ) -> ModuleSpec | None:
+        """A module of ours."""
+        if fullname not in self._texts and fullname not in self._packages:
+            return None
+        return ModuleSpec(fullname, self, is_package=fullname in self._packages)
+
+    def is_package(self, fullname: str) -> bool:
+        """Whether it is a package."""
+        return fullname in self._packages
+
+    def get_source(self, fullname: str) -> str:
+        """Its text."""
+        return self._texts.get(fullname, "")
+
+
+def _module(path: str) -> str:
+    return path.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
