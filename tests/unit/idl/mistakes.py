@@ -538,17 +538,17 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
     "missing include": (
         '§#include "gone.idl"\nstruct S { Gone a; };',
         "IDL0010: the file gone.idl was not found",
-        "searched: FOLDER",
+        "searched: .",
     ),
     "include typo": (
         '§#include "whel.idl"\nstruct S { Wheel a; };',
         "IDL0010: the file whel.idl was not found",
-        "did you mean wheel.idl? searched: FOLDER",
+        "did you mean wheel.idl? searched: .",
     ),
     "include case": (
         '§#include "Wheel.idl"\nstruct S { Wheel a; };',
         "IDL0010: the file Wheel.idl was not found",
-        "did you mean wheel.idl? (only the case differs) searched: FOLDER",
+        "did you mean wheel.idl? (only the case differs) searched: .",
     ),
     "include no quotes": (
         "§#include wheel.idl\nstruct S { Wheel a; };",

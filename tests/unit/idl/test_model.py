@@ -286,3 +286,28 @@ def test_what_is_only_declared_is_not_listed(tmp_path: Path) -> None:
     )
     assert [d["name"] for d in inspect(result.model, ())["declarations"]] == ["J"]
     assert "interface I" not in tree(result.model)
+
+
+def test_files_that_declare_the_same(tmp_path: Path) -> None:
+    """The first declaration counts where two files say the same; doc comments may differ."""
+    for name, comment in (("left", "/** In Hz. */"), ("right", "")):
+        (tmp_path / f"{name}.idl").write_text(
+            f"module M {{ struct Clock {{ {comment} long rate; }}; typedef long Row[3]; }};\n"
+            f"struct {name.title()} {{ M::Clock clock_; M::Row row_; }};"
+        )
+    result = load([tmp_path / "left.idl", tmp_path / "right.idl"], root=tmp_path)
+    assert result.diagnostics == ()
+    clock = result.model.find(("M", "Clock"))
+    assert Path(clock.file).name == "left.idl"
+    assert [d.scoped for d in result.model.declarations] == [
+        *("M::Clock", "M::Row", "Left", "Right")
+    ]
+
+
+def test_a_name_that_is_unknown_in_many_places_is_one_finding(tmp_path: Path) -> None:
+    uses = "".join(f"Speed v{number};\n" for number in range(6))
+    result = read(tmp_path, f"struct S {{\n{uses}}}; interface I {{ Speed get(); }};")
+    (found,) = result.diagnostics
+    assert (found.code, found.message) == ("IDL0200", "Speed is unknown")
+    assert [r.span.line for r in found.related] == [3, 4, 5]
+    assert found.related[-1].label == "used here, too, and in 3 more places"

@@ -42,6 +42,7 @@ TYPES = {
     "set": "write sequence<T>",
     "dict": "write map<K, V>",
     "optional": "write @optional before the member",
+    "TypeCode": "write CORBA::TypeCode",
     "std::string": "write string",
     "std::wstring": "write wstring",
     "std::vector": "write sequence<T>",

@@ -184,9 +184,23 @@ class Lookup:
         self._unknowns.append(_Unknown(part.text, span, scope, whole is None, unit))
 
     def report_unknown(self) -> None:
-        """Report the names that were not found, now that all declarations are known."""
-        for unknown in self._unknowns:
-            inside, related = "", []
+        """Report the names that were not found, now that all declarations are known.
+
+        A name that is missing in several places is one mistake, and told once.
+        """
+        uses: dict[tuple[str, Scope | None], list[_Unknown]] = {}
+        for use in self._unknowns:
+            key = use.text, use.scope if use.inside else None
+            uses.setdefault(key, []).append(use)
+        for unknown, *more in uses.values():
+            inside = ""
+            related = [
+                Related(use.span, "used here, too") for use in more[:_MOST_ELSEWHERE]
+            ]
+            if len(more) > _MOST_ELSEWHERE:
+                others = len(more) - _MOST_ELSEWHERE
+                label = f"used here, too, and in {others} more places"
+                related[-1] = Related(related[-1].span, label)
             if unknown.inside:
                 entity = unknown.scope.entity
                 inside = f" in {called(entity)}" if entity else ""
@@ -197,7 +211,7 @@ class Lookup:
                 if later is not None:
                     place = f"{later.span.file}:{later.span.line}"
                     hint = f"it is declared later, at {place}: move that before its use"
-                    related = [Related(later.span, "declared here, too late")]
+                    related.insert(0, Related(later.span, "declared here, too late"))
                 hint = hint or self._hint(unknown)
             message = f"{unknown.text} is unknown{inside}"
             self._report(

@@ -7,6 +7,7 @@ from typing import Any
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl import tree
+from rtgen.frontends.idl.alike import alike
 from rtgen.frontends.idl.lookup import called, kind_of
 from rtgen.frontends.idl.naming import FORWARDS, Naming
 from rtgen.frontends.idl.repository import Identities, below
@@ -414,8 +415,36 @@ class Resolver(Naming):
         )
         open_ended = isinstance(found, Entity) and self._open_type(found) is not None
         for declarator in node.declarators:
+            if self._is_repeated(declarator, node.type, scope):
+                continue
             entity = self._declarator(declarator, node.type, scope, Kind.TYPEDEF, item)
             entity.complete = not open_ended
+
+    def _is_repeated(
+        self, declarator: tree.Declarator, type_: tree.TypeNode, scope: Scope
+    ) -> bool:
+        """Whether another file declares the very same name for the very same type."""
+        name = declarator.name
+        known = scope.names.get(name.text.lower())
+        if (
+            known is None
+            or known.kind is not Kind.TYPEDEF
+            or known.unit.source is self._unit.source
+            or not alike(
+                (known.declarator, known.type_node),
+                (declarator, type_),
+            )
+        ):
+            return False
+        self.tables.entities[name] = known
+        self._report(
+            rules.DECLARED_ALIKE.at(
+                self._unit.span(name.start, name.end),
+                f"{name.text} is declared just so in another file",
+                related=[Related(known.span, "the first declaration")],
+            )
+        )
+        return True
 
     def _const(self, node: tree.Const, scope: Scope, item: tree.Item) -> None:
         self._type(node.type, scope)

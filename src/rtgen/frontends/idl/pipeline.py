@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span, in_order
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import checks, preprocessor, tables
+from rtgen.frontends.idl.alike import alike
 from rtgen.frontends.idl.lower import Lowering
 from rtgen.frontends.idl.macros import ExpansionError, Macro
 from rtgen.frontends.idl.names import Resolver
@@ -161,7 +162,11 @@ class _Run:
 
     def _add(self, name: ScopedName, declaration: Declaration) -> None:
         known = self._declarations.setdefault(name, declaration)
-        if known is declaration or known == declaration or _is_forward(declaration):
+        if (
+            known == declaration
+            or _is_forward(declaration)
+            or alike(known, declaration)
+        ):
             return
         if _is_forward(known) and known.repository_id == declaration.repository_id:
             del self._declarations[name]

@@ -225,7 +225,8 @@ class Preprocessor:
                 return found
         searched = [folder for folder, _ in folders]
         near = nearest(Path(name).name, _files_in(searched))
-        hint = "searched: " + (", ".join(map(_shown, searched)) or "no folder (use -I)")
+        places = dict.fromkeys(map(self._library.displayed, searched))
+        hint = "searched: " + (", ".join(places) or "no folder (use -I)")
         if near:
             same = near.lower() == Path(name).name.lower()
             hint = f"did you mean {near}?{' (only the case differs)' if same else ''} {hint}"
@@ -239,10 +240,6 @@ class Preprocessor:
     def report(self, diagnostic: Diagnostic) -> None:
         """Pass a finding on."""
         self._report(diagnostic)
-
-
-def _shown(folder: Path) -> str:
-    return folder.as_posix()
 
 
 def _files_in(folders: list[Path]) -> list[str]:

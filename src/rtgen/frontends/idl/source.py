@@ -227,6 +227,10 @@ class Library:
         self._dependencies[absolute] = Dependency(Path(absolute), digest)
         return source
 
+    def displayed(self, folder: Path) -> str:
+        """A folder as it is shown: relative to the working folder."""
+        return self._displayed(absolute_path(folder))
+
     def _displayed(self, absolute: str) -> str:
         if absolute in self._main:
             return self._main[absolute]

@@ -197,8 +197,19 @@ TWO_DEFINITIONS = Rule(
     Severity.ERROR,
     """
 Files that do not include each other declare the same name differently. What is made from all of
-them
-together would hold the name once. Rename one, or move the declaration to a file both include.
+them together would hold the name once. Rename one, or move the declaration to a file that both
+include. Where both say the same, the first one counts.
+""",
+)
+
+DECLARED_ALIKE = Rule(
+    "IDL0218",
+    "type declared alike in two files",
+    Severity.NOTE,
+    """
+Two files give one name to one type, as the files that ROS 2 generates do for their arrays
+(`typedef double double__36[36];`). The first declaration counts. CORBA compilers refuse the
+second.
 """,
 )
 
@@ -221,4 +232,5 @@ RULES = (
     NEVER_DEFINED,
     NEVER_DEFINED_INTERFACE,
     TWO_DEFINITIONS,
+    DECLARED_ALIKE,
 )
