@@ -13,17 +13,22 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from hashlib import sha256
-from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rtgen.backends import Artifact, Owner
 from rtgen.compiler import Compilation
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span
 from rtgen.project import Project
 
-_FORMAT = "rtgen-run/1"
-_LIBRARIES = ("jinja2", "lark")
+if TYPE_CHECKING:
+    from importlib import metadata
+
+_FORMAT = "rtgen-run/2"
+_LIBRARIES = {"artifacts": ("jinja2", "lark")}
+"""The libraries that have a hand in what is made."""
+
 _MOST_ENTRIES = 128
 _MOST_BYTES = 64 * 1024 * 1024
 _PACKAGE = Path(__file__).parent
@@ -36,13 +41,19 @@ class Cache:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
 
-    def key(self, project: Project, plugins: Sequence[metadata.EntryPoint]) -> str:
+    def key(
+        self,
+        project: Project,
+        plugins: Sequence[metadata.EntryPoint],
+        made: str = "artifacts",
+    ) -> str:
         """The hash of everything but the definitions that decides what a run makes."""
         content = [
             _FORMAT,
+            made,
             sys.version_info[:3],
             _hash_of_files(_compiler_files()),
-            [(name, metadata.version(name)) for name in _LIBRARIES],
+            [(name, _version(name)) for name in _LIBRARIES.get(made, ())],
             [(e.name, e.value, _hash_of_files(_plugin_files(e))) for e in plugins],
             str(Path.cwd()),
             str(project.root),
@@ -76,6 +87,7 @@ class Cache:
             inputs=entry["inputs"],
             diagnostics=tuple(map(_diagnostic, entry["diagnostics"])),
             dependencies=dependencies,
+            sources=entry["sources"],
         )
 
     def store(self, key: str, run: Compilation) -> None:
@@ -85,6 +97,7 @@ class Cache:
             "inputs": dict(run.inputs),
             "diagnostics": [_diagnostic_entry(d) for d in run.diagnostics],
             "dependencies": dict(run.dependencies),
+            "sources": {f: t for f, t in run.sources.items() if f in _files_told(run)},
         }
         payload = json.dumps(entry).encode()
         file = self._file(key)
@@ -122,6 +135,19 @@ def default() -> Cache:
 
         folder = user_cache_dir("rtgen", appauthor=False)
     return Cache(Path(folder).absolute() / "runs")
+
+
+def _files_told(run: Compilation) -> set[str]:
+    """The files that findings show lines of."""
+    spans = [d.span for d in run.diagnostics]
+    spans += [related.span for d in run.diagnostics for related in d.related]
+    return {span.file for span in spans if span is not None}
+
+
+def _version(library: str) -> str:
+    from importlib import metadata
+
+    return metadata.version(library)
 
 
 def _hash_of(path: Path) -> str | None:

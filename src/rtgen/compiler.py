@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
@@ -78,12 +78,66 @@ def build(project: Project, cache: Cache | None) -> Compilation:
     if cache is None:
         return compile_project(project)
     key = cache.key(project, plugins())
+    return _kept(cache, key, lambda: compile_project(project))
+
+
+def inspect(
+    project: Project | None,
+    profiles: Sequence[Path],
+    cache: Cache | None,
+    *,
+    as_json: bool,
+) -> Compilation:
+    """The model of a project's definitions and of system profiles as text: one artifact.
+
+    It is taken from the cache as `build` does, unless there are profiles.
+    """
+    if cache is None or project is None or profiles:
+        return _inspected(project, profiles, as_json)
+    key = cache.key(project, (), made="json" if as_json else "text")
+    return _kept(cache, key, lambda: _inspected(project, (), as_json))
+
+
+def _kept(cache: Cache, key: str, make: Callable[[], Compilation]) -> Compilation:
     found = cache.load(key)
     if found is None:
-        found = compile_project(project)
+        found = make()
         if not found.failed:
             cache.store(key, found)
     return found
+
+
+def _inspected(
+    project: Project | None, profiles: Sequence[Path], as_json: bool
+) -> Compilation:
+    from rtgen.frontends import FrontendResult
+    from rtgen.inspect import json_text, tree
+    from rtgen.model import Model
+
+    nothing = FrontendResult(Model(), (), {}, ())
+    result = nothing if project is None else read(project)
+    systems: list[System] = []
+    diagnostics = list(result.diagnostics)
+    sources = dict(result.sources)
+    for profile in profiles:
+        system, found, texts = read_system(profile)
+        systems += [system] if system is not None else []
+        diagnostics += found
+        sources |= texts
+    model = replace(result.model, systems=tuple(systems))
+    diagnostics = in_order(diagnostics)
+    text = json_text(model, diagnostics) if as_json else tree(model)
+    return Compilation(
+        artifacts=(Artifact("model", text, ()),),
+        inputs={},
+        diagnostics=tuple(diagnostics),
+        dependencies=_hashes(result),
+        sources=sources,
+    )
+
+
+def _hashes(result: FrontendResult) -> dict[str, str | None]:
+    return {str(d.path.absolute()): d.sha256 for d in result.dependencies}
 
 
 def compile_project(project: Project) -> Compilation:
@@ -106,7 +160,7 @@ def compile_project(project: Project) -> Compilation:
         artifacts=() if has_errors(diagnostics) else tuple(artifacts),
         inputs={file.key: file.sha256 for file in result.model.files},
         diagnostics=tuple(in_order(diagnostics)),
-        dependencies={str(d.path.absolute()): d.sha256 for d in result.dependencies},
+        dependencies=_hashes(result),
         sources=result.sources,
     )
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from decimal import Decimal
 from typing import Any, TypeAlias
 
+from rtgen import indented_json
 from rtgen.diagnostics import Diagnostic
 from rtgen.model import (
     Attribute,
@@ -64,6 +65,11 @@ def defined(declarations: Iterable[Declaration]) -> list[Declaration]:
         for d in declarations
         if not (isinstance(d, Interface | Valuetype) and d.forward)
     ]
+
+
+def json_text(model: Model, diagnostics: Sequence[Diagnostic]) -> str:
+    """The same as text, indented."""
+    return indented_json.dumps(inspect(model, diagnostics)) + "\n"
 
 
 def _declaration(d: Declaration, model: Model) -> Json:

@@ -152,19 +152,19 @@ def _uncollected(function: Callable[P, int]) -> Callable[P, int]:
 
 def with_output(function: Callable[P, int]) -> Callable[P, int]:
     """Adds -o and --no-cache; the function gets `output` and `no_cache`."""
-    for decorate in (
-        click.option(
-            "--no-cache", is_flag=True, help="Neither read nor write the cache."
-        ),
-        click.option(
-            "-o",
-            "output",
-            metavar="DIR",
-            help="Write below DIR/generated and DIR/src instead.",
-        ),
-    ):
-        function = decorate(function)
-    return function
+    return click.option(
+        "-o",
+        "output",
+        metavar="DIR",
+        help="Write below DIR/generated and DIR/src instead.",
+    )(with_cache(function))
+
+
+def with_cache(function: Callable[P, int]) -> Callable[P, int]:
+    """Adds --no-cache; the function gets `no_cache`."""
+    return click.option(
+        "--no-cache", is_flag=True, help="Neither read nor write the cache."
+    )(function)
 
 
 def project_of(

@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import replace
 from pathlib import Path
 
 import click
 
-from rtgen import compiler
+from rtgen import cache, compiler
 from rtgen.cli.common import (
     BAD_INPUT,
     OK,
     Console,
+    project_of,
+    with_cache,
     with_console,
     with_definitions,
     write_out,
 )
-from rtgen.diagnostics import Diagnostic, has_errors, in_order
-from rtgen.model import Model, System
-from rtgen.project import load, require_sources, with_arguments
 
 
 @click.command()
 @with_definitions
+@with_cache
 @click.option("--json", "as_json", is_flag=True, help="Print JSON (rtgen-inspect/1).")
 @with_console
 def inspect(
@@ -31,6 +29,7 @@ def inspect(
     paths: tuple[str, ...],
     include: tuple[str, ...],
     define: list[tuple[str, str]],
+    no_cache: bool,
     as_json: bool,
 ) -> int:
     """Show the resolved model of definitions or systems.
@@ -38,34 +37,18 @@ def inspect(
     PATH is a definition file, a folder of them, or a system (RtsProfile, *.xml). Without PATH
     the sources of rtgen.toml are shown.
     """
-    from rtgen.inspect import inspect as to_json
-    from rtgen.inspect import tree
-
     profiles = [p for p in paths if p.lower().endswith(".xml")]
     definitions = [p for p in paths if p not in profiles]
-    project = with_arguments(load(), paths=definitions, include=include, define=define)
-    diagnostics: list[Diagnostic] = []
-    sources: dict[str, str] = {}
-    model = Model()
+    project = None
     if definitions or not profiles:
-        require_sources(project)
-        result = compiler.read(project)
-        model = result.model
-        diagnostics += result.diagnostics
-        sources |= result.sources
-    systems: list[System] = []
-    for profile in profiles:
-        system, found, texts = compiler.read_system(Path(profile))
-        systems += [system] if system is not None else []
-        diagnostics += found
-        sources |= texts
-    model = replace(model, systems=(*model.systems, *systems))
-    diagnostics = in_order(diagnostics)
-    console.findings(diagnostics, sources)
-    if as_json:
-        write_out(
-            json.dumps(to_json(model, diagnostics), indent=2, ensure_ascii=False) + "\n"
-        )
-    else:
-        write_out(tree(model))
-    return BAD_INPUT if has_errors(diagnostics) else OK
+        project = project_of(definitions, include, define)
+    run = compiler.inspect(
+        project,
+        [Path(p) for p in profiles],
+        None if no_cache else cache.default(),
+        as_json=as_json,
+    )
+    console.findings(run.diagnostics, run.sources)
+    for artifact in run.artifacts:
+        write_out(artifact.text)
+    return BAD_INPUT if run.failed else OK

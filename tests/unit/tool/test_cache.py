@@ -11,6 +11,7 @@ import pytest
 from small_pipeline import Pipeline
 
 from rtgen import cache, compiler
+from rtgen.cli import run
 from rtgen.compiler import Compilation, build
 from rtgen.project import Project, load, with_arguments
 
@@ -28,7 +29,7 @@ def test_a_second_run_reads_nothing_and_gives_the_same(pipeline: Pipeline) -> No
     first = build(project(), cache.default())
     second = build(project(), cache.default())
     assert pipeline.reads == 1
-    assert replace(second, sources={}) == replace(first, sources={})
+    assert second == first
     assert [d.hint for d in second.diagnostics] == ["so", "so"]
 
 
@@ -160,3 +161,40 @@ def test_the_users_folder_is_the_default(
     )
     cache.default().store("key", Compilation((), {}, (), {}))
     assert (tmp_path / "user" / "runs" / "key.json").is_file()
+
+
+def test_what_inspect_prints_is_kept_too(
+    pipeline: Pipeline, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    pipeline.warn = True
+    command = ["inspect", "--json", "a.idl", "-I", "inc"]
+    told = [(run(command), *capfd.readouterr()) for _ in range(2)]
+    assert pipeline.reads == 1
+    assert told[0] == told[1]
+    assert "IDL0998" in told[0][2]
+    assert run(command[:1] + command[2:]) == 0
+    assert pipeline.reads == 2
+    assert len(entries(tmp_path)) == 2
+
+
+def test_inspect_without_cache(pipeline: Pipeline, tmp_path: Path) -> None:
+    assert run(["inspect", "--json", "--no-cache", "a.idl"]) == 0
+    assert entries(tmp_path) == []
+
+
+def test_a_file_that_hides_an_included_one_is_seen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    for folder in ("first", "second"):
+        Path(folder).mkdir()
+    Path("main.idl").write_text('#include "part.idl"\n', encoding="latin-1")
+    Path("second/part.idl").write_text("struct Old { long a; }; ; // \xe9\n", "latin-1")
+    command = ["inspect", "main.idl", "-I", "first", "-I", "second"]
+    told = [(run(command), *capfd.readouterr()) for _ in range(2)]
+    assert told[0] == told[1]
+    assert "\xe9" in told[0][2]
+    Path("first/part.idl").write_text("struct New { long a; };\n")
+    assert run(command) == 0
+    assert "struct New" in capfd.readouterr().out

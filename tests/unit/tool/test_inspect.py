@@ -6,6 +6,9 @@ import json
 from decimal import Decimal
 from typing import Any
 
+import pytest
+
+from rtgen import indented_json
 from rtgen.diagnostics import Span
 from rtgen.inspect import inspect, tree
 from rtgen.model import (
@@ -370,3 +373,23 @@ def test_tree() -> None:
     assert text.endswith(
         "s.xml\n  system Drive\n    A0: A\n    A0.out -> A0..positon\n"
     )
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        *(
+            [],
+            {},
+            'a"\u00e9\n',
+            1.5,
+            None,
+            [1, [], {}],
+            {"a": {}},
+            [[1], [[2]], {"b": [3]}],
+        ),
+        {"a": 1, "b": [], "c": [{"d": None, "e": [True]}, {}], "f": {"g": "\ud800"}},
+    ],
+)
+def test_json_is_indented_as_the_standard_library_does(value: object) -> None:
+    assert indented_json.dumps(value) == json.dumps(value, indent=2, ensure_ascii=False)
