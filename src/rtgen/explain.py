@@ -14,6 +14,7 @@ MODULES = (
     "rtgen.backends.types.rules",
     "rtgen.frontends.idl.rules",
     "rtgen.frontends.rts_profile",
+    "rtgen.lint.rules",
     "rtgen.project_rules",
     "rtgen.system_rules",
 )

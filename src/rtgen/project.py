@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtgen.diagnostics import Diagnostic, InputError
+from rtgen.diagnostics import Diagnostic, InputError, Span
 from rtgen.project_rules import PATH_OVERLAP, PROJECT_NAME, SOURCE_KIND, SOURCE_NONE
 
 if TYPE_CHECKING:
@@ -44,11 +44,22 @@ class Project:
     package: str = "robots"
     target: str = "embedded"
     components: tuple[tuple[str, str], ...] = ()
+    lint: tuple[tuple[str, str, Span], ...] = ()
 
     @property
     def skeleton_package(self) -> str:
         """The package that skeletons are imported from; empty for top-level modules in `src`."""
         return "" if self.skeletons.name == "src" else self.skeletons.name
+
+    @property
+    def ignored(self) -> dict[str, Span]:
+        """The codes in `[lint] ignore`, and where they stand."""
+        return {code: span for key, code, span in self.lint if key == "ignore"}
+
+    @property
+    def selected(self) -> dict[str, Span]:
+        """The codes in `[lint] select`, and where they stand."""
+        return {code: span for key, code, span in self.lint if key == "select"}
 
     @property
     def import_folders(self) -> tuple[Path, Path]:
@@ -89,6 +100,11 @@ def load(start: Path | None = None) -> Project:
         package=settings.text("output", "package", "robots"),
         target=settings.text("output", "target", "embedded"),
         components=tuple(sorted(settings.table("components").items())),
+        lint=tuple(
+            (key, code, settings.span("lint", key, code))
+            for key in ("ignore", "select")
+            for code in settings.texts("lint", key)
+        ),
     )
     findings = [
         *settings.check_paths(root),

@@ -77,7 +77,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
     "output": {"dir": _text, "skeletons": _text, "package": _text, "target": _target},
     "components": _factory,
     "adapter": _anything,
-    "lint": {"ignore": _texts},
+    "lint": {"ignore": _texts, "select": _texts},
 }
 """Section to its keys, or to the check for each value of a section with free keys."""
 

@@ -34,7 +34,7 @@ pakage = "robots"       # did you mean 'package'?
 ```
 
 Sections: `[sources] paths include define`, `[output] dir skeletons package target`,
-`[components]`, `[adapter.NAME]`, `[lint] ignore`.
+`[components]`, `[adapter.NAME]`, `[lint] ignore select`.
 """,
 )
 
@@ -121,6 +121,23 @@ suffix: `.idl` for OMG IDL; `.xml` for a system (RtsProfile), where a command ta
 """,
 )
 
+UNKNOWN_CODE = Rule(
+    "PRJ0009",
+    "code that no rule has",
+    Severity.ERROR,
+    """
+`[lint] ignore`, `[lint] select` and the options of the same names take codes of rules, as findings
+show them. A misspelt code would silence nothing without a word.
+
+```toml
+[lint]
+ignore = ["LINT0003"]
+```
+
+`rtgen explain` lists all codes.
+""",
+)
+
 SAME_PATH = Rule(
     "PRJ0101",
     "two files of one name",
@@ -193,6 +210,7 @@ RULES: tuple[Rule, ...] = (
     PATH_OVERLAP,
     SOURCE_NONE,
     SOURCE_KIND,
+    UNKNOWN_CODE,
     SAME_PATH,
     LEAVES_OUTPUT,
     LINK_IN_OUTPUT,

@@ -48,10 +48,10 @@ def report(
 
 
 def summary(diagnostics: Sequence[Diagnostic]) -> str:
-    """`2 errors, 1 warning`; empty if there is nothing to count."""
+    """`2 errors, 1 warning, 3 notes`; empty if there is nothing to count."""
     found = in_order(diagnostics)
     counts = []
-    for severity in (Severity.ERROR, Severity.WARNING):
+    for severity in Severity:
         number = sum(d.severity is severity for d in found)
         if number:
             counts.append(f"{number} {severity.value}{'s' if number > 1 else ''}")
@@ -257,6 +257,7 @@ def _sarif_rule(code: str, rule: Rule | None) -> dict[str, object]:
     return {
         "id": code,
         "shortDescription": {"text": rule.title},
+        "defaultConfiguration": {"level": rule.severity.value},
         "help": {"text": text, "markdown": text},
     }
 

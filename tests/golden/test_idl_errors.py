@@ -8,15 +8,18 @@ others are many. FOLDER is the folder of the case.
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from rtgen.explain import rules
+from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import load
 from rtgen.frontends.idl.rules import RULES
 from rtgen.report import report
@@ -44,21 +47,29 @@ def prepare(case: Path, folder: Path) -> dict[str, Any]:
     return told
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_findings(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool
-) -> None:
-    told = prepare(CASES / name, tmp_path)
-    monkeypatch.chdir(tmp_path)
+def findings(
+    name: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> FrontendResult:
+    """What reading a case gives, with the findings that are to be shown."""
+    told = prepare(CASES / name, folder)
+    monkeypatch.chdir(folder)
     result = load(
         [Path(file) for file in told.get("files", ["input.idl"])],
-        root=tmp_path,
+        root=folder,
         include=[Path(folder) for folder in told.get("include", [])],
         define=told.get("define", {}),
     )
     only = told.get("only", rules())
-    shown = [d for d in result.diagnostics if d.code in only]
-    found = report(shown, result.sources)
+    shown = tuple(d for d in result.diagnostics if d.code in only)
+    return replace(result, diagnostics=shown)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_findings(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool
+) -> None:
+    result = findings(name, tmp_path, monkeypatch)
+    found = report(result.diagnostics, result.sources)
     found = found.replace(tmp_path.as_posix(), "FOLDER")
     expected = CASES / name / "expected.txt"
     if update_golden:
@@ -66,6 +77,35 @@ def test_findings(
     assert found == expected.read_text(encoding="utf-8")
     if name.startswith("IDL"):
         assert name.partition("_")[0] in CODE.findall(found)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_forms_for_machines(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each finding is whole in JSON, SARIF 2.1.0 (3.27, 3.30, 3.49) and in annotations."""
+    found = findings(name, tmp_path, monkeypatch).diagnostics
+    [run] = json.loads(report(found, {}, "sarif"))["runs"]
+    known = run["tool"]["driver"]["rules"]
+    assert [rule["id"] for rule in known] == sorted({d.code for d in found})
+    assert all(rule["shortDescription"]["text"] for rule in known)
+    assert all(rule["help"]["markdown"] for rule in known)
+    objects = json.loads(report(found, {}, "json"))
+    lines = report(found, {}, "github").splitlines()
+    assert len(run["results"]) == len(objects) == len(lines) > 0
+    for result, plain, line in zip(run["results"], objects, lines, strict=True):
+        assert known[result["ruleIndex"]]["id"] == result["ruleId"] == plain["code"]
+        assert result["level"] == plain["severity"] in ("error", "warning", "note")
+        assert result["message"]["text"].startswith(plain["message"])
+        assert re.match(rf"::(error|warning|notice) .*title={plain['code']}::", line)
+        for place in (
+            *result.get("locations", ()),
+            *result.get("relatedLocations", ()),
+        ):
+            region = place["physicalLocation"]["region"]
+            start = region["startLine"], region["startColumn"]
+            assert (1, 1) <= start <= (region["endLine"], region["endColumn"])
+        assert ("locations" in result) == (plain["file"] is not None)
 
 
 def test_every_rule_of_idl_has_a_case() -> None:

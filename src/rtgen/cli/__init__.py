@@ -14,6 +14,7 @@ from rtgen import __version__
 COMMANDS = {
     "generate": "Make the files that the definitions ask for.",
     "check": "Compare the tree with what generate would make.",
+    "lint": "Look for what is better done otherwise.",
     "inspect": "Show the resolved model of definitions or systems.",
     "run": "Run a system on the embedded runtime.",
     "graph": "Draw a system's components and connections as SVG.",

@@ -1,0 +1,46 @@
+"""Lint: what is allowed in a definition, but better done otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+
+from rtgen.diagnostics import Diagnostic, in_order
+from rtgen.lint import data, python, style, usage
+from rtgen.lint.context import Context
+from rtgen.lint.rules import ON_DEMAND
+from rtgen.model import Model
+
+_CHECKS: tuple[Callable[[Context], Iterator[Diagnostic]], ...] = (
+    usage.includes,
+    usage.typedefs,
+    style.anonymous_types,
+    style.naming,
+    style.documentation,
+    style.prefixes,
+    data.any_in_ports,
+    data.times_of_ports,
+    data.unbounded,
+    data.missing_enumerators,
+    python.names,
+)
+
+
+def lint(
+    model: Model,
+    sources: Mapping[str, str],
+    *,
+    select: Collection[str] = (),
+) -> list[Diagnostic]:
+    """The findings for the files that were given, in order.
+
+    `sources` maps displayed paths to texts. Rules of ON_DEMAND are left out unless `select` has
+    their codes.
+    """
+    context = Context(model, sources)
+    left_out = {rule.code for rule in ON_DEMAND} - set(select)
+    return in_order(
+        finding
+        for check in _CHECKS
+        for finding in check(context)
+        if finding.code not in left_out
+    )

@@ -1,0 +1,67 @@
+"""What every check of the linter may look at."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+from rtgen.model import (
+    Case,
+    Declaration,
+    ExceptionDecl,
+    Member,
+    Model,
+    SourceFile,
+    Struct,
+    Union,
+)
+
+_NO_CODE = re.compile(
+    r"//[^\n]*|/\*.*?(?:\*/|\Z)|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'", re.DOTALL
+)
+_WORD = re.compile(r"[^\W\d]\w*")
+
+
+@dataclass(frozen=True, eq=False)
+class Context:
+    """The model and the texts it was read from, by their displayed paths."""
+
+    model: Model
+    sources: Mapping[str, str]
+
+    @cached_property
+    def files(self) -> dict[str, SourceFile]:
+        """The files by their displayed paths."""
+        return {file.name: file for file in self.model.files}
+
+    @cached_property
+    def declarations(self) -> list[Declaration]:
+        """The declarations of the files that were given."""
+        return [d for d in self.model.declarations if self.is_given(d.file)]
+
+    def is_given(self, name: str) -> bool:
+        """Whether a file was given, not only included, or stands inside one that was."""
+        file = self.files.get(name)
+        return file is not None and (
+            file.main
+            or (file.belongs_to is not None and self.is_given(file.belongs_to))
+        )
+
+    @cached_property
+    def words(self) -> dict[str, list[str]]:
+        """The identifiers of each file, those of directives too, comments and texts left out."""
+        return {
+            name: _WORD.findall(_NO_CODE.sub(" ", text))
+            for name, text in self.sources.items()
+        }
+
+
+def fields(declaration: Declaration) -> Iterator[Member | Case]:
+    """The members of a struct or exception, the branches of a union."""
+    match declaration:
+        case Struct(members=members) | ExceptionDecl(members=members):
+            yield from members
+        case Union(cases=cases):
+            yield from cases

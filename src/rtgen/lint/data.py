@@ -1,0 +1,165 @@
+"""Data that travels: types of ports, bounds, unions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.diagnostics import Diagnostic, Related
+from rtgen.lint import rules
+from rtgen.lint.context import Context, fields
+from rtgen.model import (
+    ArrayType,
+    Case,
+    Component,
+    Enum,
+    EnumeratorName,
+    MapType,
+    Member,
+    NamedType,
+    Port,
+    PortKind,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Union,
+)
+
+_DATA = (PortKind.INPORT, PortKind.OUTPORT)
+_FEW = 4
+
+
+def _ports(context: Context) -> Iterator[tuple[Component, Port]]:
+    for declaration in context.declarations:
+        if isinstance(declaration, Component):
+            for port in declaration.ports:
+                if port.kind in _DATA and context.is_given(port.span.file):
+                    yield declaration, port
+
+
+def any_in_ports(context: Context) -> Iterator[Diagnostic]:
+    """Data ports whose data holds an `any`, so that nobody knows what is sent."""
+    for _, port in _ports(context):
+        field = _any_in(context, port.type, set())
+        if field is not None:
+            yield rules.ANY_IN_PORT.at(
+                port.span,
+                f"the data of {port.name} holds an any",
+                related=[Related(field.span, f"{field.name} is it")],
+                hint="write the type, or a union of those that are possible",
+            )
+
+
+def _any_in(
+    context: Context, type_: Type, seen: set[ScopedName]
+) -> Member | Case | None:
+    """The field that is an `any`, or holds one."""
+    while isinstance(type_, SequenceType | ArrayType):
+        type_ = type_.element
+    plain = context.model.unalias(type_)
+    if isinstance(plain, SequenceType | ArrayType):
+        return _any_in(context, plain, seen)
+    if not isinstance(plain, NamedType) or plain.name in seen:
+        return None
+    seen.add(plain.name)
+    for field in fields(context.model.find(plain.name)):
+        if _is_any(context, field.type):
+            return field
+        found = _any_in(context, field.type, seen)
+        if found is not None:
+            return found
+    return None
+
+
+def _is_any(context: Context, type_: Type) -> bool:
+    plain = context.model.unalias(type_)
+    while isinstance(plain, SequenceType | ArrayType):
+        plain = context.model.unalias(plain.element)
+    return plain == PrimitiveType(Primitive.ANY)
+
+
+def times_of_ports(context: Context) -> Iterator[Diagnostic]:
+    """Data ports of RT components whose data has no time stamp."""
+    for _, port in _ports(context):
+        plain = context.model.unalias(port.type)
+        struct = (
+            context.model.find(plain.name) if isinstance(plain, NamedType) else None
+        )
+        if not isinstance(struct, Struct) or _has_time(context, struct):
+            continue
+        yield rules.NO_TIME.at(
+            port.span,
+            f"{struct.scoped}, the data of {port.name}, has no member 'Time tm'",
+            related=[Related(struct.span, "declared here")],
+            hint="put 'RTC::Time tm;' first, so that receivers know the age of the data",
+        )
+
+
+def _has_time(context: Context, struct: Struct) -> bool:
+    for member in struct.members:
+        plain = context.model.unalias(member.type)
+        is_time = isinstance(plain, NamedType) and plain.name[-1] == "Time"
+        if member.name == "tm" and is_time:
+            return True
+    base = context.model.find(struct.base) if struct.base else None
+    return isinstance(base, Struct) and _has_time(context, base)
+
+
+def unbounded(context: Context) -> Iterator[Diagnostic]:
+    """Members that can hold any number of elements."""
+    for declaration in context.declarations:
+        for field in fields(declaration):
+            what = _unbounded(context, field.type)
+            if what is not None:
+                yield rules.UNBOUNDED.at(
+                    field.span,
+                    f"{field.name} holds a {what} without a bound",
+                    hint=f"write {what}<{'8' if what == 'string' else 'T, 8'}>",
+                )
+
+
+def _unbounded(context: Context, type_: Type) -> str | None:
+    match context.model.unalias(type_):
+        case SequenceType(element, bound):
+            return "sequence" if bound is None else _unbounded(context, element)
+        case StringType(wide, None):
+            return "wstring" if wide else "string"
+        case ArrayType(element):
+            return _unbounded(context, element)
+        case MapType(key, value, bound):
+            if bound is None:
+                return "map"
+            return _unbounded(context, key) or _unbounded(context, value)
+    return None
+
+
+def missing_enumerators(context: Context) -> Iterator[Diagnostic]:
+    """Unions over an enum that have neither a branch for each enumerator nor a default."""
+    for declaration in context.declarations:
+        if not isinstance(declaration, Union):
+            continue
+        plain = context.model.unalias(declaration.switch)
+        enum = context.model.find(plain.name) if isinstance(plain, NamedType) else None
+        if not isinstance(enum, Enum) or any(c.default for c in declaration.cases):
+            continue
+        listed = {
+            label.name[-1]
+            for case in declaration.cases
+            for label in case.labels
+            if isinstance(label, EnumeratorName)
+        }
+        missing = [m for m in enum.members if m.name not in listed]
+        if missing:
+            names = ", ".join(m.name for m in missing[:_FEW])
+            more = f" and {len(missing) - _FEW} more" if len(missing) > _FEW else ""
+            yield rules.MISSING_ENUMERATORS.at(
+                declaration.span,
+                f"{declaration.scoped} has no branch for {names}{more}",
+                related=[
+                    Related(missing[0].span, f"{missing[0].name} is declared here")
+                ],
+                hint="write a branch for each, or a default",
+            )

@@ -1,0 +1,59 @@
+"""Names that are written otherwise in Python, or hide something there."""
+
+from __future__ import annotations
+
+import builtins
+from collections.abc import Iterator
+from keyword import iskeyword
+
+from rtgen.diagnostics import Diagnostic, Span
+from rtgen.lint import rules
+from rtgen.lint.context import Context
+from rtgen.model import Component, Enum, ExceptionDecl, Interface, Struct, Union
+from rtgen.typemap.idl_python import PythonNames, is_emitted
+
+_BUILTINS = frozenset(dir(builtins))
+
+
+def names(context: Context) -> Iterator[Diagnostic]:
+    """Keywords, builtins, and names that generated classes have already."""
+    mapping = PythonNames(context.model, "robots")
+    for declaration in context.declarations:
+        if isinstance(declaration, Component) or not is_emitted(declaration):
+            continue
+        name = declaration.name[-1]
+        yield from _told(declaration.span, name, mapping.attribute(declaration.name))
+        if name in _BUILTINS:
+            yield rules.PYTHON_NAME.at(
+                declaration.span,
+                f"{declaration.scoped} hides Python's {name} where it is imported",
+                hint="another name keeps both usable",
+            )
+        entries: dict[str, str] = {}
+        spans: dict[str, Span] = {}
+        match declaration:
+            case Struct(members=members) | ExceptionDecl(members=members):
+                entries = mapping.members(declaration)
+                spans = {m.name: m.span for m in members}
+            case Union(cases=cases):
+                entries = mapping.members(declaration)
+                spans = {c.name: c.span for c in cases}
+            case Enum(members=enumerators):
+                entries = mapping.enumerators(declaration)
+                spans = {m.name: m.span for m in enumerators}
+            case Interface(operations=operations, attributes=attributes):
+                entries = mapping.operations(declaration)
+                spans = {o.name: o.span for o in operations}
+                spans |= {a.name: a.span for a in attributes}
+        for key, python in entries.items():
+            yield from _told(spans[key], key, python)
+
+
+def _told(span: Span, name: str, python: str) -> Iterator[Diagnostic]:
+    if name != python:
+        why = "a keyword of Python" if iskeyword(name) else "taken in the Python class"
+        yield rules.PYTHON_NAME.at(
+            span,
+            f"{name} is {why}: it is written {python} there",
+            hint="another name is the same in every language",
+        )

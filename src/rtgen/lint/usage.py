@@ -1,0 +1,84 @@
+"""What is there, but not used."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import PurePosixPath
+
+from rtgen.diagnostics import Diagnostic, Span
+from rtgen.lint import rules
+from rtgen.lint.context import Context
+from rtgen.model import Bitmask, Enum, SourceFile, Typedef
+
+_INCLUDE = re.compile(r"^[ \t]*#[ \t]*include[ \t]*[\"<]([^\">\n]+)[\">]", re.MULTILINE)
+_DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
+
+
+def includes(context: Context) -> Iterator[Diagnostic]:
+    """Files that are included, though the including file names nothing that they bring.
+
+    A file that declares nothing itself is there to gather others.
+    """
+    declaring = {declaration.file for declaration in context.model.declarations}
+    for file in context.model.files:
+        if not file.main or file.name not in declaring:
+            continue
+        words = set(context.words.get(file.name, ()))
+        for included in file.includes:
+            if words.isdisjoint(_brought(context, included)):
+                span = _include_of(context, file, included)
+                if span is not None:
+                    yield rules.UNUSED_INCLUDE.at(
+                        span,
+                        f"nothing of {PurePosixPath(included).name} is used here",
+                        hint="remove the #include",
+                    )
+
+
+def _brought(context: Context, name: str) -> set[str]:
+    """The names and macros that a file brings, with what it includes itself."""
+    files: dict[str, None] = {}
+    pending = [name]
+    while pending:
+        current = pending.pop()
+        if current not in files and current in context.files:
+            files[current] = None
+            pending += context.files[current].includes
+    found: set[str] = set()
+    for declaration in context.model.declarations:
+        if declaration.file in files:
+            found.add(declaration.name[-1])
+            if isinstance(declaration, Enum | Bitmask):
+                found.update(member.name for member in declaration.members)
+    for current in files:
+        found.update(_DEFINE.findall(context.sources.get(current, "")))
+    return found
+
+
+def _include_of(context: Context, file: SourceFile, included: str) -> Span | None:
+    """The place of the directive."""
+    text = context.sources.get(file.name, "")
+    name = PurePosixPath(included).name
+    for match in _INCLUDE.finditer(text):
+        if PurePosixPath(match[1]).name == name:
+            line = text.count("\n", 0, match.start()) + 1
+            begin = text.rfind("\n", 0, match.start(1)) + 1
+            column = match.start(1) - begin + 1
+            return Span(file.name, line, column, line, column + len(match[1]))
+    return None
+
+
+def typedefs(context: Context) -> Iterator[Diagnostic]:
+    """Typedefs whose name stands nowhere else in what was read."""
+    count: Counter[str] = Counter()
+    for words in context.words.values():
+        count.update(words)
+    for declaration in context.declarations:
+        if isinstance(declaration, Typedef) and count[declaration.name[-1]] == 1:
+            yield rules.UNUSED_TYPEDEF.at(
+                declaration.span,
+                f"{declaration.scoped} is used nowhere",
+                hint="remove it, unless it is meant for others",
+            )
