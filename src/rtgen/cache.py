@@ -60,7 +60,13 @@ class Cache:
             list(map(str, project.sources)),
             list(map(str, project.include)),
             project.define,
-            [project.package, project.skeleton_package, project.target],
+            [
+                project.package,
+                project.skeleton_package,
+                project.target,
+                project.representation,
+                project.extensibility,
+            ],
         ]
         return sha256(json.dumps(content).encode()).hexdigest()
 

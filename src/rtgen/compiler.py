@@ -148,6 +148,8 @@ def compile_project(project: Project) -> Compilation:
         skeleton_package=project.skeleton_package,
         version=__version__,
         target=project.target,
+        representation=project.representation,
+        extensibility=project.extensibility,
     )
     diagnostics = list(result.diagnostics)
     artifacts: list[Artifact] = []

@@ -43,6 +43,8 @@ class Project:
     define: tuple[tuple[str, str], ...] = ()
     package: str = "robots"
     target: str = "embedded"
+    representation: str = "cdr"
+    extensibility: str = "final"
     components: tuple[tuple[str, str], ...] = ()
     lint: tuple[tuple[str, str, Span], ...] = ()
 
@@ -99,6 +101,8 @@ def load(start: Path | None = None) -> Project:
         define=tuple(sorted(settings.macros().items())),
         package=settings.text("output", "package", "robots"),
         target=settings.text("output", "target", "embedded"),
+        representation=settings.text("output", "representation", "cdr"),
+        extensibility=settings.text("output", "extensibility", "final"),
         components=tuple(sorted(settings.table("components").items())),
         lint=tuple(
             (key, code, settings.span("lint", key, code))

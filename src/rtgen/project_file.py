@@ -58,9 +58,12 @@ def _macros(value: Any) -> str | None:
     return None if wrong is None else f"holds {wrong!r}, which is no identifier"
 
 
-def _target(value: Any) -> str | None:
-    known = ("embedded", "openrtm", "dds")
-    return None if value in known else "must be one of " + ", ".join(map(repr, known))
+def _one_of(*known: str) -> Check:
+    def check(value: Any) -> str | None:
+        fine = isinstance(value, str) and value in known
+        return None if fine else "must be one of " + ", ".join(map(repr, known))
+
+    return check
 
 
 def _factory(value: Any) -> str | None:
@@ -74,7 +77,14 @@ def _anything(value: Any) -> str | None:
 
 SCHEMA: dict[str, dict[str, Check] | Check] = {
     "sources": {"paths": _texts, "include": _texts, "define": _macros},
-    "output": {"dir": _text, "skeletons": _text, "package": _text, "target": _target},
+    "output": {
+        "dir": _text,
+        "skeletons": _text,
+        "package": _text,
+        "target": _one_of("embedded", "openrtm", "dds"),
+        "representation": _one_of("cdr", "xcdr2"),
+        "extensibility": _one_of("final", "appendable", "mutable"),
+    },
     "components": _factory,
     "adapter": _anything,
     "lint": {"ignore": _texts, "select": _texts},

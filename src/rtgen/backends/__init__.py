@@ -33,12 +33,18 @@ class Artifact:
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What a back end may know: the Python package to make, where skeletons are imported from."""
+    """What a back end may know: the Python package to make, where skeletons are imported from.
+
+    `representation` (`cdr` or `xcdr2`) is what `to_cdr` gives, `extensibility` (`final`,
+    `appendable`, `mutable`) that of structs and unions, where no annotation says so.
+    """
 
     package: str
     skeleton_package: str
     version: str
     target: str = "embedded"
+    representation: str = "cdr"
+    extensibility: str = "final"
 
 
 @dataclass(frozen=True, slots=True)

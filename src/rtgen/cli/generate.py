@@ -31,6 +31,11 @@ from rtgen.project import Project, shown
     help="What the components run on; default: what rtgen.toml says, else embedded.",
 )
 @click.option(
+    "--representation",
+    type=click.Choice(["cdr", "xcdr2"]),
+    help="What to_cdr gives where no annotation says it; default: what rtgen.toml says, else cdr.",
+)
+@click.option(
     "--diff", "only_diff", is_flag=True, help="Print what would change; write nothing."
 )
 @with_console
@@ -42,6 +47,7 @@ def generate(
     output: str | None,
     no_cache: bool,
     target: str | None,
+    representation: str | None,
     only_diff: bool,
 ) -> int:
     """Make the files that the definitions ask for.
@@ -54,6 +60,8 @@ def generate(
     project = project_of(paths, include, define, output)
     if target is not None:
         project = replace(project, target=target)
+    if representation is not None:
+        project = replace(project, representation=representation)
     if project.target != "embedded":
         raise ToolError(
             f"the target {project.target!r} is not available in this version",

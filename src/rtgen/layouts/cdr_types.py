@@ -25,12 +25,14 @@ from rtgen.layouts.cdr import (
     fixed_format,
     minimum_size,
 )
+from rtgen.layouts.representations import Representations, member_types
 from rtgen.model import (
     ArrayType,
     Bitmask,
     Bitset,
     Enum,
     ExceptionDecl,
+    Extensibility,
     FixedType,
     Interface,
     MapType,
@@ -87,14 +89,17 @@ Rename: TypeAlias = Callable[[Struct | ExceptionDecl], Mapping[str, str]]
 class CdrTypes:
     """The trees of a model's types. Recursive structs and unions are calls of their own codecs."""
 
-    def __init__(self, model: Model, rename: Rename) -> None:
+    def __init__(
+        self, model: Model, rename: Rename, representations: Representations
+    ) -> None:
         self._model = model
+        self._representations = representations
         self._rename = rename
         self._nodes: dict[ScopedName, Node] = {}
         uses = _uses(model)
         self._recursive = frozenset(n for n in uses if n in _reachable(uses, n))
         self._dynamic = _holders(model, uses, self._holds_dynamic)
-        self._optional = _holders(model, uses, _holds_optional)
+        self._headed = _holders(model, uses, self._holds_headers)
 
     def is_recursive(self, name: ScopedName) -> bool:
         """Whether values of the struct or union can contain values of the same type."""
@@ -107,15 +112,22 @@ class CdrTypes:
             self._is_dynamic_leaf(t) for t in _leaves(self._model, type_)
         )
 
-    def has_optional(self, type_: Type) -> bool:
-        """Whether values of the type have optional members, which XCDR1 puts headers before."""
-        return not _names(self._model, type_).isdisjoint(self._optional)
+    def has_headers(self, type_: Type) -> bool:
+        """Whether XCDR1 puts headers before members in the type: optional ones, mutable types'."""
+        return not _names(self._model, type_).isdisjoint(self._headed)
 
     def _holds_dynamic(self, declaration: Struct | Union) -> bool:
         return any(
             self._is_dynamic_leaf(leaf)
-            for type_ in _member_types(declaration)
+            for type_ in member_types(declaration)
             for leaf in _leaves(self._model, type_)
+        )
+
+    def _holds_headers(self, declaration: Struct | Union) -> bool:
+        extensibility = self._representations.extensibility(declaration)
+        return extensibility is Extensibility.MUTABLE or (
+            isinstance(declaration, Struct)
+            and any(member.optional for member in declaration.members)
         )
 
     def _is_dynamic_leaf(self, type_: Type) -> bool:
@@ -273,18 +285,11 @@ def _uses(model: Model) -> dict[ScopedName, set[ScopedName]]:
     """The named types that structs and unions have parts of."""
     return {
         declaration.name: {
-            name for t in _member_types(declaration) for name in _names(model, t)
+            name for t in member_types(declaration) for name in _names(model, t)
         }
         for declaration in model.declarations
         if isinstance(declaration, Struct | Union)
     }
-
-
-def _member_types(declaration: Struct | Union) -> list[Type]:
-    if isinstance(declaration, Union):
-        return [case.type for case in declaration.cases]
-    types = [member.type for member in declaration.members]
-    return types + ([NamedType(declaration.base)] if declaration.base else [])
 
 
 def _holders(
@@ -302,12 +307,6 @@ def _holders(
         name
         for name in uses
         if name in found or not found.isdisjoint(_reachable(uses, name))
-    )
-
-
-def _holds_optional(declaration: Struct | Union) -> bool:
-    return isinstance(declaration, Struct) and any(
-        member.optional for member in declaration.members
     )
 
 

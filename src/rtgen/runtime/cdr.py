@@ -300,6 +300,16 @@ class _Described:
         value: Self = from_xcdr2(cls, data, little_endian)
         return value
 
+    def to_xcdr1(self, little_endian: bool = True) -> bytes:
+        """The value as an XCDR1 body; raises CdrError."""
+        return to_xcdr1(type(self), self, little_endian)
+
+    @classmethod
+    def from_xcdr1(cls, data: Buffer, little_endian: bool = True) -> Self:
+        """The value of an XCDR1 body; raises CdrError."""
+        value: Self = from_xcdr1(cls, data, little_endian)
+        return value
+
 
 class _Number(_Described):
     """What stands on the wire as one unsigned integer."""

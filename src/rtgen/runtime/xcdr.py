@@ -13,10 +13,9 @@ from typing import Any, TypeVar
 
 from rtgen.runtime.cdr import FAILURES, Buffer, CdrError, encoding_error
 from rtgen.runtime.descriptors import DataType, Descriptor, StructDescriptor, plain
+from rtgen.runtime.faults import LOCATED, Fault
 from rtgen.runtime.xcdr_codecs import (
-    LOCATED,
     Codec,
-    Fault,
     Format,
     UnsupportedError,
     refuse,
@@ -141,8 +140,7 @@ def decode(type_: Any, data: Buffer, version: int, little_endian: bool) -> Any:
         message = "the value is nested too deeply"
         raise CdrError(_name(type_), message) from failure
     except Fault as fault:
-        path = "".join([_name(type_), *reversed(fault.parts)])
-        raise CdrError(path, fault.message) from fault
+        raise fault.error(_name(type_)) from fault
 
 
 def _root(descriptor: Any, version: int, little_endian: bool) -> Codec:

@@ -16,8 +16,9 @@ from operator import attrgetter
 from struct import Struct
 from typing import Any, NamedTuple, NoReturn, TypeAlias
 
-from rtgen.runtime.cdr import BOOLEAN, FAILURES
+from rtgen.runtime.cdr import BOOLEAN
 from rtgen.runtime.cdr_values import quad_octets, quad_value
+from rtgen.runtime.faults import LOCATED, Fault, located
 
 Write: TypeAlias = Callable[[bytearray, Any], None]
 Read: TypeAlias = Callable[[bytes, int], tuple[Any, int]]
@@ -26,9 +27,6 @@ Build: TypeAlias = Callable[[Iterator[Any]], Any]
 
 PADDING = (b"", bytes(3), bytes(2), bytes(1))
 """What brings an offset modulo 4 to a multiple of 4."""
-
-LOCATED = tuple(f for f in FAILURES if f is not RecursionError)
-"""The failures of reading that get a place; being too deep is told at the root."""
 
 
 class Format(NamedTuple):
@@ -49,15 +47,6 @@ class Format(NamedTuple):
         return 8 if self.version == 1 else 4
 
 
-class Fault(Exception):
-    """Octets that cannot be read; `parts` lead from the fault outwards to the root."""
-
-    def __init__(self, message: str, *parts: str) -> None:
-        super().__init__(message)
-        self.message = message
-        self.parts = list(parts)
-
-
 class UnsupportedError(TypeError):
     """A type that XCDR does not define; `path` is that of the member."""
 
@@ -68,15 +57,11 @@ class UnsupportedError(TypeError):
 
 def refuse(failure: Exception, part: str) -> NoReturn:
     """Raises the failure with its place, or with one more part of it."""
-    if isinstance(failure, Fault):
-        failure.parts.append(part)
-        raise failure
-    message = str(failure) or type(failure).__name__
     if isinstance(failure, struct.error):
-        message = "truncated"
+        failure = Fault("truncated")
     elif isinstance(failure, KeyError):
-        message = f"{failure.args[0]!r} is not one of its values"
-    raise Fault(message, part) from failure
+        failure = Fault(f"{failure.args[0]!r} is not one of its values")
+    raise located(failure, part)
 
 
 def left(data: bytes, offset: int, size: int) -> None:

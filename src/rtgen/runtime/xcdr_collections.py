@@ -18,11 +18,10 @@ from rtgen.runtime.descriptors import (
     StringDescriptor,
     plain,
 )
+from rtgen.runtime.faults import LOCATED
 from rtgen.runtime.xcdr_codecs import (
-    LOCATED,
     PADDING,
     Codec,
-    Fault,
     Format,
     Read,
     Run,
@@ -219,7 +218,7 @@ def map_codec(format_: Format, descriptor: MapDescriptor, of: Of) -> Codec:
             for index in range(count):  # noqa: B007
                 k, offset = read_key(data, offset)
                 value[k], offset = read_item(data, offset)
-        except (Fault, *LOCATED) as failure:
+        except LOCATED as failure:
             refuse(failure, f"[{index}]")
         return value, offset
 
@@ -273,7 +272,7 @@ def _items(
             for _ in range(count):
                 item, offset = read_one(data, offset)
                 items.append(item)
-        except (Fault, *LOCATED) as failure:
+        except LOCATED as failure:
             refuse(failure, f"[{len(items)}]")
         return items, offset
 

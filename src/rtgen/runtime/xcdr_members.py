@@ -12,11 +12,10 @@ from struct import Struct
 from typing import Any
 
 from rtgen.runtime.descriptors import MemberDescriptor
+from rtgen.runtime.faults import LOCATED, Fault, located
 from rtgen.runtime.xcdr_codecs import (
-    LOCATED,
     PADDING,
     Codec,
-    Fault,
     Format,
     Write,
     left,
@@ -265,16 +264,14 @@ def list_reader(
             member = known.get(found.id)
             if member is None:
                 if found.must_understand:
-                    raise Fault(
-                        f"the unknown member {found.id} has to be understood", ""
-                    )
+                    raise Fault(f"the unknown member {found.id} has to be understood")
                 continue
             name, codec = member
             if name in values:
-                raise Fault("the member stands twice", f".{name}")
+                raise located(Fault("the member stands twice"), f".{name}")
             try:
                 values[name] = _whole(codec, found.content, padding)
-            except (Fault, *LOCATED) as failure:
+            except LOCATED as failure:
                 refuse(failure, f".{name}")
         return values, offset + (-offset & 3) + end_size if end_size else offset
 

@@ -11,12 +11,11 @@ from rtgen.runtime.descriptors import (
     MemberDescriptor,
     StructDescriptor,
 )
+from rtgen.runtime.faults import LOCATED, Fault, located
 from rtgen.runtime.xcdr_codecs import (
-    LOCATED,
     PADDING,
     Build,
     Codec,
-    Fault,
     Format,
     Read,
     Run,
@@ -189,7 +188,7 @@ def _reader(class_: Callable[..., Any], parts: Sequence[_Part]) -> Read:
         try:
             for name, step in steps:  # noqa: B007
                 offset = step(data, offset, values)
-        except (Fault, *LOCATED) as failure:
+        except LOCATED as failure:
             refuse(failure, name)
         return class_(*values), offset
 
@@ -222,7 +221,7 @@ def _prefix_reader(class_: Callable[..., Any], parts: Sequence[_Part]) -> Read:
                         value, offset = codec.read(data, offset)
                         values.append(value)
                     break
-        except (Fault, *LOCATED) as failure:
+        except LOCATED as failure:
             refuse(failure, name)
         return class_(*values), end
 
@@ -256,7 +255,7 @@ def _mutable(
         values, offset = parameter_list(data, offset)
         for parameter in keys:
             if parameter.name not in values:
-                raise Fault("a key is missing", f".{parameter.name}")
+                raise located(Fault("a key is missing"), f".{parameter.name}")
         return class_(**values), offset
 
     return Codec(*listed(format_, write, read), 4)

@@ -7,10 +7,9 @@ from functools import partial
 from typing import Any
 
 from rtgen.runtime.descriptors import UnionDescriptor
+from rtgen.runtime.faults import LOCATED, Fault
 from rtgen.runtime.xcdr_codecs import (
-    LOCATED,
     Codec,
-    Fault,
     Format,
     Read,
     UnsupportedError,
@@ -107,7 +106,7 @@ def _plain_reader(
                     value = initial[index]()
                 else:
                     value, offset = reads[index](data, offset)
-        except (Fault, *LOCATED) as failure:
+        except LOCATED as failure:
             refuse(failure, name)
         return class_(discriminator, value), len(data) if to_end else offset
 
@@ -144,7 +143,7 @@ def _mutable(
     def read(data: bytes, offset: int) -> tuple[Any, int]:
         values, offset = read_list(data, offset)
         if DISCRIMINATOR not in values:
-            raise Fault("the discriminator is missing", "")
+            raise Fault("the discriminator is missing")
         discriminator = values[DISCRIMINATOR]
         index = select(discriminator)
         if index is None:

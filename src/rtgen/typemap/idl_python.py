@@ -114,7 +114,17 @@ _SIGNED = frozenset(
 STR_ELEMENTS = (Primitive.CHAR,)
 """Elements whose sequences and one-dimensional arrays are `str`."""
 
-CODEC = frozenset({"to_cdr", "from_cdr", "to_xcdr2", "from_xcdr2", "key_hash"})
+CODEC = frozenset(
+    {
+        "to_cdr",
+        "from_cdr",
+        "to_xcdr1",
+        "from_xcdr1",
+        "to_xcdr2",
+        "from_xcdr2",
+        "key_hash",
+    }
+)
 """The public methods of everything with a codec; IDL names that clash get a trailing `_`."""
 
 NUMBER = frozenset({"to_number", "from_number"})

@@ -10,9 +10,10 @@ from rtgen.backends.python_text import docstring, header_comment
 from rtgen.backends.types.calls import Calls
 from rtgen.backends.types.module import TypesModule
 from rtgen.backends.types.packages import Package, package_text, packages
-from rtgen.backends.types.rules import LONG_NAME, NOT_MARSHALLED
+from rtgen.backends.types.rules import LONG_NAME, NOT_IN_XCDR, NOT_MARSHALLED
 from rtgen.diagnostics import Diagnostic
 from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
+from rtgen.layouts.representations import Representations
 from rtgen.model import (
     Case,
     Declaration,
@@ -42,13 +43,16 @@ class TypesBackend:
         """All modules and packages; nothing but diagnostics if there are errors."""
         if not any(is_emitted(declaration) for declaration in model.declarations):
             return Emission()
-        calls = Calls(model)
+        representations = Representations(
+            model, options.representation == "xcdr2", options.extensibility
+        )
+        calls = Calls(model, representations)
         names = PythonNames(calls.model, options.package)
-        types = CdrTypes(calls.model, names.members)
-        diagnostics = list(_check(model, types))
+        types = CdrTypes(calls.model, names.members, representations)
+        diagnostics = list(_check(model, types, representations))
         if diagnostics:
             return Emission((), diagnostics)
-        writer = _Writer(model, calls, names, types, options)
+        writer = _Writer(model, calls, names, types, representations, options)
         return Emission(tuple(writer.artifacts()))
 
 
@@ -62,9 +66,11 @@ class _Writer:
         calls: Calls,
         names: PythonNames,
         types: CdrTypes,
+        representations: Representations,
         options: Options,
     ) -> None:
         self._model = model
+        self._representations = representations
         self._calls = calls
         self._names = names
         self._types = types
@@ -80,7 +86,9 @@ class _Writer:
             if module in of_calls:
                 continue
             files = self._sources({d.file for d in self._names.declarations(module)})
-            builder = TypesModule(self._calls, self._names, self._types, module)
+            builder = TypesModule(
+                self._calls, self._names, self._types, self._representations, module
+            )
             text = builder.text(self._header(files), f"Types of `{_keys(files)}`.")
             codecs |= builder.codecs
             modules.append(self._artifact(f"{root}/_idl/{module}.py", text, files))
@@ -98,7 +106,9 @@ class _Writer:
     def _calls_module(self, file: str) -> Artifact:
         files = self._sources([self._calls.origins[file]])
         module = self._names.module(file)
-        builder = TypesModule(self._calls, self._names, self._types, module)
+        builder = TypesModule(
+            self._calls, self._names, self._types, self._representations, module
+        )
         text = builder.text(
             self._header(files),
             f"Calls of the interfaces of `{_keys(files)}`, marshalled.",
@@ -131,7 +141,9 @@ def _keys(files: list[SourceFile]) -> str:
     return ", ".join(file.key for file in files)
 
 
-def _check(model: Model, types: CdrTypes) -> Iterator[Diagnostic]:
+def _check(
+    model: Model, types: CdrTypes, representations: Representations
+) -> Iterator[Diagnostic]:
     """What cannot be emitted."""
     for scope in dict.fromkeys(
         d.name[:-1] for d in model.declarations if is_emitted(d)
@@ -144,7 +156,9 @@ def _check(model: Model, types: CdrTypes) -> Iterator[Diagnostic]:
             yield LONG_NAME.at(declaration.span, message)
     for declaration in model.declarations:
         for entry in _entries(declaration):
-            fault = _fault(model, types, declaration, entry)
+            fault = _fault(model, types, declaration, entry) or _xcdr_fault(
+                types, representations, declaration, entry
+            )
             if fault is not None:
                 yield fault
 
@@ -173,11 +187,14 @@ def _fault(
     name = entry.name if isinstance(entry.name, str) else entry.name[-1]
     holder = NamedType(declaration.name)
     is_aggregate = isinstance(declaration, Struct | Union)
-    optional = types.has_optional(entry.type)
+    optional = types.has_headers(entry.type)
     optional |= isinstance(entry, Member) and entry.optional
     dynamic = types.is_dynamic(holder if is_aggregate else entry.type)
     if optional and (dynamic or isinstance(declaration, Valuetype | ValueBox)):
-        reason = "optional members do not go together with `any`, type codes and values"
+        reason = (
+            "optional members and mutable types do not go together with `any`,"
+            " type codes and values"
+        )
         return NOT_MARSHALLED.at(entry.span, f"`{name}`: {reason}")
     try:
         types.node(entry.type)
@@ -187,3 +204,23 @@ def _fault(
             return None
         return NOT_MARSHALLED.at(entry.span, f"`{name}`: {failure}")
     return None
+
+
+def _xcdr_fault(
+    types: CdrTypes,
+    representations: Representations,
+    declaration: Declaration,
+    entry: Member | Case | ValueBox,
+) -> Diagnostic | None:
+    """The finding at a member of a type in XCDR that DDS has no form for."""
+    if not isinstance(declaration, Struct | Union):
+        return None
+    holder = NamedType(declaration.name)
+    headers = types.has_headers(holder) and not types.is_dynamic(holder)
+    if not (headers or representations.is_xcdr2(declaration)):
+        return None
+    missing = representations.missing(entry.type)
+    if missing is None:
+        return None
+    message = f"`{entry.name}`: XCDR has no representation of `{missing}`"
+    return NOT_IN_XCDR.at(entry.span, message)

@@ -15,6 +15,7 @@ from pathlib import PurePosixPath
 from rtgen.backends.python_text import string_literal
 from rtgen.backends.types.scope import Scope
 from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
+from rtgen.layouts.representations import Representations
 from rtgen.model import (
     VOID,
     Attribute,
@@ -60,8 +61,10 @@ class Calls:
     `model` is the model with the bodies, `origins` the file that each file of bodies is for.
     """
 
-    def __init__(self, model: Model) -> None:
-        self._types = CdrTypes(model, lambda d: {m.name: m.name for m in d.members})
+    def __init__(self, model: Model, representations: Representations) -> None:
+        self._types = CdrTypes(
+            model, lambda d: {m.name: m.name for m in d.members}, representations
+        )
         self._before = model
         self._modules = implementation_modules(model)
         self._files: dict[str, SourceFile] = {}

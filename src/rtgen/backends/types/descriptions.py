@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from rtgen.backends.python_text import string_literal
 from rtgen.backends.types.scope import Scope
 from rtgen.layouts.cdr_types import CdrTypes, bit_count
+from rtgen.layouts.representations import Representations
 from rtgen.model import (
     ArrayType,
     Attribute,
@@ -50,7 +51,9 @@ class Descriptions:
         types: CdrTypes,
         scope: Scope,
         is_ahead: Callable[[Type], bool],
+        representations: Representations,
     ) -> None:
+        self._representations = representations
         self._is_ahead = is_ahead
         self._model = model
         self._names = names
@@ -99,7 +102,7 @@ class Descriptions:
         is_struct = isinstance(declaration, Struct)
         kind = py.StructDescriptor if is_struct else py.ExceptionDescriptor
         members = _tuple(self._members(declaration))
-        more = _traits(declaration)
+        more = self._traits(declaration)
         return f"{kind}({self._head(declaration)}, {members}{more})"
 
     def _members(self, declaration: Struct | ExceptionDecl) -> list[str]:
@@ -201,7 +204,7 @@ class Descriptions:
             branches.append(f"{py.BranchDescriptor}({', '.join(facts)})")
         switch = self.of(declaration.switch)
         head = self._head(declaration)
-        more = _traits(declaration)
+        more = self._traits(declaration)
         return f"{py.UnionDescriptor}({head}, {switch}, {_tuple(branches)}{more})"
 
     def label(self, declaration: Union, value: ConstantValue) -> str:
@@ -220,6 +223,16 @@ class Descriptions:
         head = self._head(declaration)
         facts = [head, operations, _tuple(bases), *_interface_kind(declaration)]
         return f"{self._py.InterfaceDescriptor}({', '.join(facts)})"
+
+    def _traits(self, declaration: Struct | Union | ExceptionDecl) -> str:
+        """Extensibility and `nested`, where they are not the usual ones."""
+        text = ""
+        if isinstance(declaration, ExceptionDecl):
+            return text
+        extensibility = self._representations.extensibility(declaration)
+        if extensibility is not Extensibility.FINAL:
+            text = f', extensibility="{extensibility}"'
+        return f"{text}, nested=True" if declaration.nested else text
 
     def _head(self, declaration: Declaration) -> str:
         return f"{string_literal(declaration.repository_id)}, {string_literal(declaration.scoped)}"
@@ -258,16 +271,6 @@ def _differing(entry: Member | Case, attribute: str) -> list[str]:
     """The Python name and the member id, where they are not what one would expect."""
     facts = [] if attribute == entry.name else [f'attribute="{attribute}"']
     return facts if entry.id is None else [*facts, f"id={entry.id}"]
-
-
-def _traits(declaration: Struct | Union | ExceptionDecl) -> str:
-    """Extensibility and `nested`, where they are not the usual ones."""
-    text = ""
-    if isinstance(declaration, ExceptionDecl):
-        return text
-    if declaration.extensibility is not Extensibility.FINAL:
-        text = f', extensibility="{declaration.extensibility}"'
-    return f"{text}, nested=True" if declaration.nested else text
 
 
 def _tuple(items: list[str]) -> str:

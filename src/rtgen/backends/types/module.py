@@ -21,6 +21,7 @@ from rtgen.backends.types.values import Tables
 from rtgen.backends.types.valuetypes import Valuetypes
 from rtgen.layouts.cdr import ANYWHERE, ORIGIN, Node, Run, Step, steps_of
 from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
+from rtgen.layouts.representations import Representations
 from rtgen.model import (
     ArrayType,
     Bitmask,
@@ -72,8 +73,14 @@ class TypesModule:
     """Builds one module."""
 
     def __init__(
-        self, calls: Calls, names: PythonNames, types: CdrTypes, module: str
+        self,
+        calls: Calls,
+        names: PythonNames,
+        types: CdrTypes,
+        representations: Representations,
+        module: str,
     ) -> None:
+        self._representations = representations
         model = calls.model
         self._model = model
         self._calls = calls
@@ -87,7 +94,9 @@ class TypesModule:
         self.codecs: set[ScopedName] = set()
         self._late: dict[ScopedName, str] = {}
         self._mapping = PythonMapping(model, self.scope.reference, self.scope.spell)
-        self._describe = Descriptions(model, names, types, self.scope, self._is_ahead)
+        self._describe = Descriptions(
+            model, names, types, self.scope, self._is_ahead, representations
+        )
         self._tables = Tables(self.scope, {}, self._describe.of)
         self._unions = Unions(names, types, self.scope, self._tables, self._describe)
         self._interfaces = Interfaces(calls, names, self.scope, self._describe)
@@ -160,12 +169,13 @@ class TypesModule:
         names = self._names.members(declaration)
         body = self._types.body(declaration)
         holds = _Holdings(self._types, declaration)
-        composite = self._types.is_recursive(declaration.name) and not holds.optional
+        composite = self._types.is_recursive(declaration.name) and not holds.headers
+        version = self._version(declaration, holds)
         fields = [
             Statement(f"{names[m.name]}: {self._field(m)}", docstring(m.doc, 4))
             for m in declaration.members
         ]
-        if holds.optional:
+        if version and not composite:
             codec = _Functions([], [], [])
         else:
             codec = self._functions(name, body, composite, "self", holds.dynamic)
@@ -184,13 +194,23 @@ class TypesModule:
             attributes=self._nested(declaration),
             fields=fields,
             composite=composite,
-            optional=holds.optional,
+            version=version,
             shares=composite and holds.dynamic,
             constants=codec.constants,
             encode=codec.encode,
             decode=codec.decode,
             copy=self._copy(body, holds) if is_struct else [],
         )
+
+    def _version(
+        self, declaration: Struct | ExceptionDecl | Union, holds: _Holdings
+    ) -> int:
+        """The version of XCDR that `to_cdr` gives; 0 for classic CDR."""
+        if isinstance(declaration, Struct | Union) and self._representations.is_xcdr2(
+            declaration
+        ):
+            return 2
+        return int(holds.headers)
 
     def _bases(self, declaration: Struct | ExceptionDecl) -> str:
         if isinstance(declaration, ExceptionDecl):
@@ -219,7 +239,7 @@ class TypesModule:
         return self._valuetypes.field(member.type)
 
     def _copy(self, body: Node, holds: _Holdings) -> list[str]:
-        if holds.dynamic or holds.optional:
+        if holds.dynamic or holds.headers:
             return [f"return {self.scope.deepcopy}(self)"]
         copier = Copier(self.scope)
         expression = copier.copy(body, "self")
@@ -324,7 +344,8 @@ class TypesModule:
             attributes=self._nested(declaration),
             value=value,
             shares=holds.dynamic,
-            optional=holds.optional,
+            has_codec=not holds.headers,
+            version=self._version(declaration, holds),
             **values,
             constants=[*self._new_tables(), *layouts.lines(self.scope, False)],
         )
@@ -442,9 +463,12 @@ class TypesModule:
         self.codecs.add(declaration.name)
         name = self._names.companion(declaration.name, "Codec")
         type_ = self._local(declaration)
-        optional = self._types.has_optional(declaration.type)
+        headers = self._types.has_headers(declaration.type)
+        version = 2 if self._representations.are_xcdr2 else int(headers)
+        if version and self._representations.missing(declaration.type):
+            version = 0
         dynamic = self._types.is_dynamic(declaration.type)
-        if optional:
+        if version:
             codec = _Functions([], [], [])
         else:
             codec = self._functions(name, node, False, "value", dynamic, type_)
@@ -455,7 +479,7 @@ class TypesModule:
             scoped=declaration.scoped,
             descriptor=self.scope.alias(declaration.name),
             type=type_,
-            optional=optional,
+            version=version,
             constants=codec.constants,
             encode=codec.encode,
             decode=codec.decode,
@@ -476,7 +500,7 @@ class _Holdings:
         if isinstance(declaration, ExceptionDecl):
             parts = [member.type for member in declaration.members]
         self.dynamic = any(map(types.is_dynamic, parts))
-        self.optional = any(map(types.has_optional, parts)) or (
+        self.headers = any(map(types.has_headers, parts)) or (
             isinstance(declaration, ExceptionDecl)
             and any(member.optional for member in declaration.members)
         )

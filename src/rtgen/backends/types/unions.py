@@ -224,7 +224,7 @@ class Unions:
         body.block("match self.discriminator:")
         copied = []
         holder = NamedType(union.name)
-        if self._types.is_dynamic(holder) or self._types.has_optional(holder):
+        if self._types.is_dynamic(holder) or self._types.has_headers(holder):
             return [f"return {self._py.deepcopy}(self)"]
         for choice in parts.choices:
             body.block(f"case {choice.pattern}:")
