@@ -1,7 +1,7 @@
 """The commonest mistakes: each gives one message, at the place marked §, and a hint.
 
 Beside each definition lie `wheel.idl`, which declares Wheel, and `axle.idl`, whose last `;` is
-missing. FOLDER stands for the folder of the three.
+missing.
 """
 
 MISTAKES: dict[str, tuple[str, str, str]] = {

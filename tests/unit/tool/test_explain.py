@@ -38,6 +38,14 @@ def test_codes_titles_and_stories_are_whole() -> None:
         assert len(rule.explanation.split()) > 4, code
 
 
+def test_every_story_of_definitions_has_an_example() -> None:
+    for code, rule in rules().items():
+        if code.startswith(("IDL", "LINT")):
+            assert rule.explanation.count("```") >= 2, code
+            assert rule.explanation.count("```") % 2 == 0, code
+        assert max(map(len, rule.explanation.splitlines())) <= 100, code
+
+
 def test_the_list_of_codes(capfd: pytest.CaptureFixture[str]) -> None:
     assert run(["explain"]) == 0
     lines = capfd.readouterr().out.splitlines()

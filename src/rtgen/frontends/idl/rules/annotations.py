@@ -10,6 +10,11 @@ UNKNOWN_ANNOTATION = Rule(
     Severity.WARNING,
     """
 The annotation is none of IDL 4.2's or of rtgen's. It is kept, but nothing depends on it.
+
+```idl
+// gives this finding
+@kee struct S { long a; };
+```
 """,
 )
 
@@ -21,6 +26,11 @@ MISPLACED = Rule(
 The annotation means nothing for what it is put on: `@key` and `@optional` belong to members,
 `@rtc` to
 components, `@unit` to members, ports and parameters, and so on.
+
+```idl
+// gives this finding
+@key struct S { long a; };
+```
 """,
 )
 
@@ -44,6 +54,11 @@ KEY_OPTIONAL = Rule(
     Severity.ERROR,
     """
 A member marked `@key` identifies the object, so it cannot be `@optional`.
+
+```idl
+// gives this finding
+struct S { @key @optional long a; };
+```
 """,
 )
 
@@ -73,6 +88,11 @@ BAD_BIT_BOUND = Rule(
 `@bit_bound` is 1 to 32 for an enum and 1 to 64 for a bitmask; positions are below the bound, and
 each
 is given once.
+
+```idl
+// gives this finding
+@bit_bound(65) bitmask M { A };
+```
 """,
 )
 
@@ -82,6 +102,11 @@ BAD_ENUM_VALUE = Rule(
     Severity.ERROR,
     """
 Values given by `@value` grow from enumerator to enumerator, and fit into 32 bits.
+
+```idl
+// gives this finding
+enum E { @value(3) A, @value(3) B };
+```
 """,
 )
 
@@ -91,6 +116,11 @@ EXTENSIBILITY = Rule(
     Severity.ERROR,
     """
 A type is final, appendable or mutable; only one of them.
+
+```idl
+// gives this finding
+@final @mutable struct S { long a; };
+```
 """,
 )
 
@@ -100,6 +130,11 @@ DEFAULT_RANGE = Rule(
     Severity.ERROR,
     """
 `@default` lies between `@min` and `@max`, and `@min` is not larger than `@max`.
+
+```idl
+// gives this finding
+component C { @default(5) @min(6) attribute long a; };
+```
 """,
 )
 
@@ -111,6 +146,16 @@ BAD_PORT_TYPE = Rule(
 `consumes`, `publishes` and `emits` take a struct or union (or eventtype); `provides` and `uses`
 take
 an interface.
+
+```idl
+// gives this finding
+struct Pose { double x; };
+component Follower {
+    consumes long number;
+    publishes sequence<Pose> poses;
+    provides Pose control;
+};
+```
 """,
 )
 
@@ -121,6 +166,12 @@ DUPLICATE_PORT = Rule(
     """
 A component has at most one data port of each name and direction, and each parameter once. An
 InPort and an OutPort may share a name. In a service port, each interface instance has its own name.
+
+```idl
+// gives this finding
+struct S { long a; };
+component C { consumes S x; consumes S x; };
+```
 """,
 )
 
@@ -131,6 +182,11 @@ BAD_PARAMETER_TYPE = Rule(
     """
 A configuration parameter travels as text, so it is a number, a boolean, a string, an enum, or a
 sequence or array of these.
+
+```idl
+// gives this finding
+component C { attribute any a; };
+```
 """,
 )
 
@@ -140,6 +196,12 @@ BAD_NAME = Rule(
     Severity.ERROR,
     """
 The name given by `@name`, `@port` or `@instance` is not empty and holds no control characters.
+
+```idl
+// gives this finding
+struct S { long a; };
+component C { @name("") consumes S x; };
+```
 """,
 )
 
@@ -149,6 +211,11 @@ BAD_DATE = Rule(
     Severity.ERROR,
     """
 `created` and `updated` are dates of XML Schema with a time zone: `2011-09-26T10:00:00+09:00`.
+
+```idl
+// gives this finding
+@rtc(created="today") component C {};
+```
 """,
 )
 
@@ -159,6 +226,12 @@ CONSTANT_ATTRIBUTE = Rule(
     """
 Homes, `multiple`, `port`, `mirrorport`, `primarykey` and read-only attributes of components are
 read, so that files that hold them can be used, but nothing is made of them.
+
+```idl
+// gives this finding
+interface I {};
+component C { uses multiple I many; };
+```
 """,
 )
 

@@ -28,6 +28,17 @@ OUT_OF_RANGE = Rule(
 The value does not fit its type, or a step of its calculation does not fit into 32 bits (64 bits
 if the
 type has 64). The message shows the value and the range.
+
+```idl
+// gives this finding
+const short A = 40000;
+const octet B = 256;
+const long C = 2147483647 + 1;
+const float D = 1e39;
+const double E = 1e400;
+typedef fixed<3, 1> F;
+const F G = 123.4d;
+```
 """,
 )
 
@@ -37,6 +48,12 @@ DIVISION_BY_ZERO = Rule(
     Severity.ERROR,
     """
 The right operand of `/` or `%` is zero.
+
+```idl
+// gives this finding
+const long A = 1 / 0;
+const double B = 1.0 / 0.0;
+```
 """,
 )
 
@@ -46,6 +63,11 @@ BAD_SHIFT = Rule(
     Severity.ERROR,
     """
 A number is shifted by 0 to 31 bits, or by 0 to 63 if the type has 64 bits.
+
+```idl
+// gives this finding
+const long A = 1 << 32;
+```
 """,
 )
 
@@ -55,6 +77,12 @@ PRECISION = Rule(
     Severity.WARNING,
     """
 A fixed-point value has more digits behind the point than its type; the rest is cut off.
+
+```idl
+// gives this finding
+typedef fixed<4, 1> F;
+const F A = 1.25d;
+```
 """,
 )
 
@@ -64,6 +92,11 @@ TEXT_TOO_LONG = Rule(
     Severity.ERROR,
     """
 The constant's type is a bounded string, and the value has more characters.
+
+```idl
+// gives this finding
+typedef string<2> T; const T A = "abc";
+```
 """,
 )
 
@@ -73,6 +106,13 @@ WRONG_ENUM = Rule(
     Severity.ERROR,
     """
 A constant or label of an enum is an enumerator of exactly that enum.
+
+```idl
+// gives this finding
+enum E { A };
+enum F { B };
+union U switch (E) { case B: long a; };
+```
 """,
 )
 
@@ -82,6 +122,11 @@ INTEGER_AS_FLOAT = Rule(
     Severity.WARNING,
     """
 The integer is taken as a floating-point number, but other IDL compilers refuse it: write `1.0`.
+
+```idl
+// gives this finding
+const double A = 1;
+```
 """,
 )
 
@@ -91,6 +136,11 @@ NEGATIVE_REMAINDER = Rule(
     Severity.WARNING,
     """
 The remainder has the sign of the left operand here, as in C99; older compilers differ.
+
+```idl
+// gives this finding
+const long A = -7 % 2;
+```
 """,
 )
 

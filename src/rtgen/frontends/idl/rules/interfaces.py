@@ -10,6 +10,12 @@ DUPLICATE_BASE = Rule(
     Severity.ERROR,
     """
 A declaration names each of its direct bases once.
+
+```idl
+// gives this finding
+interface A {};
+interface B : A, A {};
+```
 """,
 )
 
@@ -20,6 +26,12 @@ ABSTRACT_BASE = Rule(
     """
 An abstract interface inherits from abstract interfaces only, an abstract valuetype from abstract
 valuetypes only.
+
+```idl
+// gives this finding
+interface A {};
+abstract interface B : A {};
+```
 """,
 )
 
@@ -29,6 +41,12 @@ LOCAL_BASE = Rule(
     Severity.ERROR,
     """
 Only a local interface may inherit from a local one.
+
+```idl
+// gives this finding
+local interface A {};
+interface B : A {};
+```
 """,
 )
 
@@ -39,6 +57,12 @@ REDEFINED = Rule(
     """
 Operations and attributes that are inherited cannot be declared again, in whatever case. Types,
 constants and exceptions can.
+
+```idl
+// gives this finding
+interface A { void f(); };
+interface B : A { void F(); };
+```
 """,
 )
 
@@ -49,6 +73,13 @@ INHERITED_CLASH = Rule(
     """
 Two bases that do not inherit from each other declare an operation or attribute of the same name, so
 the derived interface would have both.
+
+```idl
+// gives this finding
+interface A { void f(); };
+interface B { void f(); };
+interface C : A, B {};
+```
 """,
 )
 
@@ -58,6 +89,12 @@ NOT_RAISABLE = Rule(
     Severity.ERROR,
     """
 `raises`, `getraises` and `setraises` name exceptions.
+
+```idl
+// gives this finding
+struct S { long a; };
+interface I { void f() raises(S); };
+```
 """,
 )
 
@@ -67,6 +104,12 @@ RAISED_TWICE = Rule(
     Severity.WARNING,
     """
 An exception stands twice in one `raises`; once is enough.
+
+```idl
+// gives this finding
+exception E {};
+interface I { void f() raises(E, E); };
+```
 """,
 )
 
@@ -77,6 +120,12 @@ ONEWAY = Rule(
     """
 The caller of a `oneway` operation does not wait for an answer. So it returns void, has `in`
 parameters only, and raises nothing.
+
+```idl
+// gives this finding
+exception E {};
+interface I { oneway long f(out long a) raises(E); };
+```
 """,
 )
 
@@ -87,6 +136,11 @@ BAD_CONTEXT = Rule(
     """
 A context name begins with a letter, goes on with letters, digits, `.` and `_`, and may end with one
 `*`.
+
+```idl
+// gives this finding
+interface I { void f() context("1a"); };
+```
 """,
 )
 
@@ -98,6 +152,13 @@ CONCRETE_BASES = Rule(
 A valuetype has at most one base that is not abstract, and supports at most one interface that is
 not
 abstract; each stands first in its list. `truncatable` needs such a base.
+
+```idl
+// gives this finding
+valuetype A {};
+valuetype B {};
+valuetype C : A, B {};
+```
 """,
 )
 
@@ -108,6 +169,12 @@ CUSTOM = Rule(
     """
 A custom valuetype is not truncatable, and a valuetype that is not custom does not inherit from a
 custom one.
+
+```idl
+// gives this finding
+valuetype A {};
+custom valuetype B : truncatable A {};
+```
 """,
 )
 
@@ -117,6 +184,11 @@ ABSTRACT_STATE = Rule(
     Severity.ERROR,
     """
 An abstract valuetype has no state members and no factories.
+
+```idl
+// gives this finding
+abstract valuetype A { public long a_; };
+```
 """,
 )
 
@@ -126,6 +198,12 @@ BOXED_VALUE = Rule(
     Severity.ERROR,
     """
 A value box holds a type that is no valuetype itself.
+
+```idl
+// gives this finding
+valuetype A {};
+valuetype B A;
+```
 """,
 )
 
@@ -135,6 +213,11 @@ BAD_PARAMETER = Rule(
     Severity.ERROR,
     """
 Factories and finders take `in` parameters only.
+
+```idl
+// gives this finding
+valuetype V { factory make(inout long a); };
+```
 """,
 )
 

@@ -11,6 +11,12 @@ MISSING_FILE = Rule(
     """
 A file that was to be read does not exist, or is a folder. Check its spelling, upper and lower case
 included, and the folder from which rtgen was started.
+
+```text
+$ rtgen generate robto.idl
+robto.idl:1:1: error[IDL0001]: robto.idl does not exist
+  hint: did you mean robot.idl?
+```
 """,
 )
 
@@ -21,6 +27,12 @@ UNREADABLE = Rule(
     """
 The file exists, but the system refuses to read it: for lack of a permission, because its name is
 too long, or because the disk fails. The message gives the system's reason.
+
+```text
+$ chmod a-r robot.idl
+$ rtgen generate robot.idl
+robot.idl:1:1: error[IDL0002]: robot.idl cannot be read: Permission denied
+```
 """,
 )
 
@@ -31,6 +43,11 @@ BINARY = Rule(
     """
 The file holds a NUL byte, so it is no text: perhaps a compiled file, or UTF-16. Definitions are
 read as UTF-8; bytes that are not UTF-8 count as Latin-1.
+
+```text
+$ rtgen generate robot.o
+$ iconv -f UTF-16 -t UTF-8 robot.idl > robot8.idl     # what helps for UTF-16
+```
 """,
 )
 
@@ -56,6 +73,11 @@ LINE_TOO_LONG = Rule(
     """
 A line of more than 262144 characters is no definition that somebody wrote. Break it into
 lines, or check whether the file is what it should be.
+
+```text
+$ awk '{ print length }' robot.idl | sort -n | tail -1
+320028
+```
 """,
 )
 
@@ -65,6 +87,11 @@ FILE_TOO_LARGE = Rule(
     Severity.ERROR,
     """
 The file is larger than 32 MiB, far beyond any definition. Check whether it is what it should be.
+
+```text
+$ ls -l robot.idl
+-rw-r--r-- 1 me me 41943040 Jan  1 00:00 robot.idl
+```
 """,
 )
 
@@ -75,6 +102,11 @@ UNCLOSED_COMMENT = Rule(
     """
 A `/*` has no `*/` behind it, so the rest of the file would be a comment. Comments do not nest:
 the first `*/` closes, however many `/*` there were.
+
+```idl
+/* The wheels /* all of them */    // closed here
+struct Wheel { double radius; };   /* never closed
+```
 """,
 )
 
@@ -87,6 +119,11 @@ INCLUDE_NOT_FOUND = Rule(
 order; `#include <file>` in the include folders only. They are given by `-I DIR` or
 `include` in `rtgen.toml`. The hint lists the folders that were searched, and a file of a similar
 name if there is one. Upper and lower case count on every system.
+
+```idl
+#include "Wheel.idl"     // wrong, where the file is called wheel.idl
+#include "wheel.idl"     // right
+```
 """,
 )
 
@@ -113,6 +150,11 @@ BAD_INCLUDE = Rule(
     Severity.ERROR,
     """
 `#include` needs a file name in `"..."` or `<...>`, or a macro that expands to one.
+
+```idl
+#include wheel.idl       // wrong
+#include "wheel.idl"     // right
+```
 """,
 )
 
@@ -140,6 +182,13 @@ STRAY_CONDITIONAL = Rule(
     """
 `#elif`, `#else` and `#endif` belong to an `#if`, `#ifdef` or `#ifndef` before them in the same
 file, and nothing but `#endif` may follow an `#else`.
+
+```idl
+#if VERSION >= 2
+struct Wheel { double radius; };
+#endif
+#endif                   // wrong: nothing is open
+```
 """,
 )
 
@@ -164,6 +213,11 @@ BAD_DEFINITION = Rule(
     """
 `#define NAME text` or `#define NAME(a, b) text`. The name and the parameters are identifiers, the
 parenthesis follows the name directly, and `##` stands between two tokens.
+
+```idl
+#define 3D 1             // wrong
+#define THREE_D 1        // right
+```
 """,
 )
 
@@ -174,6 +228,13 @@ MACRO_REDEFINED = Rule(
     """
 A macro has two definitions with different texts; from here on the later one counts. If that is
 meant, put `#undef NAME` between them.
+
+```idl
+#define SIZE 3
+#define SIZE 4           // told
+#undef SIZE
+#define SIZE 5           // meant
+```
 """,
 )
 
@@ -184,6 +245,12 @@ BAD_MACRO_CALL = Rule(
     """
 The call has the wrong number of arguments or no closing parenthesis, `#` or `##` cannot be
 applied, or the expansion grows beyond all bounds.
+
+```idl
+#define WHEEL(name, radius) const double name = radius;
+WHEEL(LEFT)              // wrong
+WHEEL(LEFT, 0.1)         // right
+```
 """,
 )
 
@@ -194,6 +261,12 @@ ERROR_DIRECTIVE = Rule(
     """
 The definition itself refuses to be read: an `#error` line is reached. Its text says why, often a
 macro that has to be defined with `-D NAME=VALUE`.
+
+```idl
+#ifndef ROBOT
+#error define ROBOT, for example by -D ROBOT=1
+#endif
+```
 """,
 )
 
@@ -203,6 +276,10 @@ WARNING_DIRECTIVE = Rule(
     Severity.WARNING,
     """
 The definition holds a `#warning` line that is reached. Its text is the message.
+
+```idl
+#warning this file is old: include pose2.idl
+```
 """,
 )
 
@@ -213,6 +290,11 @@ UNKNOWN_DIRECTIVE = Rule(
     """
 A line that begins with `#` is for the preprocessor, which knows `define elif else endif error if
 ifdef ifndef include line pragma undef warning`.
+
+```idl
+#inclued "wheel.idl"     // wrong
+#include "wheel.idl"     // right
+```
 """,
 )
 
@@ -223,6 +305,11 @@ BAD_LINE_MARKER = Rule(
     """
 `#line NUMBER "file"`, or `# NUMBER "file" FLAGS` as preprocessors write it, tells where the next
 line came from. The number is decimal.
+
+```idl
+#line here               // wrong
+#line 12 "wheel.idl"     // right
+```
 """,
 )
 
@@ -233,6 +320,11 @@ BAD_MACRO_NAME = Rule(
     """
 A macro given from outside (`-D NAME=VALUE`, or `define` in `rtgen.toml`) needs an identifier as
 its name.
+
+```text
+$ rtgen generate -D 3D=1 robot.idl          # wrong
+$ rtgen generate -D THREE_D=1 robot.idl     # right
+```
 """,
 )
 

@@ -12,6 +12,12 @@ UNKNOWN_NAME = Rule(
 The name is declared nowhere before this place. IDL reads from top to bottom: declare a type
 before it is used, or include the file that does. What depends on the unknown name is not
 checked further, so one mistake gives one message.
+
+```idl
+struct Robot { Wheel left; };        // wrong: Wheel is declared later
+struct Wheel { double radius; };
+struct Robot2 { Wheel left; };       // right
+```
 """,
 )
 
@@ -22,6 +28,12 @@ WRONG_CASE = Rule(
     """
 The name exists, but with other upper and lower case letters. Every use is spelt as the declaration
 is (CORBA 2.6, 3.2.3).
+
+```idl
+// gives this finding
+struct Position { long a; };
+typedef position Place;
+```
 """,
 )
 
@@ -32,6 +44,12 @@ REDECLARED = Rule(
     """
 A scope has each name once. Modules may be opened again; nothing else may. Attributes, operations
 and types of an interface share one name space, and operations cannot be overloaded.
+
+```idl
+// gives this finding
+struct S { long a; };
+enum S { A };
+```
 """,
 )
 
@@ -100,6 +118,11 @@ BAD_IDENTIFIER = Rule(
     """
 An identifier is an ASCII letter, then ASCII letters, digits and underscores. One leading underscore
 escapes it; two are too many.
+
+```idl
+// gives this finding
+struct __S { long größe; };
+```
 """,
 )
 
@@ -110,6 +133,11 @@ CORBA_3_WORD = Rule(
     """
 The name is a keyword of CORBA 3. It is taken as a name here, but a compiler for CORBA 3 refuses it.
 With a leading underscore, which is not part of the name, every compiler takes it.
+
+```idl
+// gives this finding
+struct component { long a; };
+```
 """,
 )
 
@@ -120,6 +148,12 @@ NOT_A_SCOPE = Rule(
     """
 Only modules, interfaces, valuetypes, structs, unions and exceptions have names inside them that can
 be reached with `::`.
+
+```idl
+// gives this finding
+typedef long T;
+struct S { T::U a; };
+```
 """,
 )
 
@@ -130,6 +164,12 @@ NOT_A_TYPE = Rule(
     """
 The name stands for something that cannot be a type: a module, a constant, an operation, or an
 exception, which can only be raised.
+
+```idl
+// gives this finding
+exception E {};
+struct S { E a; };
+```
 """,
 )
 
@@ -139,6 +179,12 @@ NOT_A_VALUE = Rule(
     Severity.ERROR,
     """
 A constant expression takes constants and enumerators. The name stands for something else.
+
+```idl
+// gives this finding
+struct S { long a; };
+const long A = S;
+```
 """,
 )
 
@@ -148,6 +194,13 @@ AMBIGUOUS = Rule(
     Severity.ERROR,
     """
 Two bases declare the name, so it has two meanings here. Say which is meant: `Base::Name`.
+
+```idl
+// gives this finding
+interface A { typedef long T; };
+interface B { typedef long T; };
+interface C : A, B { attribute T t; };
+```
 """,
 )
 
@@ -159,6 +212,12 @@ ENUM_SCOPE = Rule(
 Enumerators live in the scope that holds the enum: write `RED`, not `Colour::RED`. It is taken,
 since
 it is clear what is meant, but other compilers refuse it.
+
+```idl
+// gives this finding
+enum E { A };
+const E X = E::A;
+```
 """,
 )
 
@@ -169,6 +228,13 @@ FORWARD_MISMATCH = Rule(
     """
 A forward declaration and the definition are of one kind (struct, union, interface ...), agree in
 `abstract` and `local`, and lie under one `#pragma prefix`.
+
+```idl
+abstract interface Motor;
+interface Motor { void start(); };              // wrong: abstract above, not here
+abstract interface Arm;
+abstract interface Arm { void move(); };        // right
+```
 """,
 )
 
@@ -178,6 +244,11 @@ NEVER_DEFINED = Rule(
     Severity.ERROR,
     """
 A struct or union is declared in advance, and nothing defines it.
+
+```idl
+// gives this finding
+struct S;
+```
 """,
 )
 
@@ -188,6 +259,11 @@ NEVER_DEFINED_INTERFACE = Rule(
     """
 An interface or valuetype is declared in advance, and nothing that was read defines it. It can be
 used as a reference only.
+
+```idl
+// gives this finding
+interface I;
+```
 """,
 )
 
@@ -199,6 +275,11 @@ TWO_DEFINITIONS = Rule(
 Files that do not include each other declare the same name differently. What is made from all of
 them together would hold the name once. Rename one, or move the declaration to a file that both
 include. Where both say the same, the first one counts.
+
+```idl
+struct Pose { double x; };           // in a.idl
+struct Pose { double x, y; };        // in b.idl, which does not include a.idl
+```
 """,
 )
 
@@ -210,6 +291,16 @@ DECLARED_ALIKE = Rule(
 Two files give one name to one type, as the files that ROS 2 generates do for their arrays
 (`typedef double double__36[36];`). The first declaration counts. CORBA compilers refuse the
 second.
+
+```idl
+// gives this finding
+#include "first.idl"
+module Robot {
+    typedef double Matrix[2][3];
+    typedef long Row[3];
+    struct Frame { Matrix axes; Row labels; };
+};
+```
 """,
 )
 

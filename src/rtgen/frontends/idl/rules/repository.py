@@ -27,6 +27,12 @@ NO_ID = Rule(
     Severity.ERROR,
     """
 Members, branches, enumerators, parameters and ports have no repository id that could be set.
+
+```idl
+// gives this finding
+struct S { long a; };
+#pragma ID S::a "IDL:a:1.0"
+```
 """,
 )
 
@@ -37,6 +43,12 @@ ODD_ID = Rule(
     """
 A repository id begins with its format: `IDL:path/name:1.0`, `DCE:...`, `RMI:...`. The id is kept as
 it is.
+
+```idl
+// gives this finding
+struct S { long a; };
+#pragma ID S "foo"
+```
 """,
 )
 
@@ -47,6 +59,13 @@ CONFLICT = Rule(
     """
 A declaration has one repository id. A second `#pragma ID`, `#pragma version` or `typeid` may only
 repeat it.
+
+```idl
+// gives this finding
+struct S { long a; };
+#pragma ID S "IDL:a:1.0"
+#pragma ID S "IDL:b:1.0"
+```
 """,
 )
 
@@ -56,6 +75,12 @@ SAME_ID = Rule(
     Severity.WARNING,
     """
 Repository ids tell types apart on the wire, so no two declarations share one.
+
+```idl
+// gives this finding
+struct S { long a; }; struct T { long a; };
+#pragma ID T "IDL:S:1.0"
+```
 """,
 )
 

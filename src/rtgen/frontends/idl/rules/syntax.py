@@ -12,6 +12,11 @@ UNEXPECTED = Rule(
 The text does not follow the grammar of IDL at this place. Where only few things could have stood
 here, the message names them. The broken declaration is passed over and reading goes on behind it,
 so other mistakes are reported in the same run.
+
+```idl
+struct Wheel { long max speed; };    // wrong: a name has one word
+struct Wheel { long max_speed; };    // right
+```
 """,
 )
 
@@ -37,6 +42,11 @@ MISSPELT_KEYWORD = Rule(
     """
 A word stands where only a keyword can, and it is like one. Keywords are written exactly as the
 language has them, upper and lower case included: `struct`, `Object`, `TRUE`.
+
+```idl
+strcut Wheel { double radius; };     // wrong
+struct Wheel { double radius; };     // right
+```
 """,
 )
 
@@ -75,6 +85,13 @@ UNCLOSED_BRACE = Rule(
     Severity.ERROR,
     """
 The file ends, but a `{` is still open. The place shown is the innermost such brace.
+
+```idl
+struct Wheel {           // never closed
+    double radius;
+
+struct Axle { double length; };
+```
 """,
 )
 
@@ -84,6 +101,11 @@ STRAY_BRACE = Rule(
     Severity.ERROR,
     """
 A `}` stands where no brace is open. Remove it, or look for the missing `{` before it.
+
+```idl
+struct Wheel { double radius; };
+};                       // wrong
+```
 """,
 )
 
@@ -93,6 +115,10 @@ UNEXPECTED_END = Rule(
     Severity.ERROR,
     """
 The file ends in the middle of a declaration.
+
+```idl
+const double RADIUS =
+```
 """,
 )
 
@@ -133,6 +159,10 @@ EXTRA_SEMICOLON = Rule(
     Severity.WARNING,
     """
 A `;` ends nothing here. It is passed over, but other IDL compilers refuse it.
+
+```idl
+struct Wheel { double radius;; };    // one too many
+```
 """,
 )
 
@@ -142,6 +172,10 @@ TOO_MANY = Rule(
     Severity.ERROR,
     """
 After 50 syntax errors in one file the rest is not read: the file is probably no IDL at all.
+
+```text
+robot.idl:51:10: error[IDL0111]: 50 syntax errors: the rest is not read
+```
 """,
 )
 
@@ -151,6 +185,10 @@ TOO_DEEP = Rule(
     Severity.ERROR,
     """
 Modules, types and parentheses may nest 256 levels deep each, far more than definitions need.
+
+```idl
+typedef sequence<sequence<sequence<long> > > Cube;    // 3 deep: far from the limit
+```
 """,
 )
 
@@ -163,6 +201,11 @@ A backslash in a literal is followed by a character that is no escape; the chara
 taken. IDL knows `\\n \\t \\v \\b \\r \\f \\a \\\\ \\? \\' \\"`, octal `\\123`, hexadecimal
 `\\x7f`, and in wide
 literals `\\u12ab`.
+
+```idl
+const string PATH = "a\\q";    // a backslash before q means nothing
+const string PATH2 = "a\\\\q";  // right
+```
 """,
 )
 
@@ -173,6 +216,12 @@ BROKEN_STRING = Rule(
     """
 A string holds a line break as it stands. It is taken, but other compilers refuse it: write `\\n`,
 and split the string into pieces.
+
+```idl
+// gives this finding
+const string A = "a
+b";
+```
 """,
 )
 
@@ -196,6 +245,11 @@ EMPTY_ENUM = Rule(
     Severity.ERROR,
     """
 An enum or bitmask needs at least one member.
+
+```idl
+enum Mode { };               // wrong
+enum Mode { MANUAL };        // right
+```
 """,
 )
 
@@ -233,6 +287,11 @@ EMPTY_RAISES = Rule(
     Severity.ERROR,
     """
 `raises()` names no exception. Leave the clause out if the operation raises none.
+
+```idl
+// gives this finding
+interface I { void f() raises(); };
+```
 """,
 )
 
@@ -243,6 +302,10 @@ TOO_MANY_FINDINGS = Rule(
     """
 More than 1000 findings of one severity are not shown. Put right those that are, and run rtgen
 again.
+
+```text
+robot.idl:1003:13: warning[IDL0120]: more than 1000 errors: the rest is not shown
+```
 """,
 )
 

@@ -28,6 +28,12 @@ BAD_BASE = Rule(
     """
 A declaration inherits from declarations of its own kind only: interfaces from interfaces, structs
 from structs, valuetypes from valuetypes, components from components.
+
+```idl
+// gives this finding
+struct S { long a; };
+interface I : S {};
+```
 """,
 )
 
@@ -39,6 +45,13 @@ READ_ONLY = Rule(
 Template modules, port types, connectors, module aliases and annotation declarations are read, so
 that
 files that hold them can be used, but nothing is made of them.
+
+```idl
+// gives this finding
+module M { struct S { long a; }; };
+alias M N;
+@annotation unit_of { string value; };
+```
 """,
 )
 
@@ -48,6 +61,11 @@ VOID = Rule(
     Severity.ERROR,
     """
 `void` says that an operation returns nothing. It is no type for anything else.
+
+```idl
+// gives this finding
+struct S { void a; };
+```
 """,
 )
 
@@ -57,6 +75,13 @@ BAD_BOUND = Rule(
     Severity.ERROR,
     """
 Bounds of strings, sequences and maps, and dimensions of arrays, are integers from 1 to 4294967295.
+
+```idl
+// gives this finding
+typedef string<0> A;
+typedef sequence<long, -1> B;
+typedef long C[0];
+```
 """,
 )
 
@@ -68,6 +93,12 @@ BAD_FIXED = Rule(
 `fixed<digits,scale>` has 1 to 31 digits, of which 0 to `digits` stand behind the point. Only a
 constant
 may be plain `fixed`.
+
+```idl
+// gives this finding
+typedef fixed<32, 2> A;
+typedef fixed<3, 4> B;
+```
 """,
 )
 
@@ -93,6 +124,11 @@ RECURSIVE_SEQUENCE = Rule(
     """
 `sequence<S>` directly inside `S` is deprecated since CORBA 2.4. Declare the struct in advance and
 give the sequence a name.
+
+```idl
+// gives this finding
+struct S { sequence<S> a; };
+```
 """,
 )
 
@@ -103,6 +139,13 @@ LOCAL_TYPE = Rule(
     """
 A local interface, and what holds one, cannot leave its process, so an interface that is not local
 cannot mention it in operations, attributes and `raises`.
+
+```idl
+// gives this finding
+local interface L {};
+struct S { L l_; };
+interface I { void f(in S s_); };
+```
 """,
 )
 
@@ -113,6 +156,13 @@ BAD_CONST_TYPE = Rule(
     """
 Constants are integers, octets, characters, strings, booleans, floating- or fixed-point numbers, or
 enumerators, also through a typedef.
+
+```idl
+// gives this finding
+struct S { long a; };
+const S A = 1;
+const any B = 1;
+```
 """,
 )
 
@@ -122,6 +172,11 @@ BAD_MAP_KEY = Rule(
     Severity.ERROR,
     """
 Keys of a map are integers, characters, booleans, enums or strings.
+
+```idl
+// gives this finding
+typedef map<double, long> M;
+```
 """,
 )
 
@@ -132,6 +187,11 @@ BAD_BITFIELD = Rule(
     """
 A bit field has 1 to 64 bits, at most as many as its type (a boolean has 1), its type is an integer,
 octet or boolean, and all fields of a bitset, inherited ones too, have at most 64 bits together.
+
+```idl
+// gives this finding
+bitset B { bitfield<9, octet> a; };
+```
 """,
 )
 
@@ -141,6 +201,11 @@ LONG_DOUBLE = Rule(
     Severity.WARNING,
     """
 The constant is kept with the precision of a double.
+
+```idl
+// gives this finding
+const long double A = 1.0;
+```
 """,
 )
 
@@ -150,6 +215,11 @@ BAD_SWITCH = Rule(
     Severity.ERROR,
     """
 A union switches on an integer, a character, an octet, a boolean or an enum.
+
+```idl
+union U switch (double) { case 1: long a; };    // wrong
+union V switch (long) { case 1: long a; };      // right
+```
 """,
 )
 
@@ -159,6 +229,11 @@ DUPLICATE_LABEL = Rule(
     Severity.ERROR,
     """
 Each value of the switch selects one branch, so no two labels of a union have one value.
+
+```idl
+// gives this finding
+union U switch (long) { case 1: long a; case 2: case 1: long b; };
+```
 """,
 )
 
@@ -168,6 +243,11 @@ SECOND_DEFAULT = Rule(
     Severity.ERROR,
     """
 A union has at most one `default` branch.
+
+```idl
+// gives this finding
+union U switch (long) { default: long a; default: long b; };
+```
 """,
 )
 
@@ -177,6 +257,11 @@ SUPERFLUOUS_DEFAULT = Rule(
     Severity.ERROR,
     """
 The labels name every value of the switch, so nothing is left for `default`.
+
+```idl
+// gives this finding
+union U switch (boolean) { case TRUE: long a; case FALSE: long b; default: long c; };
+```
 """,
 )
 
@@ -186,6 +271,11 @@ EMPTY_UNION = Rule(
     Severity.ERROR,
     """
 A union has at least one branch.
+
+```idl
+// gives this finding
+union U switch (long) {};
+```
 """,
 )
 
