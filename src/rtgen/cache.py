@@ -60,6 +60,7 @@ class Cache:
             list(map(str, project.sources)),
             list(map(str, project.include)),
             project.define,
+            project.ignore_case_clashes,
             [
                 project.package,
                 project.skeleton_package,

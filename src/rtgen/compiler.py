@@ -61,6 +61,7 @@ def read(project: Project) -> FrontendResult:
         root=project.root,
         include=project.include,
         define=dict(project.define),
+        ignore_case_clashes=project.ignore_case_clashes,
     )
 
 

@@ -41,6 +41,7 @@ class Project:
     sources: tuple[Path, ...] = ()
     include: tuple[Path, ...] = ()
     define: tuple[tuple[str, str], ...] = ()
+    ignore_case_clashes: bool = False
     package: str = "robots"
     target: str = "embedded"
     representation: str = "cdr"
@@ -99,6 +100,7 @@ def load(start: Path | None = None) -> Project:
             shown_path(root / p) for p in settings.texts("sources", "include")
         ),
         define=tuple(sorted(settings.macros().items())),
+        ignore_case_clashes=settings.flag("sources", "ignore_case_clashes"),
         package=settings.text("output", "package", "robots"),
         target=settings.text("output", "target", "embedded"),
         representation=settings.text("output", "representation", "cdr"),
@@ -127,6 +129,7 @@ def with_arguments(
     paths: Sequence[str] = (),
     include: Sequence[str] = (),
     define: Sequence[tuple[str, str]] = (),
+    ignore_case_clashes: bool = False,
     output: str | None = None,
 ) -> Project:
     """The project as the command line changes it: other sources, more includes, other folders.
@@ -152,6 +155,7 @@ def with_arguments(
         changes,
         include=(*(Path(p) for p in include), *project.include),
         define=tuple(sorted({**dict(project.define), **dict(define)}.items())),
+        ignore_case_clashes=project.ignore_case_clashes or ignore_case_clashes,
     )
 
 

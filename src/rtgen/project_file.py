@@ -39,6 +39,10 @@ def _texts(value: Any) -> str | None:
     return None if fine else "must be a list of strings"
 
 
+def _flag(value: Any) -> str | None:
+    return None if isinstance(value, bool) else "must be true or false"
+
+
 def macros(value: list[str] | dict[str, str | int]) -> dict[str, str]:
     """Macros by name, from texts `NAME` or `NAME=VALUE` as behind `-D`, or from a table."""
     if isinstance(value, dict):
@@ -76,7 +80,12 @@ def _anything(value: Any) -> str | None:
 
 
 SCHEMA: dict[str, dict[str, Check] | Check] = {
-    "sources": {"paths": _texts, "include": _texts, "define": _macros},
+    "sources": {
+        "paths": _texts,
+        "include": _texts,
+        "define": _macros,
+        "ignore_case_clashes": _flag,
+    },
     "output": {
         "dir": _text,
         "skeletons": _text,
@@ -108,6 +117,11 @@ class Settings:
     def texts(self, section: str, key: str) -> list[str]:
         """A list of strings of the file, or an empty one."""
         value: list[str] = self.content.get(section, {}).get(key, [])
+        return value
+
+    def flag(self, section: str, key: str) -> bool:
+        """A boolean of the file; false where it is not given."""
+        value: bool = self.content.get(section, {}).get(key, False)
         return value
 
     def table(self, section: str) -> dict[str, str]:

@@ -1,10 +1,12 @@
 """What omniidl and rtgen say of a definition file, in one form that can be compared."""
 
+import json
 import shutil
 import subprocess
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from rtgen.model import (
     Const,
@@ -15,6 +17,7 @@ from rtgen.model import (
     ExceptionDecl,
     Interface,
     Native,
+    Operation,
     Struct,
     Typedef,
     Union,
@@ -39,6 +42,21 @@ def omniidl(
     )
 
 
+def omniidl_batch(requests: list[dict[str, object]]) -> list[dict[str, Any]]:
+    """What omniidl says of many small files: of each {folder, file, arguments} what it exits
+    with, the facts, and its messages.
+    """
+    run = subprocess.run(
+        [sys.executable, BACKEND / "batch.py"],
+        input=json.dumps(requests),
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    answers: list[dict[str, Any]] = json.loads(run.stdout)
+    return answers
+
+
 def scoped(name: tuple[str, ...]) -> str:
     return "::".join(name)
 
@@ -50,6 +68,33 @@ def value(found: ConstantValue) -> object:
         case bool() | int() | float() | str():
             return found
     return str(found)
+
+
+def parameters(operation: Operation) -> list[list[str]]:
+    """Direction, name and type of each parameter."""
+    return [[str(p.direction), p.name, str(p.type)] for p in operation.parameters]
+
+
+def callables(declaration: Interface | Valuetype) -> dict[str, object]:
+    """The operations and the attributes of an interface or valuetype."""
+    return {
+        "operations": [
+            [
+                o.name,
+                o.repository_id,
+                o.oneway,
+                str(o.returns),
+                parameters(o),
+                [scoped(name) for name in o.raises],
+                list(o.context),
+            ]
+            for o in declaration.operations
+        ],
+        "attributes": [
+            [a.name, a.repository_id, str(a.type), a.readonly]
+            for a in declaration.attributes
+        ],
+    }
 
 
 def facts(declaration: Declaration) -> dict[str, object]:
@@ -96,38 +141,24 @@ def facts(declaration: Declaration) -> dict[str, object]:
                 "bases": [scoped(base) for base in declaration.bases],
                 "abstract": declaration.abstract,
                 "local": declaration.local,
-                "operations": [
-                    [
-                        operation.name,
-                        operation.repository_id,
-                        operation.oneway,
-                        str(operation.returns),
-                        [
-                            [str(p.direction), p.name, str(p.type)]
-                            for p in operation.parameters
-                        ],
-                        [scoped(name) for name in operation.raises],
-                        list(operation.context),
-                    ]
-                    for operation in declaration.operations
-                ],
-                "attributes": [
-                    [a.name, str(a.type), a.readonly] for a in declaration.attributes
-                ],
+                **callables(declaration),
             }
         case Valuetype():
             return {
                 "kind": "valuetype",
                 **common,
                 "bases": [scoped(base) for base in declaration.bases],
-                "state": [
-                    [member.name, str(member.type)] for member in declaration.state
+                "supports": [scoped(base) for base in declaration.supports],
+                "abstract": declaration.abstract,
+                "custom": declaration.custom,
+                "truncatable": declaration.truncatable,
+                "state": [[m.name, str(m.type), m.public] for m in declaration.state],
+                "factories": [
+                    [f.name, parameters(f), [scoped(name) for name in f.raises]]
+                    for f in declaration.factories
                 ],
+                **callables(declaration),
             }
         case ValueBox():
             return {"kind": "valuebox", **common, "type": str(declaration.type)}
     raise AssertionError(f"unexpected {declaration}")
-
-
-def by_name(found: list[dict[str, object]]) -> dict[object, dict[str, object]]:
-    return {fact["name"]: fact for fact in found}

@@ -29,6 +29,7 @@ def check(
     paths: tuple[str, ...],
     include: tuple[str, ...],
     define: list[tuple[str, str]],
+    ignore_case_clashes: bool,
     output: str | None,
     no_cache: bool,
 ) -> int:
@@ -37,7 +38,7 @@ def check(
     Exit code 0: the same; 1: files are changed, missing, no longer made, or not rtgen's; a
     unified diff is printed. Files that a user owns are not looked into. Nothing is written.
     """
-    project = project_of(paths, include, define, output)
+    project = project_of(paths, include, define, ignore_case_clashes, output)
     run = compiler.build(project, None if no_cache else cache.default())
     console.findings(run.diagnostics, run.sources)
     if run.failed:

@@ -109,12 +109,18 @@ def with_console(
 
 
 def with_definitions(function: Callable[P, int]) -> Callable[P, int]:
-    """Adds PATH, -I and -D; the function gets `paths`, `include` and `define`.
+    """Adds PATH, -I, -D and --ignore-case-clashes; the function gets `paths`, `include`,
+    `define` and `ignore_case_clashes`.
 
     What a definition becomes lives until the end, so no garbage is looked for meanwhile.
     """
     function = _uncollected(function)
     for decorate in (
+        click.option(
+            "--ignore-case-clashes",
+            is_flag=True,
+            help="Take names that differ in case only for different names.",
+        ),
         click.option(
             "-D",
             "define",
@@ -171,11 +177,17 @@ def project_of(
     paths: Sequence[str],
     include: Sequence[str],
     define: Sequence[tuple[str, str]],
+    ignore_case_clashes: bool,
     output: str | None = None,
 ) -> Project:
     """The project around the working folder, as the command line changes it, with sources."""
     project = with_arguments(
-        load(), paths=paths, include=include, define=define, output=output
+        load(),
+        paths=paths,
+        include=include,
+        define=define,
+        ignore_case_clashes=ignore_case_clashes,
+        output=output,
     )
     require_sources(project)
     return project

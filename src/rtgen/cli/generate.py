@@ -44,6 +44,7 @@ def generate(
     paths: tuple[str, ...],
     include: tuple[str, ...],
     define: list[tuple[str, str]],
+    ignore_case_clashes: bool,
     output: str | None,
     no_cache: bool,
     target: str | None,
@@ -57,7 +58,7 @@ def generate(
     once nothing asks for them: the tree holds what this run's sources give, and no more. Skeletons
     are created once and then left alone.
     """
-    project = project_of(paths, include, define, output)
+    project = project_of(paths, include, define, ignore_case_clashes, output)
     if target is not None:
         project = replace(project, target=target)
     if representation is not None:

@@ -29,6 +29,7 @@ def inspect(
     paths: tuple[str, ...],
     include: tuple[str, ...],
     define: list[tuple[str, str]],
+    ignore_case_clashes: bool,
     no_cache: bool,
     as_json: bool,
 ) -> int:
@@ -41,7 +42,7 @@ def inspect(
     definitions = [p for p in paths if p not in profiles]
     project = None
     if definitions or not profiles:
-        project = project_of(definitions, include, define)
+        project = project_of(definitions, include, define, ignore_case_clashes)
     run = compiler.inspect(
         project,
         [Path(p) for p in profiles],

@@ -41,6 +41,7 @@ def lint(
     paths: tuple[str, ...],
     include: tuple[str, ...],
     define: list[tuple[str, str]],
+    ignore_case_clashes: bool,
     ignore: tuple[str, ...],
     select: tuple[str, ...],
 ) -> int:
@@ -50,7 +51,7 @@ def lint(
     2: errors. Rules are silenced one by one: --ignore CODE, or `[lint] ignore` in rtgen.toml;
     `[lint] select` is as --select. `rtgen explain CODE` tells what a rule is about.
     """
-    project = project_of(paths, include, define)
+    project = project_of(paths, include, define, ignore_case_clashes)
     wrong = [*_unknown(ignore, "--ignore"), *_unknown(select, "--select")]
     for key, codes in (("ignore", project.ignored), ("select", project.selected)):
         wrong += _unknown(codes.keys(), f"[lint] {key}", codes)

@@ -28,6 +28,17 @@ def name(declaration):
     return "::".join(declaration.scopedName())
 
 
+def bases(found):
+    """The names of bases, of those behind typedefs."""
+    return [name(behind(base)) for base in found]
+
+
+def behind(base):
+    while isinstance(base, idlast.Declarator):
+        base = base.alias().aliasType().decl()
+    return base
+
+
 def type_text(type_):
     kind = type_.kind()
     if kind in BASIC:
@@ -137,12 +148,28 @@ class Facts:
 
     def visitConst(self, node):
         value = value_text(node.constType(), node.value())
-        self.add(node, "const", type=type_text(node.constType()), value=value)
+        type_ = type_text(node.constType())
+        if type_ == "fixed<0,0>":
+            whole, _, fraction = value.lstrip("-").partition(".")
+            digits = len(whole.lstrip("0") + fraction)
+            type_ = f"fixed<{max(digits, 1)},{len(fraction)}>"
+        self.add(node, "const", type=type_, value=value)
 
     def visitNative(self, node):
         self.add(node, "native")
 
     def visitInterface(self, node):
+        self.add(
+            node,
+            "interface",
+            bases=bases(node.inherits()),
+            abstract=bool(node.abstract()),
+            local=bool(node.local()),
+            **self.callables(node),
+        )
+        self.all(node.declarations())
+
+    def callables(self, node):
         operations = []
         attributes = []
         for callable_ in node.callables():
@@ -152,54 +179,82 @@ class Facts:
                 attributes += [
                     [
                         d.identifier(),
+                        d.repoId(),
                         type_text(callable_.attrType()),
                         bool(callable_.readonly()),
                     ]
                     for d in callable_.declarators()
                 ]
-        self.add(
-            node,
-            "interface",
-            bases=[name(base) for base in node.inherits()],
-            abstract=bool(node.abstract()),
-            local=bool(node.local()),
-            operations=operations,
-            attributes=attributes,
-        )
-        self.all(node.declarations())
+        return {"operations": operations, "attributes": attributes}
 
     def operation(self, node):
-        directions = ("in", "out", "inout")
         return [
             node.identifier(),
             node.repoId(),
             bool(node.oneway()),
             type_text(node.returnType()),
-            [
-                [directions[p.direction()], p.identifier(), type_text(p.paramType())]
-                for p in node.parameters()
-            ],
-            [name(e) for e in node.raises()],
+            self.parameters(node),
+            list(dict.fromkeys(name(e) for e in node.raises())),
             list(node.contexts()),
         ]
+
+    def parameters(self, node):
+        directions = ("in", "out", "inout")
+        return [
+            [directions[p.direction()], p.identifier(), type_text(p.paramType())]
+            for p in node.parameters()
+        ]
+
+    def value(self, node, *, abstract, custom, truncatable, state, factories):
+        self.add(
+            node,
+            "valuetype",
+            bases=bases(node.inherits()),
+            supports=bases(node.supports()),
+            abstract=abstract,
+            custom=custom,
+            truncatable=truncatable,
+            state=state,
+            factories=factories,
+            **self.callables(node),
+        )
+        self.all(node.declarations())
 
     def visitValue(self, node):
         state = []
         for member in node.statemembers():
+            if member.constrType():
+                self.all([member.memberType().decl()])
+            public = member.memberAccess() == 0
             state += [
-                [d.identifier(), declared(member.memberType(), d)]
+                [d.identifier(), declared(member.memberType(), d), public]
                 for d in member.declarators()
             ]
-        self.add(
-            node, "valuetype", bases=[name(b) for b in node.inherits()], state=state
+        self.value(
+            node,
+            abstract=False,
+            custom=bool(node.custom()),
+            truncatable=bool(node.truncatable()),
+            state=state,
+            factories=[
+                [f.identifier(), self.parameters(f), [name(e) for e in f.raises()]]
+                for f in node.factories()
+            ],
         )
-        self.all(node.declarations())
 
     def visitValueAbs(self, node):
-        self.add(node, "valuetype", bases=[name(b) for b in node.inherits()], state=[])
-        self.all(node.declarations())
+        self.value(
+            node,
+            abstract=True,
+            custom=False,
+            truncatable=False,
+            state=[],
+            factories=[],
+        )
 
     def visitValueBox(self, node):
+        if node.constrType():
+            self.all([node.boxedType().decl()])
         self.add(node, "valuebox", type=type_text(node.boxedType()))
 
 

@@ -48,6 +48,12 @@ RANGES = {
 
 FLOATS = frozenset((Primitive.FLOAT, Primitive.DOUBLE, Primitive.LONG_DOUBLE))
 _CHARACTERS = {Primitive.CHAR: False, Primitive.WCHAR: True}
+_NARROW = {
+    Primitive.OCTET: 8,
+    Primitive.UINT8: 8,
+    Primitive.UNSIGNED_SHORT: 16,
+}
+"""The unsigned types whose complement has fewer bits than are reckoned with."""
 _WIDE = (Primitive.LONG_LONG, Primitive.UNSIGNED_LONG_LONG)
 _BY_SIZE = (
     Primitive.SHORT,
@@ -137,7 +143,7 @@ class Constants:
         self._report = report
         self._values: dict[Entity, ConstantValue | None] = {}
         self._unit: Unit
-        self._bits = 32
+        self._bits = self._complement = 32
         self._signed = True
 
     def value_of(self, entity: Entity) -> ConstantValue | None:
@@ -159,10 +165,13 @@ class Constants:
         if plain is None:
             return None
         sort = sort_of(plain, self._types.is_enum)
-        saved = getattr(self, "_unit", unit), self._bits, self._signed
+        saved = (
+            *(getattr(self, "_unit", unit), self._bits, self._signed),
+            self._complement,
+        )
         self._unit = unit
         wide = isinstance(plain, PrimitiveType) and plain.kind in _WIDE
-        self._bits = 64 if wide else 32
+        self._bits = self._complement = 64 if wide else 32
         self._signed = (
             not isinstance(plain, PrimitiveType)
             or RANGES.get(plain.kind, (-1, 0))[0] < 0
@@ -176,11 +185,18 @@ class Constants:
                     "constants are numbers, characters, strings, booleans and enumerators",
                 )
             assert sort is not None
-            return self._fit(self._evaluate(node, sort, 0), plain, node)
+            value = self._evaluate(node, sort, 0)
+            width = (
+                _NARROW.get(plain.kind) if isinstance(plain, PrimitiveType) else None
+            )
+            if width is not None and isinstance(value, int) and value >= 1 << width:
+                self._complement = width
+                value = self._evaluate(node, sort, 0)
+            return self._fit(value, plain, node)
         except _NoValueError:
             return None
         finally:
-            self._unit, self._bits, self._signed = saved
+            self._unit, self._bits, self._signed, self._complement = saved
 
     def positive(self, node: tree.Expression, unit: Unit) -> int | None:
         """The value of a bound or dimension; None, with a finding, if it is no possible one."""
@@ -386,7 +402,7 @@ class Constants:
                 case "~" if self._signed or value < 0:
                     return -(value + 1)
                 case "~":
-                    return (1 << self._bits) - 1 - value
+                    return (1 << self._complement) - 1 - value
             return value
         assert isinstance(value, float | Decimal)
         if operator == "~":
@@ -500,9 +516,11 @@ class Constants:
                     message = f"{len(value)} characters do not fit into {type_}"
                     hint = "shorten it, or raise the bound"
                     self._fail(rules.TEXT_TOO_LONG, node, message, hint)
-            case FixedType(digits, scale) if digits:
+            case FixedType(digits, scale):
                 assert isinstance(value, Decimal)
-                return self._fit_fixed(value, digits, scale, node)
+                if digits:
+                    value = self._fit_fixed(value, digits, scale, node)
+                return _without_zeros(value)
             case NamedType(name):
                 assert isinstance(value, EnumeratorName)
                 owner = self._types.enum_of(value.name)
@@ -548,6 +566,23 @@ class Constants:
             self._tell(rules.PRECISION, node, message, f"write {cut}d")
             return cut
         return value
+
+
+def fixed_type_of(value: Decimal) -> FixedType:
+    """The smallest fixed-point type that holds a value (CORBA 2.6, 3.10.2)."""
+    _, digits, exponent = _without_zeros(value).as_tuple()
+    assert isinstance(exponent, int)
+    scale = max(-exponent, 0)
+    return FixedType(max(len(digits) + max(exponent, 0), scale), scale)
+
+
+def _without_zeros(value: Decimal) -> Decimal:
+    """The value without zeros at the end of its fraction."""
+    return (
+        value.quantize(Decimal(1), context=_EXACT)
+        if value == value.to_integral_value()
+        else value.normalize(_EXACT)
+    )
 
 
 def _wider(value: int) -> str:

@@ -16,6 +16,7 @@ from rtgen.frontends.idl.words import CORBA_3, FOLDED, RESERVED
 _MOST_ELSEWHERE = 3
 _TAGGED = (Kind.STRUCT, Kind.UNION, Kind.ENUM)
 
+_USED_OUT_TO = (Kind.INTERFACE, Kind.VALUETYPE, Kind.COMPONENT, Kind.HOME)
 _ARTICLE = {"a": "an", "e": "an", "i": "an", "o": "an"}
 
 
@@ -51,7 +52,11 @@ class Lookup:
         top: Scope,
         report: Callable[[Diagnostic], None],
         declares: Callable[[str, Unit], str | None],
+        ignore_case_clashes: bool,
     ) -> None:
+        self._folds = not ignore_case_clashes
+        self.key: Callable[[str], str] = str.lower if self._folds else str
+        """What a scope has a name under."""
         self._top = top
         self._report = report
         self._declares = declares
@@ -63,11 +68,20 @@ class Lookup:
         """The names, in lower case, that broken declarations may have declared."""
 
     def find(
-        self, scope: Scope, name: tree.ScopedName, unit: Unit, *, optional: bool = False
+        self,
+        scope: Scope,
+        name: tree.ScopedName,
+        unit: Unit,
+        *,
+        optional: bool = False,
+        introduce: bool = True,
     ) -> Entity | None:
-        """What a scoped name stands for; None, with a finding unless `optional`."""
+        """What a scoped name stands for; None, with a finding unless `optional`.
+
+        By `introduce` the use keeps the scope from declaring the name anew.
+        """
         first = name.parts[0]
-        key = first.text.lower()
+        key = self.key(first.text)
         if name.absolute:
             found = self._top.find(key)
         else:
@@ -79,7 +93,7 @@ class Lookup:
         entity = self._single(found, first, unit, scope, name, optional)
         if entity is None:
             return None
-        if not name.absolute and key not in scope.names:
+        if introduce and not name.absolute and key not in scope.names:
             _introduce(scope, key, Use(entity, unit, first.start, first.end))
         for part in name.parts[1:]:
             if entity.kind is Kind.ENUM:
@@ -96,7 +110,7 @@ class Lookup:
                     )
                 return None
             else:
-                found = entity.inner.find(part.text.lower())
+                found = entity.inner.find(self.key(part.text))
                 entity = self._single(found, part, unit, entity.inner, None, optional)
             if entity is None:
                 return None
@@ -108,18 +122,18 @@ class Lookup:
         places = [self._top] if name.absolute else scope.outward()
         found: list[Entity] = []
         for place in places:
-            found = place.find(first.lower())
+            found = place.find(self.key(first))
             if found:
                 break
         for part in name.parts[1:]:
             inner = found[0].inner if found else None
-            found = inner.find(part.text.lower()) if inner is not None else []
+            found = inner.find(self.key(part.text)) if inner is not None else []
         return bool(found) and found[0].name == name.parts[-1].text
 
     def _in_enum(
         self, enum: Entity, part: tree.Name, unit: Unit, optional: bool
     ) -> Entity | None:
-        found = enum.scope.names.get(part.text.lower())
+        found = enum.scope.names.get(self.key(part.text))
         if found is None or found.owner is not enum:
             if not optional:
                 self._report(
@@ -218,11 +232,10 @@ class Lookup:
                 rules.UNKNOWN_NAME.at(unknown.span, message, related=related, hint=hint)
             )
 
-    @staticmethod
-    def _later(unknown: _Unknown) -> Entity | None:
+    def _later(self, unknown: _Unknown) -> Entity | None:
         """What has the name and is visible, but declared only behind the use."""
         for place in unknown.scope.outward():
-            for entity in place.find(unknown.text.lower()):
+            for entity in place.find(self.key(unknown.text)):
                 if entity.name == unknown.text:
                     return entity
         return None
@@ -277,8 +290,8 @@ class Lookup:
         decides whether the two go together (modules, forward declarations); `clash` reports it.
         """
         name = entity.name
-        key = name.lower()
-        self._spelling(entity, key, escaped)
+        key = self.key(name)
+        self._spelling(entity, escaped)
         existing = scope.names.get(key)
         if existing is not None:
             return existing
@@ -298,7 +311,7 @@ class Lookup:
         around = scope.entity
         if (
             around is not None
-            and around.name.lower() == key
+            and self.key(around.name) == key
             and around.kind is not Kind.OPERATION
         ):
             self._report(
@@ -337,15 +350,18 @@ class Lookup:
             )
         )
 
-    def _spelling(self, entity: Entity, key: str, escaped: bool) -> None:
+    def _spelling(self, entity: Entity, escaped: bool) -> None:
         name = entity.name
-        if name[0] == "_" or not name.isascii():
-            if not name.strip("_"):
+        key = name.lower()
+        if not name[0].isalpha() or not name.isascii():
+            if not name.isascii():
+                what = "has other than ASCII letters"
+            elif not name.strip("_"):
                 what = "has nothing but underscores"
             elif name[0] == "_":
                 what = "has more than one leading underscore"
             else:
-                what = "has other than ASCII letters"
+                what = "has no letter behind its underscore"
             hint = (
                 f"write {name.lstrip('_') or 'a name'}"
                 if name[0] == "_"
@@ -353,7 +369,7 @@ class Lookup:
             )
             message = f"the identifier {name} {what}"
             self._report(rules.BAD_IDENTIFIER.at(entity.span, message, hint=hint))
-        elif not escaped and key in FOLDED and name != FOLDED[key]:
+        elif self._folds and not escaped and key in FOLDED and name != FOLDED[key]:
             self._report(
                 rules.KEYWORD_CASE.at(
                     entity.span,
@@ -396,12 +412,16 @@ def _hint_for_clash(entity: Entity, existing: Entity) -> str:
 
 
 def _introduce(scope: Scope, key: str, use: Use) -> None:
-    for place in scope.outward():
+    """Note a use in its scope and, inside an interface or the like, in those out to that one."""
+    around = list(scope.outward())
+    ends = [
+        i for i, p in enumerate(around) if p.entity and p.entity.kind in _USED_OUT_TO
+    ]
+    places = around[: ends[0] + 1] if ends else [scope]
+    for place in places:
         if key in place.names:
             return
         place.introduced.setdefault(key, use)
-        if place.is_module:
-            return
 
 
 def _everything(top: Scope) -> Iterator[Entity]:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from decimal import Decimal
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.idl import traits, tree
 from rtgen.frontends.idl.annotations import PLACES, Annotations, flag
 from rtgen.frontends.idl.components import Components
+from rtgen.frontends.idl.constants import fixed_type_of
 from rtgen.frontends.idl.docs import Docs
 from rtgen.frontends.idl.enumerations import Enumerations
 from rtgen.frontends.idl.scopes import Entity, Kind
@@ -25,6 +27,7 @@ from rtgen.model import (
     Declaration,
     Direction,
     ExceptionDecl,
+    FixedType,
     Home,
     Interface,
     Member,
@@ -305,6 +308,8 @@ class Lowering:
         value = self._types.constants.value_of(entity)
         if type_ is None or value is None:
             return None
+        if isinstance(type_, FixedType) and isinstance(value, Decimal):
+            type_ = fixed_type_of(value)
         return Const(**self.common(entity, type_), type=type_, value=value)
 
     def _native(self, entity: Entity, node: tree.Native) -> Declaration:

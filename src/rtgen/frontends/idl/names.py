@@ -28,8 +28,9 @@ class Resolver(Naming):
         items_of: Callable[[Unit], tuple[tree.Item, ...]],
         report: Callable[[Diagnostic], None],
         declares: Callable[[str, Unit], str | None],
+        ignore_case_clashes: bool,
     ) -> None:
-        super().__init__(report, declares)
+        super().__init__(report, declares, ignore_case_clashes)
         self._items_of = items_of
         self._identities = Identities(self._find_text, report)
         self._event = 0
@@ -122,7 +123,7 @@ class Resolver(Naming):
                     self._include(event)
                 case Boundary(opens=True):
                     self._nested_ids.append((scope, scope.ids))
-                    scope.ids = "/".join(scope.path)
+                    scope.ids = ""
                 case Boundary() if self._nested_ids:
                     outer, ids = self._nested_ids.pop()
                     outer.ids = ids
@@ -174,7 +175,7 @@ class Resolver(Naming):
                 item,
             )
             return
-        existing = scope.names.get(node.name.text.lower())
+        existing = scope.names.get(self._key(node.name.text))
         if (
             existing is not None
             and existing.kind is Kind.MODULE
@@ -201,7 +202,7 @@ class Resolver(Naming):
         entity.inner.ids = before
 
     def _forward(self, node: tree.Forward, scope: Scope, item: tree.Item) -> None:
-        existing = scope.names.get(node.name.text.lower())
+        existing = scope.names.get(self._key(node.name.text))
         before = existing.span if existing else None
         entity = self._new(scope, node.name, FORWARDS[node.keyword], None, item=item)
         if entity is existing and before is not None:
@@ -353,7 +354,7 @@ class Resolver(Naming):
         if len(name.parts) == 1 and isinstance(entity.node, tree.Union):
             enum = self._enum_behind(entity.node.switch)
             if enum is not None:
-                found = enum.scope.names.get(name.parts[0].text.lower())
+                found = enum.scope.names.get(self._key(name.parts[0].text))
                 if (
                     found is not None
                     and found.owner is enum
@@ -468,7 +469,7 @@ class Resolver(Naming):
     def _open(
         self, scope: Scope, name: tree.Name, kind: Kind, node: Any, item: tree.Item
     ) -> Entity:
-        forward = scope.names.get(name.text.lower())
+        forward = scope.names.get(self._key(name.text))
         before = forward.span if forward else None
         entity = self._new(scope, name, kind, node, item=item)
         modifier = getattr(node, "modifier", "")
@@ -529,13 +530,13 @@ class Resolver(Naming):
             )
             self._annotations(parameter.annotations, scope)
         for name in node.raises.names if node.raises else ():
-            self._find(scope, name)
+            self._find(scope, name, introduce=False)
 
     def _attribute(self, node: tree.Attribute, scope: Scope, item: tree.Item) -> None:
         self._type(node.type, scope)
         for clause in (node.get_raises, node.set_raises):
             for name in clause.names if clause else ():
-                self._find(scope, name)
+                self._find(scope, name, introduce=False)
         for attribute in node.names:
             entity = self._new(
                 scope, attribute, Kind.ATTRIBUTE, node, item=item, listed=False

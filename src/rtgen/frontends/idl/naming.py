@@ -35,10 +35,12 @@ class Naming(ABC):
         self,
         report: Callable[[Diagnostic], None],
         declares: Callable[[str, Unit], str | None],
+        ignore_case_clashes: bool,
     ) -> None:
         self.tables = Tables(Scope(None, None))
         self._report = report
-        self._lookup = Lookup(self.tables.top, report, declares)
+        self._lookup = Lookup(self.tables.top, report, declares, ignore_case_clashes)
+        self._key = self._lookup.key
         self._unit: Unit
 
     @abstractmethod
@@ -123,12 +125,14 @@ class Naming(ABC):
             )
         )
 
-    def _find(self, scope: Scope, name: tree.ScopedName) -> Entity | Primitive | None:
+    def _find(
+        self, scope: Scope, name: tree.ScopedName, *, introduce: bool = True
+    ) -> Entity | Primitive | None:
         """What a name stands for, also into the table."""
         found: Entity | Primitive | None
         built_in = _built_in(scope, name)
         if built_in is None or self._lookup.is_declared(scope, name):
-            found = self._lookup.find(scope, name, self._unit)
+            found = self._lookup.find(scope, name, self._unit, introduce=introduce)
         else:
             found = built_in
         self.tables.references[name] = found
@@ -143,13 +147,13 @@ class Naming(ABC):
         names = [part.removeprefix("_") for part in parts]
         entity: Entity | None = None
         for place in places:
-            found = place.find(names[0].lower())
+            found = place.find(self._key(names[0]))
             if found:
                 entity = found[0]
                 break
         for name in names[1:]:
             inner = entity.inner if entity else None
-            found = inner.find(name.lower()) if inner else []
+            found = inner.find(self._key(name)) if inner else []
             entity = found[0] if found else None
         if entity is None:
             self._report(
@@ -195,6 +199,14 @@ class Naming(ABC):
                 self._value(node.scale, scope)
             case _:
                 self._in_place(node, scope)
+                if depth:
+                    self._report(
+                        type_rules.ANONYMOUS.at(
+                            self._unit.span(node.name.start, node.name.end),
+                            f"{node.name.text} is declared where an element is wanted",
+                            hint=f"declare it before, and write {node.name.text} here",
+                        )
+                    )
 
     def _incomplete(
         self,

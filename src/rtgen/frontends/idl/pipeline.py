@@ -49,29 +49,36 @@ def load(
     root: Path,
     include: Sequence[Path] = (),
     define: Mapping[str, str] | None = None,
+    ignore_case_clashes: bool = False,
 ) -> FrontendResult:
     """Read definition files, each a translation unit, into one model.
 
     `root` is the project's folder, to which the keys of files are relative; `include` are the
-    folders of `#include`, in order; `define` gives macros. Whatever is wrong with the input is in
+    folders of `#include`, in order; `define` gives macros. With `ignore_case_clashes` names that
+    differ in case only are different names. Whatever is wrong with the input is in
     the diagnostics, sorted; nothing is raised for it. Declarations with an error are not in the
     model, nor what depends on them.
     """
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
     try:
-        return _Run(paths, root, include).result(define or {})
+        return _Run(paths, root, include, ignore_case_clashes).result(define or {})
     finally:
         sys.setrecursionlimit(limit)
 
 
 class _Run:
     def __init__(
-        self, paths: Sequence[Path], root: Path, include: Sequence[Path]
+        self,
+        paths: Sequence[Path],
+        root: Path,
+        include: Sequence[Path],
+        ignore_case_clashes: bool,
     ) -> None:
         shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
         self._library = Library(root, include, shown)
         self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
+        self._ignore_case_clashes = ignore_case_clashes
         self._found: dict[Diagnostic, None] = {}
         self._counts: Counter[Severity] = Counter()
         self._preprocessor = Preprocessor(self._library, self._report)
@@ -147,7 +154,9 @@ class _Run:
 
     def _translate(self, source: Source, macros: Mapping[str, Macro]) -> None:
         unit = self._preprocessor.translation_unit(source, macros)
-        tables = Resolver(self._items, self._report, self._declares).run(unit)
+        tables = Resolver(
+            self._items, self._report, self._declares, self._ignore_case_clashes
+        ).run(unit)
         types = Types(tables, self._report)
         lowering = Lowering(types, self._report)
         made: dict[ScopedName, Declaration] = {}

@@ -321,9 +321,7 @@ class _File:
             if macro is None or match.start() < copied:
                 continue
             self._copy(copied, match.start())
-            copied = match.end()
-            if macro.parameters is not None:
-                copied = _call_end(code, copied, end)
+            copied = self._end_of_call(macro, match.start(), match.end(), end)
             call = tokenize(code[match.start() : copied])
             self._replace(call, match.start(), copied)
         self._copy(copied, end)
@@ -336,6 +334,25 @@ class _File:
 
     def _copy(self, start: int, end: int) -> None:
         self.builder.copy(self.source, start, end, self._file, self._shift)
+
+    def _end_of_call(self, macro: Macro, start: int, behind: int, end: int) -> int:
+        """Behind a call that begins at `start`, whose name ends before `behind`.
+
+        The arguments of what it expands to belong to it, too (ISO C, 16.3.4).
+        """
+        code = self.source.code
+        until = behind if macro.parameters is None else _call_end(code, behind, end)
+        while (further := _call_end(code, until, end)) > until:
+            try:
+                expanded = Expander(self.macros).expand(tokenize(code[start:until]))
+            except ExpansionError:
+                break
+            last = next((t for t in reversed(expanded) if t.kind != "space"), None)
+            inner = self.macros.get(last.text) if last and last.kind == "name" else None
+            if last is None or inner is None or inner.name in last.hidden:
+                break
+            until = further
+        return until
 
     def _replace(self, call: list[Token], start: int, end: int) -> None:
         """Append what a macro call at [start, end) expands to."""

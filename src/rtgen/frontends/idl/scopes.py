@@ -110,7 +110,10 @@ class Use:
 
 @dataclass(eq=False, slots=True)
 class Scope:
-    """The names of a scope, by their lower-case forms. `ids` is the path of repository ids."""
+    """The names of a scope, by the keys of the look-up: lower-case forms, as a rule.
+
+    `ids` is the path of repository ids.
+    """
 
     entity: Entity | None
     parent: Scope | None
@@ -119,11 +122,6 @@ class Scope:
     introduced: dict[str, Use] = field(default_factory=dict)
     bases: list[Scope] = field(default_factory=list)
     imported: list[Scope] = field(default_factory=list)
-
-    @property
-    def is_module(self) -> bool:
-        """Whether it is a module or the global scope: introductions go no further out."""
-        return self.entity is None or self.entity.kind is Kind.MODULE
 
     @property
     def path(self) -> ScopedName:
@@ -138,7 +136,7 @@ class Scope:
             scope = scope.parent
 
     def find(self, key: str) -> list[Entity]:
-        """What `key` (lower case) may mean here: own before inherited, more if ambiguous."""
+        """What `key` may mean here: own before inherited, more if ambiguous."""
         own = self.names.get(key)
         if own is not None:
             return [own]

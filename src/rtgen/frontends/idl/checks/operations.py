@@ -51,7 +51,7 @@ def _operation(
     for parameter in node.parameters:
         _parameter(parameter, node, entity, context, remote)
     if node.raises is not None:
-        _raises(node.raises, entity, context)
+        _raises(node.raises, entity, context, remote)
         if node.oneway:
             message = f"{node.name.text} is oneway, so it raises nothing"
             hint = "leave raises or oneway out"
@@ -123,9 +123,13 @@ def _type(node: tree.TypeNode, entity: Entity, context: Context, remote: bool) -
     if not context.is_data(node, entity.unit):
         return
     if remote and context.is_local(context.types.of_node(node, entity.unit)):
-        message = f"{entity.name} is not local, so it cannot mention a local type"
-        hint = f"make {entity.name} local, or use a type that is not"
-        context.tell(type_rules.LOCAL_TYPE, entity.unit, node, message, hint=hint)
+        _mentions_local(node, entity, context)
+
+
+def _mentions_local(node: tree.TypeNode, entity: Entity, context: Context) -> None:
+    message = f"{entity.name} is not local, so it cannot mention a local type"
+    hint = f"make {entity.name} local, or use a type that is not"
+    context.tell(type_rules.LOCAL_TYPE, entity.unit, node, message, hint=hint)
 
 
 def _attribute(
@@ -134,10 +138,10 @@ def _attribute(
     _type(node.type, entity, context, remote)
     for clause in (node.get_raises, node.set_raises):
         if clause is not None:
-            _raises(clause, entity, context)
+            _raises(clause, entity, context, remote)
 
 
-def _raises(clause: tree.Names, entity: Entity, context: Context) -> None:
+def _raises(clause: tree.Names, entity: Entity, context: Context, remote: bool) -> None:
     unit = entity.unit
     if not clause.names:
         hint = "name an exception, or leave raises out"
@@ -168,4 +172,6 @@ def _raises(clause: tree.Names, entity: Entity, context: Context) -> None:
                 related=[Related(first, "the first time")],
                 hint="remove one",
             )
+        elif remote and context.is_local(context.types.named(found)):
+            _mentions_local(name, entity, context)
         seen.setdefault(found, name)

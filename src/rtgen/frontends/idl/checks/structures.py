@@ -107,6 +107,11 @@ def typedef(entity: Entity, context: Context) -> None:
 def constant(entity: Entity, context: Context) -> None:
     """A constant's type has constants; `constants` has told where it has not."""
     assert isinstance(entity.node, tree.Const)
+    type_ = entity.node.type
+    if isinstance(type_, tree.Fixed) and type_.digits is not None:
+        message = "the digits of a fixed-point constant are those of its value"
+        hint = "write fixed, or give the type a name by a typedef"
+        context.tell(rules.BAD_FIXED, entity.unit, type_, message, hint=hint)
     if context.types.of_node(entity.node.type, entity.unit) is None:
         entity.poisoned = True
 

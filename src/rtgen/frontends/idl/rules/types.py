@@ -108,7 +108,8 @@ ANONYMOUS = Rule(
     Severity.ERROR,
     """
 Sequences, maps, arrays, fixed-point types and declarations in place cannot be the type of a
-parameter, a result or an attribute. Give the type a name:
+parameter, a result or an attribute; declarations in place cannot be an element of a sequence or
+map, either. Give the type a name:
 
 ```idl
 typedef sequence<double> Angles;
