@@ -83,3 +83,26 @@ def test_aliases_are_named_and_looked_through(m: Any, tmp_path: Path) -> None:
 def test_generated_values_are_pickled(m: Any) -> None:
     value = m.Node([m.Node([], 2.0)], 1.0)
     assert pickle.loads(pickle.dumps(value)) == value
+
+
+def test_names_that_two_files_have(tmp_path: Path) -> None:
+    """What is imported never takes the place of what the module makes itself."""
+    first = tmp_path / "first.idl"
+    first.write_text("module A { typedef long Id; interface Role { Id get(); }; };")
+    second = tmp_path / "second.idl"
+    second.write_text(
+        '#include "first.idl"\n'
+        "module B { typedef A::Id Id; interface Role : A::Role { Id own(); };\n"
+        "struct Both { A::Id theirs; Id ours; }; };"
+    )
+    package = emitted.emit(tmp_path, [first, second])
+    members = package.b.Both._descriptor_.members
+    assert [member.type.name for member in members] == ["A::Id", "B::Id"]
+    assert package.b.RoleStub.__mro__[1:4] == (
+        package.b.Role,
+        package.a.RoleStub,
+        package.a.Role,
+    )
+    text = (tmp_path / package.__name__ / "_idl" / "second.py").read_text()
+    assert "RoleStub as RoleStub_" in text
+    assert "class RoleStub(Role, RoleStub_):" in text

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from rtgen.model import ScopedName
+from collections.abc import Iterator
+
+from rtgen.model import Declaration, Interface, ScopedName, Typedef
 from rtgen.typemap.idl_python import PythonNames
 from rtgen.typemap.python_support import HOMES
 
@@ -18,12 +20,23 @@ class Scope:
         self._names = names
         self._module = module
         self._attributes = names.attribute_names(module)
-        self._classes = {
-            names.implementation(d.name)[1] for d in names.declarations(module)
-        }
         self._imports: dict[tuple[str, str], str] = {}
-        self.globals: set[str] = {*self._classes, *HOMES}
+        self.globals: set[str] = {*HOMES}
         """What function bodies must not use for their variables."""
+        for declaration in names.declarations(module):
+            self.globals.update(self._own_names(declaration))
+
+    def _own_names(self, declaration: Declaration) -> Iterator[str]:
+        """What the module itself makes of a declaration."""
+        name = declaration.name
+        yield self.reference(name)
+        match declaration:
+            case Interface():
+                yield self.companion(name, "Stub")
+                yield self.companion(name, "Skeleton")
+            case Typedef():
+                yield self.companion(name, "Codec")
+                yield self.alias(name)
 
     def __getattr__(self, name: str) -> str:
         """`py.dataclass` in a template: the name as the module writes it."""
