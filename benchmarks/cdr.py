@@ -89,18 +89,21 @@ def our_cases(folder: Path) -> Callable[[int, int], list[Case]]:
                 list(made.error),
             )
 
+        second = value.to_xcdr2()
+        from_xcdr2 = iis.TimedPose2D.from_xcdr2
         return [
             Case("rtgen", value.to_cdr, lambda: from_cdr(octets)),
+            Case("rtgen, XCDR2", value.to_xcdr2, lambda: from_xcdr2(second)),
             Case("rtgen, built and read", build, read),
         ]
 
     return cases
 
 
-def cyclone_case() -> Callable[[int, int], Case]:
+def cyclone_cases() -> Callable[[int, int], list[Case]]:
     from cyclonedds_types import Point2D, Pose2D, Time, TimedPose2D
 
-    def case(ids: int, errors: int) -> Case:
+    def cases(ids: int, errors: int) -> list[Case]:
         value = TimedPose2D(
             Time(1, 2),
             list(range(ids)),
@@ -108,11 +111,19 @@ def cyclone_case() -> Callable[[int, int], Case]:
             [i / 7 for i in range(errors)],
         )
         octets = value.serialize()
-        return Case(
-            "cyclonedds", value.serialize, lambda: TimedPose2D.deserialize(octets)
-        )
+        second = value.serialize(use_version_2=True)
+        return [
+            Case(
+                "cyclonedds", value.serialize, lambda: TimedPose2D.deserialize(octets)
+            ),
+            Case(
+                "cyclonedds, XCDR2",
+                lambda: value.serialize(use_version_2=True),
+                lambda: TimedPose2D.deserialize(second),
+            ),
+        ]
 
-    return case
+    return cases
 
 
 def protobuf_case() -> Callable[[int, int], Case]:
@@ -248,11 +259,13 @@ def median_times(tasks: list[Task]) -> list[float]:
 
 def report(what: str, cases: list[Case], tasks: list[Task]) -> None:
     times = median_times(tasks)
-    bases = {"rtgen": times[0], "rtgen, built and read": times[1]}
+    ours = dict(zip((case.name for case in cases), times, strict=True))
     for case, taken in zip(cases, times, strict=True):
-        base = bases["rtgen"]
+        base = ours["rtgen"]
         if case.name.startswith("protobuf"):
-            base = bases["rtgen, built and read"]
+            base = ours["rtgen, built and read"]
+        elif case.name.endswith("XCDR2"):
+            base = ours["rtgen, XCDR2"]
         print(f"  {what:7} {case.name:24} {taken:9.0f} ns  {taken / base:6.2f}")
 
 
@@ -260,10 +273,13 @@ def main() -> None:
     """Prints times and ratios (the other's time over ours) for each pair of lengths."""
     with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as two:
         mine = our_cases(Path(one))
-        peers = [cyclone_case(), protobuf_case(), omniorb_case(Path(two))]
-        print("time, and its ratio to ours; protobuf's to ours built and read")
+        cyclone = cyclone_cases()
+        peers = [protobuf_case(), omniorb_case(Path(two))]
+        print("time, and its ratio to ours in the same representation;")
+        print("protobuf's to ours built and read")
         for ids, errors in LENGTHS:
-            cases = [*mine(ids, errors), *(peer(ids, errors) for peer in peers)]
+            cases = [*mine(ids, errors), *cyclone(ids, errors)]
+            cases += [peer(ids, errors) for peer in peers]
             print(f"TimedPose2D {ids}/{errors}")
             report("encode", cases, [case.encode for case in cases])
             report("decode", cases, [case.decode for case in cases])

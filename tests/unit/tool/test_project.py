@@ -103,6 +103,8 @@ def test_the_file_is_found_upwards_and_paths_are_shown_from_here(
         ("[sources]\ndefine = [1]\n", "PRJ0003", 2, 1, "table"),
         ("[sources.define]\n1x = 1\n", "PRJ0003", 1, 2, "1x"),
         ('[output]\ntarget = "ros"\n', "PRJ0003", 2, 1, "embedded"),
+        ('[output]\nrepresentation = "xcdr"\n', "PRJ0003", 2, 1, "xcdr2"),
+        ("[output]\nextensibility = 1\n", "PRJ0003", 2, 1, "appendable"),
         ('[components]\nA = "no factory"\n', "PRJ0003", 2, 1, "module:attribute"),
         ('[output]\npackage = "my-bots"\n', "PRJ0004", 2, 1, "identifier"),
         ('[output]\npackage = "class"\n', "PRJ0004", 2, 1, "identifier"),
