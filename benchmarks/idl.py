@@ -1,0 +1,236 @@
+"""`rtgen inspect --json` beside `omniidl -bdump`: whole processes, interleaved, medians.
+
+A large synthetic file, and the small ones of OpenRTM. Cold: no cache, bytecode there. Cached: the
+same run again, nothing changed. Below, where the time of a cold run of the large file goes.
+"""
+
+from __future__ import annotations
+
+import gc
+import os
+import shutil
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parent.parent
+ROUNDS = 7
+BIG = "synthetic.idl"
+SMALL = ("BasicDataType.idl", "ExtendedDataTypes.idl", "InterfaceDataTypes.idl")
+LIMITS = {"cold": 3.0, "cached": 1.0, "small": 10.0}
+"""How many times as long as omniidl a run may take."""
+
+STRUCTS, ENUMS, EXCEPTIONS, INTERFACES = 2000, 200, 100, 100
+TYPES = (
+    *("double", "long", "unsigned short", "float", "octet", "boolean", "string"),
+    *("long long", "char", "sequence<double>", "sequence<octet>", "string<16>"),
+)
+
+
+def synthetic() -> str:
+    """One module of 2,000 structs of 8 members, 200 enums, 100 exceptions and 100 interfaces."""
+    lines = ["module Synthetic {"]
+    for number in range(STRUCTS):
+        if number % (STRUCTS // ENUMS) == 0:
+            lines += _enum(number // (STRUCTS // ENUMS))
+        lines += _struct(number)
+        if number % (STRUCTS // INTERFACES) == 0:
+            lines += _interface(number // (STRUCTS // INTERFACES), number)
+    return "\n".join([*lines, "};", ""])
+
+
+def _enum(number: int) -> Iterator[str]:
+    names = ", ".join(f"STATE_{number}_{i}" for i in range(5))
+    yield f"  enum Mode{number} {{ {names} }};"
+
+
+def _struct(number: int) -> Iterator[str]:
+    yield f"  struct Record{number} {{"
+    for member in range(8):
+        kind = (number * 7 + member * 5) % (len(TYPES) + 3)
+        if kind < len(TYPES):
+            yield f"    {TYPES[kind]} field_{member};"
+        elif kind == len(TYPES) or not number:
+            yield f"    Mode{number // 10} field_{member};"
+        elif kind == len(TYPES) + 1:
+            yield f"    Record{number - 1} field_{member};"
+        else:
+            yield f"    sequence<Record{number - 1}> field_{member};"
+    yield "  };"
+
+
+def _interface(number: int, struct: int) -> Iterator[str]:
+    yield f"  exception Failure{number} {{"
+    yield "    string reason;"
+    yield "    long code;"
+    yield "  };"
+    yield ""
+    yield f"  interface Service{number} {{"
+    yield f"    readonly attribute Mode{struct // 10} mode;"
+    yield "    attribute double rate;"
+    yield f"    Record{struct} get(in long index) raises (Failure{number});"
+    yield f"    void put(in long index, in Record{struct} value);"
+    yield "    oneway void notify(in string text);"
+    yield "    boolean ready();"
+    yield "  };"
+    yield ""
+
+
+@dataclass(slots=True)
+class Figures:
+    """Wall and processor times in seconds, peak memory in MB."""
+
+    times: list[float] = field(default_factory=list)
+    processor: list[float] = field(default_factory=list)
+    peak: float = 0.0
+
+    @property
+    def median(self) -> float:
+        """The median time."""
+        return statistics.median(self.times)
+
+
+Case = Callable[[], tuple[list[str], Mapping[str, str]]]
+
+
+def measure(
+    command: list[str], environment: Mapping[str, str]
+) -> tuple[float, float, float]:
+    """The wall and processor time and the memory of a process; a failure ends the benchmark."""
+    nowhere = [(os.POSIX_SPAWN_OPEN, fd, os.devnull, os.O_WRONLY, 0) for fd in (1, 2)]
+    start = time.perf_counter()
+    process = os.posix_spawn(command[0], command, environment, file_actions=nowhere)
+    _, status, usage = os.wait4(process, 0)
+    elapsed = time.perf_counter() - start
+    if os.waitstatus_to_exitcode(status) != 0:
+        raise SystemExit(f"failed: {' '.join(command)}")
+    return elapsed, usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
+
+
+def cases(file: str, omniidl: str, folder: Path) -> dict[str, Case]:
+    """What is measured of a file: name to a command and its environment."""
+    rtgen = [sys.executable, "-m", "rtgen", "inspect", "--json", file]
+    kept = os.environ | {"RTGEN_CACHE_DIR": str(folder / "cache")}
+    return {
+        "omniidl": lambda: ([omniidl, "-bdump", file], os.environ),
+        "cold": lambda: ([*rtgen, "--no-cache"], kept),
+        "cached": lambda: (rtgen, kept),
+    }
+
+
+def figures(measured: Mapping[str, Case]) -> dict[str, Figures]:
+    """The figures of interleaved rounds, after one that warms up."""
+    found = {name: Figures() for name in measured}
+    for number in range(-1, ROUNDS):
+        for name, case in measured.items():
+            elapsed, processor, peak = measure(*case())
+            if number >= 0:
+                found[name].times.append(elapsed)
+                found[name].processor.append(processor)
+                found[name].peak = max(found[name].peak, peak)
+    return found
+
+
+def tell(file: str, lines: int, found: Mapping[str, Figures]) -> None:
+    """Print the figures of a file."""
+    base = found["omniidl"]
+    for name, known in found.items():
+        limit = LIMITS[name if file == BIG else "small"] if name != "omniidl" else None
+        ratio = known.median / base.median
+        processor = statistics.median(known.processor)
+        processors = processor / statistics.median(base.processor)
+        told = (
+            "" if limit is None else f"  (limit {limit:g}{' MISSED' * (ratio > limit)})"
+        )
+        print(
+            f"{file:<24}{lines:>6}  {name:<8}{known.median:>8.3f} s{ratio:>6.2f} x"
+            f"{processor:>8.3f} s{processors:>6.2f} x{known.peak:>6.0f} MB{told}"
+        )
+
+
+def stages(file: Path) -> dict[str, float]:
+    """Processor time of each stage of a cold run, in this process."""
+    spent: dict[str, float] = {}
+    within = [0.0]
+
+    def timed(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        """The function, with its time noted, less that of stages within it."""
+
+        def wrapped(*args: Any, **kwargs: Any) -> Any:
+            within.append(0.0)
+            start = time.process_time()
+            try:
+                return function(*args, **kwargs)
+            finally:
+                elapsed = time.process_time() - start
+                spent[name] = spent.get(name, 0.0) + elapsed - within.pop()
+                within[-1] += elapsed
+
+        return wrapped
+
+    modules = timed("imports", lambda names: [import_module(name) for name in names])(
+        ["rtgen.cli.inspect", "rtgen.inspect", "rtgen.frontends.idl.pipeline"]
+    )
+    from rtgen.frontends.idl import checks, lower, names, parser, pipeline, preprocessor
+
+    for name, owner, attribute in (
+        ("grammar", parser, "_grammar"),
+        ("read", pipeline.Library, "open"),
+        ("preprocess", preprocessor.Preprocessor, "translation_unit"),
+        ("lex, parse, build tree", pipeline, "parse"),
+        ("names", names.Resolver, "run"),
+        ("types, lowering", lower.Lowering, "declaration"),
+        ("checks", checks, "run"),
+    ):
+        setattr(owner, attribute, timed(name, getattr(owner, attribute)))
+    gc.disable()
+    result = timed("rest of the front end", pipeline.load)([file], root=file.parent)
+    timed("JSON", modules[1].json_text)(result.model, result.diagnostics)
+    gc.enable()
+    start = time.process_time()
+    scanner = parser._grammar().scanner
+    for match in scanner.finditer(next(iter(result.sources.values()))):
+        match[match.lastgroup]
+    spent["(lex alone)"] = time.process_time() - start
+    return spent
+
+
+def main() -> None:
+    """Prints times, ratios and the profile."""
+    omniidl = shutil.which(
+        "omniidl", path=f"{Path(sys.executable).parent}:{os.environ['PATH']}"
+    )
+    if omniidl is None:
+        raise SystemExit("omniidl: not found (pip install jeteve-omniorb)")
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        os.chdir(folder)
+        Path(BIG).write_text(synthetic(), encoding="utf-8")
+        for name in SMALL:
+            shutil.copy(ROOT / "specs" / "idl" / name, folder)
+        print(
+            f"Python {sys.version.split()[0]}, median of {ROUNDS}; wall, then processor time"
+        )
+        for file in (*SMALL, BIG):
+            lines = Path(file).read_text(encoding="utf-8").count("\n")
+            tell(file, lines, figures(cases(file, omniidl, folder)))
+        empty = figures({"": lambda: ([sys.executable, "-c", ""], os.environ)})[""]
+        spent = {"start of Python": statistics.median(empty.processor)} | stages(
+            Path(BIG)
+        )
+    lexing = spent.pop("(lex alone)")
+    whole = sum(spent.values())
+    print(f"\n{BIG}, cold, by stage, processor time")
+    for name, seconds in spent.items():
+        print(f"  {name:<24}{seconds * 1e3:>7.0f} ms{seconds / whole:>7.0%}")
+    print(f"  of which lexing         {lexing * 1e3:>7.0f} ms{lexing / whole:>7.0%}")
+
+
+if __name__ == "__main__":
+    main()
