@@ -19,7 +19,7 @@ from collections import defaultdict
 from functools import partial
 from pathlib import Path
 
-from fuzzing import Factory, Failure, Report, attempt, run
+from fuzzing import SECONDS, Factory, Failure, Report, Watch, attempt, run
 from idl_grammar import is_valid, program
 from idl_mutations import mutant
 from idl_target import HELPERS, IdlTarget
@@ -55,7 +55,7 @@ def main() -> int:
         report = Report()
         with tempfile.TemporaryDirectory() as folder:
             data = arguments.replay.read_bytes()
-            attempt(factory(Path(folder)), -1, data, report)
+            attempt(factory(Path(folder)), -1, data, report, Watch(SECONDS / 2))
     else:
         numbers = range(arguments.first, arguments.first + arguments.count)
         report = run(factory, numbers, jobs=arguments.jobs, progress=_progress)

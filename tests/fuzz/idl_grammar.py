@@ -39,7 +39,7 @@ def _style(number: int, chance: Random) -> Style | None:
     return Style(
         flaws=chance.choice((0.0, 0.0, 0.004, 0.02, 0.08)),
         unique=chance.random() < 0.75,
-        most=log_uniform(1, 12 if chance.random() < 0.995 else 200, chance.random()),
+        most=log_uniform(1, 9 if chance.random() < 0.995 else 200, chance.random()),
         corba=chance.random() < 0.2,
     )
 

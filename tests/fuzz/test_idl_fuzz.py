@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from fuzzing import Report, TimeUp, ViolationError, attempt, run, time_limit
+from fuzzing import Report, TimeUp, ViolationError, Watch, attempt, run
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from idl_grammar import is_valid, program
@@ -192,7 +192,9 @@ def test_defects_of_all_sorts_are_noticed() -> None:
 
 def test_an_exception_is_a_failure() -> None:
     report = Report()
-    attempt(Broken(Path()), 0, b"", report)
+    watch = Watch(1.0)
+    attempt(Broken(Path()), 0, b"", report, watch)
+    watch.end()
     assert [f.title for f in report.failures] == ["IndexError: out of range"]
 
 
@@ -202,8 +204,14 @@ def test_an_endless_loop_is_stopped() -> None:
             with suppress(Exception):
                 time.sleep(0)
 
-    with pytest.raises(TimeUp), time_limit(0.05):
-        endless()
+    watch = Watch(0.02)
+    try:
+        with pytest.raises(TimeUp), watch.input():
+            endless()
+        with watch.input():
+            time.sleep(0)
+    finally:
+        watch.end()
 
 
 @pytest.mark.parametrize(
