@@ -61,6 +61,11 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
         "typedef struct A { long x; } B; struct C : B { long y; };",
         (),
     ),
+    "nearly_map": ("struct S { mapp<long, long> a; long b; };", ("IDL0102",)),
+    "vector_behind_an_annotation": (
+        "struct S { @id(1)\n vector<long> a; };",
+        ("IDL0121",),
+    ),
     "lone_underscore": ("enum E { _, A }; struct S { long __; };", ("IDL0207",) * 2),
     "id_that_follows_is_taken": (
         "struct S { @id(2) long a; @id(1) long b; long c; };",

@@ -63,10 +63,10 @@ def word(s: Situation) -> Mistake | None:
     last = s.before[-1] if s.before else None
     reserved = s.text in RESERVED
     if s.text == "<" and last is not None and last.is_name:
-        name = "".join(w.text for w in s.before[-3:] if w.is_word or w.text == "::")
-        hint = TYPES.get(name) or TYPES.get(last.text)
+        scoped = "".join(w.text for w in s.before[-3:])
+        at = s.before[-3] if "::" in scoped and scoped in TYPES else last
+        hint = TYPES.get(scoped) or TYPES.get(last.text)
         if hint is not None:
-            at = s.before[-3] if name in TYPES and len(s.before) > 2 else last
             return _other_language(s, (at.start, last.end), hint)
     named = _named_before(s, reserved)
     if named is not None:

@@ -251,8 +251,9 @@ def _misspelt_before(s: Situation) -> Mistake | None:
         return None
     resume = None
     feed: tuple[str, ...] = ()
-    if single and TERMINALS[meant] in _starters(s):
-        feed, resume = (TERMINALS[meant],), s.start
+    terminal = TERMINALS.get(meant, "")
+    if single and terminal in _starters(s):
+        feed, resume = (terminal,), s.start
     return s.mistake(
         syntax.MISSPELT_KEYWORD,
         f"'{word.text}' is not known here",
