@@ -345,7 +345,7 @@ def _declaration_lines(d: Declaration, model: Model) -> Iterator[str]:
             yield f"{head} = {d.type}"
         case Union():
             yield f"{head} switch ({d.switch})"
-        case Struct(base=base) if base is not None:
+        case Struct(base=base) | Bitset(base=base) if base is not None:
             yield f"{head}: {_scoped(base)}"
         case Interface(bases=bases) | Valuetype(bases=bases) if bases:
             yield f"{head}: {', '.join('::'.join(b) for b in bases)}"

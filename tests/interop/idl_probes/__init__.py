@@ -2,6 +2,8 @@
 
 from idl_probes import (
     constants,
+    corba3,
+    idl4,
     interfaces,
     lexical,
     names,
@@ -19,5 +21,7 @@ SECTIONS: dict[str, list[Probe]] = {
     "types": types.PROBES,
     "interfaces": interfaces.PROBES,
     "constants": constants.PROBES,
+    "corba3": corba3.PROBES,
+    "idl4": idl4.PROBES,
 }
 """Every probe, by section of the language."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+import struct
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
 from types import MappingProxyType
@@ -39,16 +40,24 @@ Wanted = Type | str
 class Definition:
     """An annotation: its arguments, the places where it means something, what it needs.
 
-    `flag` says that a missing argument means TRUE.
+    `words` are those that an argument which is one can be; empty for any.
     """
 
     arguments: Mapping[str, Wanted] = field(default_factory=dict)
     places: frozenset[str] = frozenset()
     required: bool = False
+    words: tuple[str, ...] = ()
 
 
-def _define(places: str, *, required: bool = False, **arguments: Wanted) -> Definition:
-    return Definition(MappingProxyType(arguments), frozenset(places.split()), required)
+def _define(
+    places: str, *, required: bool = False, words: str = "", **arguments: Wanted
+) -> Definition:
+    return Definition(
+        MappingProxyType(arguments),
+        frozenset(places.split()),
+        required,
+        tuple(words.split()),
+    )
 
 
 _ANYWHERE = (
@@ -62,12 +71,14 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
     {
         # OMG IDL 4.2, 8.3
         "id": _define("member case", required=True, value=INTEGER),
-        "autoid": _define(_TYPES + " module", value=WORD),
+        "autoid": _define(_TYPES + " module", words="SEQUENTIAL HASH", value=WORD),
         "hashid": _define("member case", value=TEXT),
         "optional": _define("member", value=FLAG),
         "position": _define("enumerator member", required=True, value=INTEGER),
         "value": _define("enumerator", required=True, value=INTEGER),
-        "extensibility": _define(_TYPES, required=True, value=WORD),
+        "extensibility": _define(
+            _TYPES, required=True, words="FINAL APPENDABLE MUTABLE", value=WORD
+        ),
         "final": _define(_TYPES),
         "appendable": _define(_TYPES),
         "mutable": _define(_TYPES),
@@ -94,7 +105,9 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
         "data_representation": _define(
             "struct union module", allowed_kinds=WORD, value=WORD
         ),
-        "try_construct": _define("member case typedef", value=WORD),
+        "try_construct": _define(
+            "member case typedef", words="DISCARD USE_DEFAULT TRIM", value=WORD
+        ),
         "ignore_literal_names": _define("enum", value=FLAG),
         "non_serialized": _define("member", value=FLAG),
         "transfer_mode": _define(_ANYWHERE, value=WORD),
@@ -159,7 +172,7 @@ class Annotations:
     def _one(
         self, node: tree.Annotation, place: str, unit: Unit, type_: Type | None
     ) -> Annotation:
-        definition = DEFINITIONS.get(node.name)
+        definition = DEFINITIONS.get(node.name) or self._declared(node.name)
         span = unit.span(node.start, node.end)
         if definition is None:
             near = nearest(node.name, DEFINITIONS)
@@ -178,17 +191,29 @@ class Annotations:
             message = f"@{node.name} means nothing for {_article(place)}"
             hint = f"it belongs to: {', '.join(sorted(definition.places))}"
             self._report(rules.MISPLACED.at(span, message, hint=hint))
-        arguments = []
+        arguments: list[tuple[str, ConstantValue]] = []
         for argument in node.arguments:
             key = argument.name.text if argument.name else "value"
             value = self._argument(node, key, argument.value, definition, unit, type_)
-            if value is not None:
+            if any(key == other for other, _ in arguments):
+                again = unit.span(argument.value.start, argument.value.end)
+                message = f"'{key}' is given twice"
+                hint = "keep one of them"
+                self._report(rules.BAD_ARGUMENT.at(again, message, hint=hint))
+            elif value is not None:
                 arguments.append((key, value))
         if definition is not None and definition.required and not node.arguments:
             hint = f"write @{node.name}({', '.join(definition.arguments).upper()})"
             message = f"@{node.name} needs an argument"
             self._report(rules.BAD_ARGUMENT.at(span, message, hint=hint))
         return Annotation(node.name, tuple(arguments))
+
+    def _declared(self, name: str) -> Definition | None:
+        """An annotation that is declared by `@annotation`: it may stand anywhere."""
+        found = self._types.tables.annotations.get(name)
+        if found is None:
+            return None
+        return Definition(dict.fromkeys(found, WORD), frozenset(_ANYWHERE.split()))
 
     def _argument(
         self,
@@ -220,8 +245,21 @@ class Annotations:
         if wanted == TYPED:
             wanted = self._scalar(type_)
         if wanted is None or isinstance(wanted, str):
-            return self.natural(value, unit)
-        return self._types.constants.evaluate(value, wanted, unit, "argument")
+            found = self.natural(value, unit)
+            words = definition.words if definition is not None else ()
+            if words and str(found).upper() not in words:
+                self._report(
+                    rules.BAD_ARGUMENT.at(
+                        unit.span(value.start, value.end),
+                        f"@{node.name} cannot be {found}",
+                        hint=f"write one of {', '.join(words)}",
+                    )
+                )
+                return None
+            return found
+        found = self._types.constants.evaluate(value, wanted, unit, "argument")
+        single = self._types.unaliased(wanted) == PRIMITIVES[Primitive.FLOAT]
+        return _shortest(found) if single and isinstance(found, float) else found
 
     def _scalar(self, type_: Type | None) -> Type | None:
         """The type that a default has: lists are given as text."""
@@ -256,6 +294,37 @@ class Annotations:
                 return flag
         type_ = NUMBER if _has_point(value) else INTEGER
         return constants.evaluate(value, type_, unit, "argument")
+
+
+def _shortest(value: float) -> float:
+    """The number of the fewest digits that is this one in single precision."""
+    for digits in range(1, 9):
+        short = float(f"{value:.{digits}g}")
+        if struct.pack("<f", short) == struct.pack("<f", value):
+            return short
+    return value
+
+
+def limits(
+    found: Iterable[Annotation],
+) -> tuple[ConstantValue | None, ConstantValue | None, ConstantValue | None]:
+    """The minimum, the maximum and the default that annotations give."""
+    found = tuple(found)
+    low, high = value(found, "range", "min"), value(found, "range", "max")
+    low = value(found, "min") if low is None else low
+    high = value(found, "max") if high is None else high
+    return low, high, value(found, "default")
+
+
+def contradictions(found: Iterable[Annotation]) -> Iterator[str]:
+    """What is wrong with a default and the limits around it."""
+    low, high, default = limits(found)
+    if exceeds(low, high):
+        yield f"the minimum {low} is larger than the maximum {high}"
+    if exceeds(low, default):
+        yield f"the default {default} is below the minimum {low}"
+    if exceeds(default, high):
+        yield f"the default {default} is above the maximum {high}"
 
 
 def _has_point(node: tree.Expression) -> bool:

@@ -120,7 +120,8 @@ class Builder:
         return self._unused(children, children[-1], "template module")
 
     def module_alias(self, children: Children) -> tree.Unused:
-        return self._unused(children, children[-1], "alias")
+        keyword, target, name = children
+        return tree.Unused("alias", _name(name), _start(keyword), _end(name), target)
 
     def _unused(self, children: Children, name: Token, keyword: str) -> tree.Unused:
         last = children[-1]
@@ -203,11 +204,15 @@ class Builder:
         name, _, value = children
         return tree.Argument(_name(name), value)
 
-    def annotation_item(self, children: Children) -> None:
-        return None
+    def annotation_item(self, children: Children) -> tree.Name | None:
+        named = len(children) > 2
+        return _name(children[1]) if named else None
 
-    def annotation_dcl(self, children: Children) -> tree.Unused:
-        return self._unused(children, children[1], "annotation")
+    def annotation_dcl(self, children: Children) -> tree.AnnotationDcl:
+        members = (c.text for c in children if type(c) is tree.Name)
+        return tree.AnnotationDcl(
+            _name(children[1]), tuple(members), _start(children[0]), _end(children[-1])
+        )
 
     def annotated_type(self, children: Children) -> tree.TypeNode:
         type_: tree.TypeNode = children[-1]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from rtgen.diagnostics import Diagnostic, Related
 from rtgen.frontends.idl import tree
-from rtgen.frontends.idl.annotations import Annotations, exceeds, text, value
+from rtgen.frontends.idl.annotations import Annotations, contradictions, limits, text
 from rtgen.frontends.idl.rules import annotations as rules
 from rtgen.frontends.idl.scopes import Entity, Kind
 from rtgen.frontends.idl.typetable import Types
@@ -256,27 +256,10 @@ class Components:
     def _parameter(
         self, entity: Entity, type_: Type, found: tuple[Annotation, ...], doc: str
     ) -> ConfigurationParameter:
-        low, high = value(found, "range", "min"), value(found, "range", "max")
-        low = value(found, "min") if low is None else low
-        high = value(found, "max") if high is None else high
-        default = value(found, "default")
-        for wrong, message in (
-            (
-                exceeds(low, high),
-                f"the minimum {low} is larger than the maximum {high}",
-            ),
-            (
-                exceeds(low, default),
-                f"the default {default} is below the minimum {low}",
-            ),
-            (
-                exceeds(default, high),
-                f"the default {default} is above the maximum {high}",
-            ),
-        ):
-            if wrong:
-                hint = "correct @default, @min or @max"
-                self._report(rules.DEFAULT_RANGE.at(entity.span, message, hint=hint))
+        low, high, default = limits(found)
+        for message in contradictions(found):
+            hint = "correct @default, @min or @max"
+            self._report(rules.DEFAULT_RANGE.at(entity.span, message, hint=hint))
         return ConfigurationParameter(
             span=entity.span,
             doc=doc,

@@ -11,6 +11,7 @@ from rtgen.frontends.idl.alike import alike
 from rtgen.frontends.idl.lookup import called, kind_of
 from rtgen.frontends.idl.naming import FORWARDS, Naming
 from rtgen.frontends.idl.repository import Identities, below
+from rtgen.frontends.idl.rules import annotations as annotation_rules
 from rtgen.frontends.idl.rules import lexical, syntax
 from rtgen.frontends.idl.rules import names as rules
 from rtgen.frontends.idl.rules import types as type_rules
@@ -53,6 +54,7 @@ class Resolver(Naming):
             tree.Identity: self._identity,
             tree.Import: self._import,
             tree.Unused: self._unused,
+            tree.AnnotationDcl: self._annotation_dcl,
             tree.Skipped: self._skipped,
             tree.Member: self._member,
             tree.Case: self._case,
@@ -196,8 +198,11 @@ class Resolver(Naming):
             self._inner(entity, "")
         assert entity.inner is not None
         before = entity.inner.ids
-        ids = entity.prefix if entity.prefix is not None else scope.ids
-        entity.inner.ids = below(ids, entity.name)
+        entity.inner.ids = (
+            below(scope.ids, entity.name)
+            if entity.prefix is None
+            else below(entity.prefix, "/".join(entity.path))
+        )
         self._body(entity, node.body)
         entity.inner.ids = before
 
@@ -510,11 +515,31 @@ class Resolver(Naming):
 
     def _home(self, node: tree.Home, scope: Scope, item: tree.Item) -> None:
         entity = self._open(scope, node.name, Kind.HOME, node, item)
-        for name in (node.base, *node.supports, node.manages, node.key):
+        if node.base is not None:
+            self._bases(entity, (node.base,), (Kind.HOME,))
+        managed = self._find(scope, node.manages)
+        if isinstance(managed, Entity) and managed.kind is not Kind.COMPONENT:
+            self._report(
+                type_rules.BAD_BASE.at(
+                    self._unit.span(node.manages.start, node.manages.end),
+                    f"{called(managed)} is no component that a home could manage",
+                    related=[Related(managed.span, "declared here")],
+                    hint="name a component",
+                )
+            )
+            entity.poisoned = True
+        for name in (*node.supports, node.key):
             if name is not None:
                 self._find(scope, name)
         self._body(entity, node.body)
         entity.complete = True
+        self._report(
+            annotation_rules.CONSTANT_ATTRIBUTE.at(
+                entity.span,
+                f"the home {entity.name} is read, but nothing is made of it",
+                hint="components are made by the factory of their module",
+            )
+        )
 
     def _operation(self, node: tree.Operation, scope: Scope, item: tree.Item) -> None:
         if node.type is not None:
@@ -547,7 +572,12 @@ class Resolver(Naming):
         self._member(node.member, scope, item)
 
     def _port(self, node: tree.PortItem, scope: Scope, item: tree.Item) -> None:
-        self._type(node.type, scope)
+        if node.keyword in ("port", "mirrorport") and isinstance(
+            node.type, tree.ScopedName
+        ):
+            self._find(scope, node.type)
+        else:
+            self._type(node.type, scope)
         entity = Entity(
             *(
                 node.name.text,
@@ -574,8 +604,17 @@ class Resolver(Naming):
         if node.keyword == "typeid":
             span = self._unit.span(node.start, node.text.end)
             self._identities.set_id(found, text, span)
+        elif found.inner is None:
+            self._report(
+                rules.NOT_A_SCOPE.at(
+                    self._unit.span(node.name.start, node.name.end),
+                    f"{called(found)} has no names inside it",
+                    hint="typeprefix names a module or an interface",
+                )
+            )
         else:
             found.prefix = text
+            found.inner.ids = below(text, "/".join(found.path))
 
     def _import(self, node: tree.Import, scope: Scope, item: tree.Item) -> None:
         if node.name is None:
@@ -597,12 +636,25 @@ class Resolver(Naming):
             )
         )
 
+    def _annotation_dcl(
+        self, node: tree.AnnotationDcl, scope: Scope, item: tree.Item
+    ) -> None:
+        self.tables.annotations[node.name.text] = node.members
+        self._read_only("the declaration of an annotation", node.name)
+
     def _unused(self, node: tree.Unused, scope: Scope, item: tree.Item) -> None:
-        name = node.name
+        if node.name is not None:
+            entity = self._new(scope, node.name, Kind.UNUSED, node, listed=False)
+            target = self._find(scope, node.target) if node.target else None
+            entity.poisoned = node.target is None
+            entity.inner = target.inner if isinstance(target, Entity) else None
+        self._read_only(node.keyword, node.name)
+
+    def _read_only(self, what: str, name: tree.Name | None) -> None:
         self._report(
             type_rules.READ_ONLY.at(
                 self._unit.span(name.start, name.end) if name else None,
-                f"{node.keyword} is read, but nothing is made of it",
+                f"{what} is read, but nothing is made of it",
                 hint="declarations of modules, types and interfaces are used",
             )
         )

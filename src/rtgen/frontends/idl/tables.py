@@ -35,7 +35,8 @@ CORBA_TYPES = {
 class Tables:
     """What name resolution finds out about a translation unit.
 
-    `references` has None for names that were reported, and a Primitive for IDL 4's integers.
+    `references` has None for names that were reported, and a Primitive for IDL 4's integers;
+    `annotations` are those that `@annotation` declares, each with its members.
     """
 
     top: Scope
@@ -44,4 +45,5 @@ class Tables:
     )
     entities: dict[tree.Name, Entity] = field(default_factory=dict)
     declared: list[Entity] = field(default_factory=list)
+    annotations: dict[str, tuple[str, ...]] = field(default_factory=dict)
     units: list[Unit] = field(default_factory=list)

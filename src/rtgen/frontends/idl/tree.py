@@ -510,13 +510,27 @@ class Import:
 
 
 @node
+class AnnotationDcl:
+    """`@annotation name { ... }`, with the names of its members."""
+
+    name: Name
+    members: tuple[str, ...]
+    start: int
+    end: int
+
+
+@node
 class Unused:
-    """A construct that is read only: a porttype, a connector, an annotation's declaration ..."""
+    """A construct that is read only: a porttype, a connector, a template module ...
+
+    `target` is the module that an alias stands for.
+    """
 
     keyword: str
     name: Name | None
     start: int
     end: int
+    target: ScopedName | None = None
 
 
 @node
@@ -556,6 +570,7 @@ Node: TypeAlias = (
     | Home
     | Identity
     | Import
+    | AnnotationDcl
     | Unused
     | Skipped
     | Member

@@ -20,6 +20,7 @@ from rtgen.model import Declaration, ScopedName
 
 _CHECKS: Mapping[Kind, tuple[Callable[[Entity, Context], None], ...]] = {
     Kind.STRUCT: (
+        interfaces.inherited,
         structures.members,
         structures.annotated,
         structures.member_ids,
@@ -28,7 +29,12 @@ _CHECKS: Mapping[Kind, tuple[Callable[[Entity, Context], None], ...]] = {
     Kind.BITSET: (structures.bitset,),
     Kind.TYPEDEF: (structures.typedef,),
     Kind.CONST: (structures.constant,),
-    Kind.UNION: (unions.branches, unions.labels, structures.member_ids),
+    Kind.UNION: (
+        unions.branches,
+        unions.labels,
+        structures.annotated,
+        structures.member_ids,
+    ),
     Kind.INTERFACE: (interfaces.bases, interfaces.inherited, operations.all_of),
     Kind.VALUETYPE: (
         values.bases,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rtgen.diagnostics import Related
 from rtgen.frontends.idl import tree
+from rtgen.frontends.idl.annotations import contradictions
 from rtgen.frontends.idl.checks.context import Context
 from rtgen.frontends.idl.constants import RANGES
 from rtgen.frontends.idl.rules import annotations as annotation_rules
@@ -54,9 +55,17 @@ def annotated(entity: Entity, context: Context) -> None:
         context.report(
             annotation_rules.EXTENSIBILITY.at(entity.span, message, hint=hint)
         )
-    if not isinstance(declaration, Struct):
-        return
+    if isinstance(declaration, Struct):
+        _member_annotations(declaration, context)
+
+
+def _member_annotations(declaration: Struct, context: Context) -> None:
     for member in declaration.members:
+        for message in contradictions(member.annotations):
+            hint = "correct @default, @min or @max"
+            context.report(
+                annotation_rules.DEFAULT_RANGE.at(member.span, message, hint=hint)
+            )
         if member.key and member.optional:
             message = f"{member.name} is a key, so it cannot be optional"
             hint = "remove @key or @optional"
