@@ -41,6 +41,7 @@ ACCEPTED: dict[str, str] = {
     "wchar_switch": "union U switch (wchar) { case L'a': long x; };",
     "attribute_raises": "exception E {}; interface I { attribute long a getraises(E) setraises(E);"
     " readonly attribute long b raises(E); };",
+    "words_in_annotations": "@data_representation(XCDR1 | XCDR2) struct S { long a; };",
     "value_annotation": "enum E { @value(3) A, B };",
     "other_pragma": "#pragma keylist S a\nstruct S { @key long a; };",
     "typeid": 'interface I {}; typeid I "IDL:x/I:1.0"; ',

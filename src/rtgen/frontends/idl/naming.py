@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl import tree
+from rtgen.frontends.idl.annotations import DEFINITIONS, WORD
 from rtgen.frontends.idl.lookup import Lookup, called, kind_of
 from rtgen.frontends.idl.repository import repository_id
 from rtgen.frontends.idl.rules import names as rules
@@ -301,12 +302,18 @@ class Naming(ABC):
                 )
             )
 
-    def _value(self, node: tree.Expression | None, scope: Scope) -> None:
-        """Resolve the names in an expression."""
+    def _value(
+        self, node: tree.Expression | None, scope: Scope, *, optional: bool = False
+    ) -> None:
+        """Resolve the names in an expression; those that are none are no matter if `optional`."""
         pending = [node] if node is not None else []
         while pending:
             part = pending.pop()
             match part:
+                case tree.ScopedName() if optional:
+                    self.tables.references[part] = self._lookup.find(
+                        scope, part, self._unit, optional=True
+                    )
                 case tree.ScopedName():
                     self._find(scope, part)
                 case tree.Unary():
@@ -320,16 +327,14 @@ class Naming(ABC):
     def _annotations(
         self, annotations: Iterable[tree.Annotation], scope: Scope
     ) -> None:
-        """Resolve names in arguments; words such as FINAL are no names, so nothing is reported."""
+        """Resolve names in arguments; words such as FINAL or `XML | XCDR2` may be no names."""
         for annotation in annotations:
+            known = DEFINITIONS.get(annotation.name)
             for argument in annotation.arguments:
-                if isinstance(argument.value, tree.ScopedName):
-                    found = self._lookup.find(
-                        scope, argument.value, self._unit, optional=True
-                    )
-                    self.tables.references[argument.value] = found
-                else:
-                    self._value(argument.value, scope)
+                value = argument.value
+                words = known is None or WORD in known.arguments.values()
+                optional = words or isinstance(value, tree.ScopedName)
+                self._value(value, scope, optional=optional)
 
 
 def _built_in(scope: Scope, name: tree.ScopedName) -> Primitive | None:
