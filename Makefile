@@ -25,6 +25,7 @@ types: $(VENV)/test.stamp
 	$(BIN)/mypy --python-version 3.11 src generated
 	$(BIN)/mypy --python-version 3.12 src generated
 	$(BIN)/mypy --python-version 3.13 src generated
+	PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright --pythonpath $(BIN)/python
 
 imports: $(VENV)/test.stamp
 	$(BIN)/lint-imports

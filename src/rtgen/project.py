@@ -131,9 +131,11 @@ def with_arguments(
     define: Sequence[tuple[str, str]] = (),
     ignore_case_clashes: bool = False,
     output: str | None = None,
+    add: bool = False,
 ) -> Project:
     """The project as the command line changes it: other sources, more includes, other folders.
 
+    `add`: the paths are read beside what rtgen.toml names, not in place of it.
     Raises InputError where a path is no definition file.
     """
     changes = project
@@ -150,7 +152,10 @@ def with_arguments(
         findings = [f for p in named if (f := _check_kind(p)) is not None]
         if findings:
             raise InputError(findings)
-        changes = replace(changes, sources=tuple(_files(named, skip=changes.output)))
+        everything = [*project.sources, *named] if add else named
+        changes = replace(
+            changes, sources=tuple(_files(everything, skip=changes.output))
+        )
     return replace(
         changes,
         include=(*(Path(p) for p in include), *project.include),

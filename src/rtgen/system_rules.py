@@ -101,12 +101,17 @@ deactivate = ["Odometry0"]
 
 [[at]]
 t = 4.0
-connect = { from = "A0.out", to = "B0.in", name = "another" }
-set = "PathFollower0.max_v=0.3"
+connect = { from = "A0.out", to = "B0.in" }   # name and properties if wanted
+set = { PathFollower0.max_v = 0.3 }      # or "PathFollower0.max_v=0.3"
 activate = "Odometry0"
+
+[[at]]
+t = 5.0
+disconnect = { from = "A0.out", to = "B0.in" }
 ```
 
-Each value may be a list. At one instant: disconnect, connect, set, deactivate, activate.
+Each value may be a list. At one instant: disconnect, connect, set, deactivate, activate. A
+connection is told by its name, by its connector id, or by its two ports.
 """,
 )
 

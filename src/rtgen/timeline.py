@@ -16,8 +16,10 @@ from rtgen.system_rules import CONDITION, PARAMETER, TIMELINE, UNKNOWN_INSTANCE
 SECOND = 1_000_000_000
 
 _AT = re.compile(r"\s*\[\[\s*at\s*\]\]")
+_SUB = re.compile(r"\s*(?:\[\s*at\s*\.\s*)?[\"']?(\w+)[\"']?\s*[\]=.]")
 _ORDER = ("disconnect", "connect", "set", "deactivate", "activate")
 _LINK_KEYS = frozenset({"from", "to", "name", "properties"})
+_ENDS = frozenset({"from", "to"})
 _PLACE = re.compile(r"\(at line (\d+), column (\d+)\)")
 
 
@@ -62,6 +64,9 @@ class Deactivate:
 
 
 Action: TypeAlias = Disconnect | Connect | SetParameter | Activate | Deactivate
+
+_KINDS = (Disconnect, Connect, SetParameter, Deactivate, Activate)
+"""The order of what happens at one instant."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,16 +174,19 @@ def parse(text: str, name: str, system: System) -> tuple[Step, ...]:
     steps = [*reader.steps(content)]
     if reader.findings:
         raise InputError(reader.findings)
-    return tuple(sorted(steps, key=lambda s: s.time))
+    return tuple(sorted(steps, key=lambda s: (s.time, _KINDS.index(type(s.action)))))
 
 
 class _Reader:
+    """Reads the content of a timeline, with the place of each key."""
+
     def __init__(self, text: str, name: str, system: System) -> None:
         self._name = name
         self._system = system
-        self._connections = {c.name: c for c in system.connections}
-        self._lines = [
-            n for n, line in enumerate(text.split("\n"), 1) if _AT.match(line)
+        self._text = text.split("\n")
+        self._lines = [n for n, line in enumerate(self._text, 1) if _AT.match(line)]
+        self._links = [
+            _Link(c.name, c.id, c.source, c.target) for c in system.connections
         ]
         self.findings: list[Diagnostic] = []
 
@@ -194,40 +202,52 @@ class _Reader:
         ):
             self._refuse(self._span(-1), "'at' must be a list of tables: [[at]]")
             return
-        for number, entry in enumerate(entries):
-            yield from self._entry(entry, self._span(number))
+        # What is cut can be a connection that the timeline makes, so those are read first.
+        for kinds in (("connect",), tuple(k for k in _ORDER if k != "connect")):
+            for number, entry in enumerate(entries):
+                yield from self._entry(entry, number, kinds)
 
-    def _entry(self, entry: dict[str, Any], span: Span) -> Iterator[Step]:
-        time = entry.get("t")
-        if (
-            isinstance(time, bool)
-            or not isinstance(time, int | float)
-            or not 0 <= time < 1e9
-        ):
-            self._refuse(span, "an instant needs t, a time in seconds from 0")
+    def _entry(
+        self, entry: dict[str, Any], number: int, kinds: tuple[str, ...]
+    ) -> Iterator[Step]:
+        time: Any = entry.get("t")
+        fine = isinstance(time, int | float) and not isinstance(time, bool)
+        if not fine or not 0 <= time < 1e9:
+            if kinds[0] == "connect":
+                place = self._span(number, "t")
+                self._refuse(place, "an instant needs t, a time in seconds from 0")
             return
         for key in entry:
-            if key != "t" and key not in _ORDER:
-                self._refuse(
-                    span, f"unknown key {key!r}; known: t, {', '.join(_ORDER)}"
-                )
-        for kind in _ORDER:
+            if kinds[0] == "connect" and key != "t" and key not in _ORDER:
+                known = ", ".join(_ORDER)
+                place = self._span(number, key)
+                self._refuse(place, f"unknown key {key!r}; known: t, {known}")
+        for kind in kinds:
+            span = self._span(number, kind)
             values = entry.get(kind, [])
             for value in values if isinstance(values, list) else [values]:
                 try:
-                    action = self._action(kind, value, span)
+                    for action in self._actions(kind, value, span):
+                        yield Step(round(time * SECOND), action, span)
                 except InputError as error:
                     self.findings += error.diagnostics
-                else:
-                    yield Step(round(time * SECOND), action, span)
 
-    def _action(self, kind: str, value: Any, span: Span) -> Action:
-        if kind == "connect" and isinstance(value, dict):
-            return self._link(value, span)
-        if not isinstance(value, str):
-            raise InputError(
-                [TIMELINE.at(span, f"{kind!r} takes names, not {value!r}")]
-            )
+    def _actions(self, kind: str, value: Any, span: Span) -> Iterator[Action]:
+        match kind, value:
+            case "connect", dict():
+                yield self._made(value, span)
+            case "disconnect", dict():
+                yield Disconnect(self._between(value, span).name)
+            case "set", dict():
+                yield from self._settings(value, span)
+            case _, str():
+                yield self._named(kind, value, span)
+            case _:
+                forms = "names" if kind in ("activate", "deactivate") else _FORMS[kind]
+                message = f"{kind!r} takes {forms}, not {value!r}"
+                raise InputError([TIMELINE.at(span, message)])
+
+    def _named(self, kind: str, value: str, span: Span) -> Action:
         match kind:
             case "set":
                 return assignment(value, self._system, span)
@@ -236,19 +256,45 @@ class _Reader:
             case "deactivate":
                 return Deactivate(require_instance(value, self._system, span))
             case "disconnect":
-                return Disconnect(value)
-        if value not in self._connections:
-            known = ", ".join(self._connections)
-            message = f"no connection {value!r} in the system"
-            raise InputError([TIMELINE.at(span, message, hint=f"known: {known}")])
-        known_one = self._connections[value]
-        properties = dict(known_one.properties)
-        return Connect(value, known_one.source, known_one.target, properties)
+                return Disconnect(self._link(value, span, self._links).name)
+        links = self._links[: len(self._system.connections)]
+        name = self._link(value, span, links).name
+        known = next(c for c in self._system.connections if c.name == name)
+        return Connect(name, known.source, known.target, dict(known.properties))
 
-    def _link(self, value: dict[str, Any], span: Span) -> Connect:
+    def _link(self, text: str, span: Span, links: list[_Link]) -> _Link:
+        """The connection of that name, else of that connector id."""
+        for found in (
+            [link for link in links if link.name == text],
+            [link for link in links if link.id and link.id == text],
+        ):
+            if found:
+                return found[0]
+        known = ", ".join(dict.fromkeys(link.name for link in links)) or "none"
+        message = f"no connection {text!r} in the system"
+        raise InputError([TIMELINE.at(span, message, hint=f"known: {known}")])
+
+    def _between(self, value: dict[str, Any], span: Span) -> _Link:
+        """The one connection of two ports, whichever of them is called its source."""
+        if set(value) != _ENDS:
+            message = "'disconnect' takes a name, or a table of from and to"
+            raise InputError([TIMELINE.at(span, message)])
+        ends = {self._end(value[key], span) for key in ("from", "to")}
+        found = {k.name: k for k in self._links if {k.source, k.target} == ends}
+        if len(found) == 1:
+            return found.popitem()[1]
+        what = f"{value['from']} and {value['to']}"
+        if found:
+            message = f"several connections join {what}"
+            hint = f"name one of them: {', '.join(found)}"
+        else:
+            message, hint = f"no connection joins {what}", None
+        raise InputError([TIMELINE.at(span, message, hint=hint)])
+
+    def _made(self, value: dict[str, Any], span: Span) -> Connect:
         texts = {k: v for k, v in value.items() if k != "properties"}
         properties = value.get("properties", {})
-        fine = isinstance(properties, dict) and set(value) <= _LINK_KEYS
+        fine = isinstance(properties, dict) and _ENDS <= set(value) <= _LINK_KEYS
         if not fine or not all(
             isinstance(v, str) for v in (*texts.values(), *properties.values())
         ):
@@ -256,14 +302,27 @@ class _Reader:
                 "'connect' takes a name, or a table of from, to, name and properties"
             )
             raise InputError([TIMELINE.at(span, message)])
-        ends = [self._end(texts.get(key, ""), span) for key in ("from", "to")]
-        return Connect(
-            texts.get("name", f"{ends[0]}-{ends[1]}"), ends[0], ends[1], properties
-        )
+        ends = [self._end(texts[key], span) for key in ("from", "to")]
+        name = texts.get("name", f"{texts['from']}-{texts['to']}")
+        self._links.append(_Link(name, "", ends[0], ends[1]))
+        return Connect(name, ends[0], ends[1], properties)
 
-    def _end(self, text: str, span: Span) -> PortReference:
-        instance, dot, port = text.partition(".")
-        if not (dot and port):
+    def _settings(self, value: dict[str, Any], span: Span) -> Iterator[SetParameter]:
+        """`{ "A0.gain" = 2 }` or `{ A0.gain = 2 }`, which TOML reads as a table in a table."""
+        for name, content in value.items():
+            pairs = {"": content}
+            if isinstance(content, dict):
+                pairs = {f".{key}": item for key, item in content.items()}
+            for rest, item in pairs.items():
+                text = _parameter_text(item)
+                if text is None:
+                    message = f"{name}{rest}: a parameter cannot be {item!r}"
+                    raise InputError([PARAMETER.at(span, message)])
+                yield assignment(f"{name}{rest}={text}", self._system, span)
+
+    def _end(self, text: object, span: Span) -> PortReference:
+        instance, dot, port = str(text).partition(".")
+        if not (isinstance(text, str) and dot and port):
             raise InputError([TIMELINE.at(span, f"{text!r} is not INSTANCE.PORT")])
         return PortReference(
             instance=require_instance(instance, self._system, span), port=port
@@ -272,6 +331,47 @@ class _Reader:
     def _refuse(self, span: Span, message: str) -> None:
         self.findings.append(TIMELINE.at(span, message))
 
-    def _span(self, number: int) -> Span:
-        line = self._lines[number] if 0 <= number < len(self._lines) else 1
+    def _span(self, number: int, key: str = "") -> Span:
+        """The place of a key of an entry, else of the entry."""
+        if not 0 <= number < len(self._lines):
+            return Span(self._name, 1, 1, 1, 7)
+        line = self._lines[number]
+        end = self._lines[number + 1] - 1 if number + 1 < len(self._lines) else None
+        for n, text in enumerate(self._text[line:end], line + 1):
+            match = _SUB.match(text)
+            if key and match and match[1] == key:
+                column = match.start(1) + 1
+                return Span(self._name, n, column, n, column + len(key))
         return Span(self._name, line, 1, line, 7)
+
+
+@dataclass(frozen=True, slots=True)
+class _Link:
+    """A connection, of the system or of the timeline."""
+
+    name: str
+    id: str
+    source: PortReference
+    target: PortReference
+
+
+_FORMS = {
+    "connect": "names, or a table of from, to, name and properties",
+    "disconnect": "names, or a table of from and to",
+    "set": "INSTANCE.PARAMETER=VALUE, or a table",
+}
+
+
+def _parameter_text(value: object) -> str | None:
+    """A value of TOML as the text of a parameter; None for one that no parameter has."""
+    match value:
+        case str():
+            return value
+        case bool():
+            return str(int(value))
+        case int() | float():
+            return repr(value)
+        case list():
+            items = [_parameter_text(item) for item in value]
+            return None if None in items else ",".join(map(str, items))
+    return None

@@ -35,10 +35,13 @@ def check(
 ) -> int:
     """Compare the tree with what generate would make.
 
-    Exit code 0: the same; 1: files are changed, missing, no longer made, or not rtgen's; a
-    unified diff is printed. Files that a user owns are not looked into. Nothing is written.
+    PATH is read as by generate. Exit code 0: the same; 1: files are changed, missing, no longer
+    made, or not rtgen's; a unified diff is printed. Files that a user owns are not looked into.
+    Nothing is written.
     """
-    project = project_of(paths, include, define, ignore_case_clashes, output)
+    project = project_of(
+        paths, include, define, ignore_case_clashes, output, add=output is None
+    )
     run = compiler.build(project, None if no_cache else cache.default())
     console.findings(run.diagnostics, run.sources)
     if run.failed:

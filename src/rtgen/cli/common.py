@@ -179,8 +179,12 @@ def project_of(
     define: Sequence[tuple[str, str]],
     ignore_case_clashes: bool,
     output: str | None = None,
+    add: bool = False,
 ) -> Project:
-    """The project around the working folder, as the command line changes it, with sources."""
+    """The project around the working folder, as the command line changes it, with sources.
+
+    `add`: the paths are read beside the project's sources, not in place of them.
+    """
     project = with_arguments(
         load(),
         paths=paths,
@@ -188,6 +192,7 @@ def project_of(
         define=define,
         ignore_case_clashes=ignore_case_clashes,
         output=output,
+        add=add,
     )
     require_sources(project)
     return project

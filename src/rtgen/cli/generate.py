@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
 
 import click
 
@@ -22,6 +24,44 @@ from rtgen.diagnostics import ToolError
 from rtgen.project import Project, shown
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Request:
+    """What the command line asks for."""
+
+    paths: tuple[str, ...]
+    include: tuple[str, ...]
+    define: tuple[tuple[str, str], ...]
+    ignore_case_clashes: bool
+    output: str | None
+    target: str | None
+    representation: str | None
+    cached: bool
+    only_diff: bool
+
+    def project(self) -> Project:
+        """The project as it is now. Raises InputError, and ToolError for a target."""
+        # The tree of a project holds what all its sources give, in every run.
+        alone = self.output is not None
+        project = project_of(
+            self.paths,
+            self.include,
+            self.define,
+            self.ignore_case_clashes,
+            self.output,
+            add=not alone,
+        )
+        if self.target is not None:
+            project = replace(project, target=self.target)
+        if self.representation is not None:
+            project = replace(project, representation=self.representation)
+        if project.target != "embedded":
+            raise ToolError(
+                f"the target {project.target!r} is not available in this version",
+                hint="the target 'embedded' is",
+            )
+        return project
+
+
 @click.command()
 @with_definitions
 @with_output
@@ -38,6 +78,9 @@ from rtgen.project import Project, shown
 @click.option(
     "--diff", "only_diff", is_flag=True, help="Print what would change; write nothing."
 )
+@click.option(
+    "--watch", "watching", is_flag=True, help="Go on, and run again on every change."
+)
 @with_console
 def generate(
     console: Console,
@@ -50,39 +93,52 @@ def generate(
     target: str | None,
     representation: str | None,
     only_diff: bool,
+    watching: bool,
 ) -> int:
     """Make the files that the definitions ask for.
 
     PATH is a definition file or a folder of them. Without PATH the sources of rtgen.toml are
-    read, which is looked for here and upwards. Files that rtgen owns are overwritten, and removed
-    once nothing asks for them: the tree holds what this run's sources give, and no more. Skeletons
-    are created once and then left alone.
+    read, which is looked for here and upwards. PATH is read beside them, so the tree stays whole;
+    with -o alone. Files that rtgen owns are overwritten, and removed once nothing asks for them.
+    Skeletons are created once and then left alone.
     """
-    project = project_of(paths, include, define, ignore_case_clashes, output)
-    if target is not None:
-        project = replace(project, target=target)
-    if representation is not None:
-        project = replace(project, representation=representation)
-    if project.target != "embedded":
-        raise ToolError(
-            f"the target {project.target!r} is not available in this version",
-            hint="the target 'embedded' is",
-        )
-    run = compiler.build(project, None if no_cache else cache.default())
+    request = Request(
+        paths=paths,
+        include=include,
+        define=tuple(define),
+        ignore_case_clashes=ignore_case_clashes,
+        output=output,
+        target=target,
+        representation=representation,
+        cached=not no_cache,
+        only_diff=only_diff,
+    )
+    if watching:
+        from rtgen.cli.watch import watch
+
+        return watch(console, request)
+    return perform(console, request)[0]
+
+
+def perform(console: Console, request: Request) -> tuple[int, Iterable[Path]]:
+    """Carries it out once: the exit code, and the files that were looked for."""
+    project = request.project()
+    run = compiler.build(project, cache.default() if request.cached else None)
+    looked_for = map(Path, run.dependencies)
     if run.failed:
         console.findings(run.diagnostics, run.sources)
-        return BAD_INPUT
-    if only_diff:
+        return BAD_INPUT, looked_for
+    if request.only_diff:
         from rtgen.cli.diffs import diff
 
         planned = writer.plan(project, run.artifacts, run.inputs)
         write_out(diff((*planned.changes, *planned.skeletons)))
         console.findings(run.diagnostics, run.sources)
-        return OK
+        return OK, looked_for
     done = writer.write(project, run.artifacts, run.inputs)
     console.findings(run.diagnostics, run.sources)
     console.say(_told(project, done))
-    return OK
+    return OK, looked_for
 
 
 def _told(project: Project, done: writer.Plan) -> str:

@@ -345,8 +345,10 @@ class _Reader:
                 if value:
                     properties[key] = value
             properties.update(p for p in _properties(element) if p[0] not in _DROPPED)
-        name = element.get(RTS, "name") or element.get(RTS, "connectorId")
+        identity = element.get(RTS, "connectorId") or ""
+        name = element.get(RTS, "name") or identity
         return Connection(
+            id=identity,
             name=name or f"{source}_{target}",
             source=source,
             target=target,

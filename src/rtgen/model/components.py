@@ -106,7 +106,10 @@ class PortReference:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Connection:
-    """A connection; `properties` by OpenRTM's names (`dataport.subscription_type`, ...)."""
+    """A connection; `properties` by OpenRTM's names (`dataport.subscription_type`, ...).
+
+    `id` is the connector id of an RtsProfile, which tools make up.
+    """
 
     name: str
     source: PortReference
@@ -114,6 +117,7 @@ class Connection:
     service: bool
     span: Span
     properties: tuple[tuple[str, str], ...] = ()
+    id: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -207,5 +207,6 @@ def test_rules_are_told_apart() -> None:
     assert len({rule.code for rule in rules.RULES}) == len(rules.RULES)
     assert all(rule.explanation.endswith("\n") and rule.title for rule in rules.RULES)
     assert {r.code for r in rules.RULES if r.severity is Severity.WARNING} == {
-        "RTC0308"
+        "RTC0109",
+        "RTC0308",
     }

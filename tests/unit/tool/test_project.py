@@ -190,3 +190,14 @@ def test_the_output_folder_is_not_searched_for_sources(tmp_path: Path) -> None:
 def test_folders_that_link_to_themselves_are_read_once(tmp_path: Path) -> None:
     (tmp_path / "idl" / "loop").symlink_to(tmp_path / "idl")
     assert len(with_arguments(load(), paths=["idl"]).sources) == 3
+
+
+def test_paths_beside_those_of_the_project() -> None:
+    project = written("[sources]\npaths = ['idl/deep']\n")
+    alone = [p.name for p in with_arguments(project, paths=["idl/b.idl"]).sources]
+    beside = with_arguments(project, paths=["idl/b.idl", "idl/deep"], add=True)
+    assert alone == ["b.idl"]
+    assert [p.name for p in beside.sources] == [
+        *(p.name for p in project.sources),
+        "b.idl",
+    ]

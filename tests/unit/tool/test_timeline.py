@@ -21,6 +21,7 @@ from rtgen.timeline import (
 
 SPAN = Span("s.xml", 1, 1, 1, 2)
 A, B = PortReference(instance="A0", port="out"), PortReference(instance="B0", port="in")
+X, Y = PortReference(instance="A0", port="x"), PortReference(instance="B0", port="y")
 SYSTEM = System(
     name="S",
     id="",
@@ -33,6 +34,7 @@ SYSTEM = System(
     connections=(
         Connection(
             name="wire",
+            id="7f-3",
             source=A,
             target=B,
             service=False,
@@ -103,7 +105,45 @@ def test_a_timeline_in_order_of_time() -> None:
         (2.0, SetParameter("B0", "y", "2")),
         (2.0, Activate("A0")),
     ]
-    assert [s.span.line for s in steps] == [7, 7, 1, 1, 1, 1, 1]
+    assert [s.span.line for s in steps] == [10, 9, 6, 5, 4, 4, 3]
+
+
+def actions(text: str) -> list[object]:
+    return [s.action for s in parse(f"[[at]]\nt = 1\n{text}", "timeline.toml", SYSTEM)]
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ('connect = "7f-3"', [Connect("wire", A, B, {"k": "v"})]),
+        ('disconnect = "7f-3"', [Disconnect("wire")]),
+        ('disconnect = {from = "A0.out", to = "B0.in"}', [Disconnect("wire")]),
+        ('disconnect = {from = "B0.in", to = "A0.out"}', [Disconnect("wire")]),
+        ('connect = {from = "A0.x", to = "B0.y"}', [Connect("A0.x-B0.y", X, Y, {})]),
+        (
+            '[[at]]\nt = 2\ndisconnect = {to = "B0.y", from = "A0.x"}\n'
+            '[[at]]\nt = 1.5\nconnect = {from = "A0.x", to = "B0.y", name = "late"}',
+            [Connect("late", X, Y, {}), Disconnect("late")],
+        ),
+        ('set = {"A0.x" = 2}', [SetParameter("A0", "x", "2")]),
+        (
+            'set = {A0.x = 0.5, A0.y = true, B0 = {z = [1, 2], n = "a b"}}',
+            [
+                SetParameter("A0", "x", "0.5"),
+                SetParameter("A0", "y", "1"),
+                SetParameter("B0", "z", "1,2"),
+                SetParameter("B0", "n", "a b"),
+            ],
+        ),
+        ('[at.set]\n"A0.x.y" = -1', [SetParameter("A0", "x.y", "-1")]),
+        (
+            'set = ["A0.x=1", {B0.x = 2}]',
+            [SetParameter("A0", "x", "1"), SetParameter("B0", "x", "2")],
+        ),
+    ],
+)
+def test_forms(text: str, expected: list[object]) -> None:
+    assert actions(text) == expected
 
 
 @pytest.mark.parametrize(
@@ -113,20 +153,46 @@ def test_a_timeline_in_order_of_time() -> None:
         ("x = 1", "SYS0007", 1, "'x'"),
         ("at = 1", "SYS0007", 1, "list of tables"),
         ("\n[[at]]\n", "SYS0007", 2, "needs t"),
-        ("[[at]]\nt = -1\n", "SYS0007", 1, "needs t"),
-        ("[[at]]\nt = true\n", "SYS0007", 1, "needs t"),
-        ('[[at]]\nt = 1\nstart = "A0"\n', "SYS0007", 1, "'start'"),
-        ("[[at]]\nt = 1\nactivate = 3\n", "SYS0007", 1, "takes names"),
-        ('[[at]]\nt = 1\nactivate = "C0"\n', "SYS0005", 1, "'C0'"),
-        ('[[at]]\nt = 1\nset = "A0.x"\n', "SYS0004", 1, "A0.x"),
-        ('[[at]]\nt = 1\nconnect = "wir"\n', "SYS0007", 1, "'wir'"),
+        ("[[at]]\nt = -1\n", "SYS0007", 2, "needs t"),
+        ("[[at]]\nt = true\n", "SYS0007", 2, "needs t"),
+        ('[[at]]\nt = 1\nstart = "A0"\n', "SYS0007", 3, "'start'"),
+        ("[[at]]\nt = 1\nactivate = 3\n", "SYS0007", 3, "takes names"),
+        ("[[at]]\nt = 1\nactivate = {A0 = 1}\n", "SYS0007", 3, "takes names"),
+        ("[[at]]\nt = 1\nset = 4\n", "SYS0007", 3, "or a table"),
+        ('[[at]]\nt = 1\nactivate = "C0"\n', "SYS0005", 3, "'C0'"),
+        ('[[at]]\nt = 1\nset = "A0.x"\n', "SYS0004", 3, "A0.x"),
+        ("[[at]]\nt = 1\nset = {A0 = 1}\n", "SYS0004", 3, "A0=1"),
+        ("[[at]]\nt = 1\nset = {A0.x = {}}\n", "SYS0004", 3, "cannot be {}"),
+        ("[[at]]\nt = 1\nset = {C0.x = 1}\n", "SYS0005", 3, "'C0'"),
+        ('[[at]]\nt = 1\nconnect = "wir"\n', "SYS0007", 3, "'wir'"),
+        ('[[at]]\nt = 1\ndisconnect = "wir"\n', "SYS0007", 3, "'wir'"),
+        (
+            '[[at]]\nt = 1\ndisconnect = {from = "A0.out"}\n',
+            "SYS0007",
+            3,
+            "table of from and to",
+        ),
+        (
+            '[[at]]\nt = 1\ndisconnect = {from = "A0.out", to = "B0.y"}\n',
+            "SYS0007",
+            3,
+            "no connection joins A0.out and B0.y",
+        ),
+        (
+            '[[at]]\nt = 1\nconnect = [{from = "A0.x", to = "B0.y"}, '
+            '{from = "A0.x", to = "B0.y", name = "2"}]\n'
+            '[[at]]\nt = 2\ndisconnect = {from = "A0.x", to = "B0.y"}\n',
+            "SYS0007",
+            6,
+            "several connections join A0.x and B0.y",
+        ),
         (
             '[[at]]\nt = 1\nconnect = {from = "A0", to = "B0.in"}\n',
             "SYS0007",
-            1,
+            3,
             "INSTANCE.PORT",
         ),
-        ("[[at]]\nt = 1\nconnect = {form = 3}\n", "SYS0007", 1, "table of"),
+        ("[[at]]\nt = 1\nconnect = {form = 3}\n", "SYS0007", 3, "table of"),
         ("x = " + "[" * 20000, "SYS0007", 1, "deeply"),
     ],
 )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rtgen.backends import Artifact, Emission, Options, Owner
 from rtgen.backends.components.base_module import base_module, class_names
-from rtgen.backends.components.checks import check, components_of
+from rtgen.backends.components.checks import check, check_modules, components_of
 from rtgen.backends.components.imports import import_from
 from rtgen.backends.components.places import (
     components_folder,
@@ -45,7 +45,7 @@ class ComponentsBackend:
 
     def emit(self, model: Model, options: Options) -> Emission:
         """All files of all components; none where a component has errors."""
-        found = check(model)
+        found = [*check(model), *check_modules(model, options.skeleton_package)]
         components = components_of(model)
         if has_errors(found) or not components:
             return Emission((), found)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator
 from datetime import datetime
 from math import isfinite
@@ -73,6 +74,18 @@ def _module_clashes(components: list[Component]) -> Iterator[Diagnostic]:
                 f"`{component.scoped}` and `{earlier.scoped}` both get the package `{name}`",
                 related=[Related(earlier.span, "the other component")],
                 hint="rename one of them",
+            )
+
+
+def check_modules(model: Model, skeleton_package: str) -> Iterator[Diagnostic]:
+    """Warnings about skeletons at the top level that would hide modules of Python."""
+    for component in components_of(model):
+        name = module_name(component.name[-1])
+        if not skeleton_package and name in sys.stdlib_module_names:
+            yield rules.SHADOWS.at(
+                component.span,
+                f"the skeleton of `{component.scoped}` would hide Python's module `{name}`",
+                hint='give skeletons a package, such as `skeletons = "src/mynodes"`',
             )
 
 

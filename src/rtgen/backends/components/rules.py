@@ -51,6 +51,20 @@ XML 1.0 cannot hold control characters other than tab and line feed, nor lone su
 whatever notation. A name, a unit, a default or a comment that has one cannot go into `RTC.xml`.
 """
 
+_SHADOWS = """\
+Without a package for them, skeletons are modules at the top level, and there a component's module
+can hide one of Python's own: `Queue` becomes `src/queue.py`, and with `src` on the path whatever
+imports `queue` of the standard library gets the component instead.
+
+```toml
+[output]
+skeletons = "src"            # src/queue.py hides the module queue
+skeletons = "src/mynodes"    # src/mynodes/queue.py hides nothing
+```
+
+Give the skeletons a package, or rename the component.
+"""
+
 _SAME_PORT = """\
 Ports are told apart by direction and outside name. Two OutPorts, or two InPorts, of one name
 cannot be connected one by one:
@@ -143,6 +157,9 @@ CHOICE = Rule("RTC0105", "unknown activity or component type", Severity.ERROR, _
 ID_PART = Rule("RTC0106", "text would break the profile's id", Severity.ERROR, _ID_PART)
 NUMBER = Rule("RTC0107", "bad rate or number of instances", Severity.ERROR, _NUMBER)
 TEXT = Rule("RTC0108", "text that XML cannot hold", Severity.ERROR, _TEXT)
+SHADOWS = Rule(
+    "RTC0109", "skeleton that hides a module of Python", Severity.WARNING, _SHADOWS
+)
 SAME_PORT = Rule(
     "RTC0201", "two ports of one direction and name", Severity.ERROR, _SAME_PORT
 )
@@ -183,6 +200,7 @@ RULES = (
     ID_PART,
     NUMBER,
     TEXT,
+    SHADOWS,
     SAME_PORT,
     DATA_TYPE,
     INTERFACE,

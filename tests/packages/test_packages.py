@@ -1,0 +1,129 @@
+"""Whole sets of definitions, as robots use them: their packages import in any order and type-check.
+
+`openrtm` adds to the standard interfaces what OpenRTM offers, `openhrp` is written as the
+definitions of humanoid simulators and their real-time processes are (with names that Python has
+too), `dds` as ROS 2's and DDS's are.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import black
+import pytest
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+INCLUDE = {
+    "openrtm": [ROOT / "specs" / "idl", HERE.parent / "golden" / "idl"],
+    "openhrp": [],
+    "dds": [HERE / "dds"],
+}
+
+# Each module is the first of its package to be imported, then all of them both ways round.
+IMPORTING = """
+import sys
+from importlib import import_module
+package, *modules = sys.argv[1:]
+def purge():
+    for name in [n for n in sys.modules if n == package or n.startswith(package + ".")]:
+        del sys.modules[name]
+for first in modules:
+    purge()
+    import_module(first)
+for order in (modules, modules[::-1]):
+    purge()
+    for module in order:
+        import_module(module)
+"""
+
+
+@pytest.fixture(scope="module")
+def sets(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """The folder of the generated package of each set."""
+    folders = {}
+    for name, include in INCLUDE.items():
+        folder = tmp_path_factory.mktemp(name)
+        paths = [HERE / name, *include[:1]] if name == "openrtm" else [HERE / name]
+        settings = (
+            f"[sources]\npaths = {[str(p) for p in paths]}\n"
+            f"include = {[str(p) for p in include]}\n[output]\npackage = '{name}_set'\n"
+        )
+        (folder / "rtgen.toml").write_text(settings, encoding="utf-8")
+        command = [sys.executable, "-m", "rtgen", "generate", "--no-cache", "--quiet"]
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        folders[name] = folder / "generated" / f"{name}_set"
+    return folders
+
+
+def modules_of(package: Path) -> list[str]:
+    """The dotted names of a package's modules."""
+    files = sorted(package.rglob("*.py"))
+    parts = (f.relative_to(package.parent).with_suffix("").parts for f in files)
+    return [".".join(p[:-1] if p[-1] == "__init__" else p) for p in parts]
+
+
+@pytest.mark.parametrize("name", INCLUDE)
+def test_modules_import_in_any_order(sets: dict[str, Path], name: str) -> None:
+    package = sets[name]
+    modules = modules_of(package)
+    assert len(modules) > 10
+    command = [sys.executable, "-W", "error", "-c", IMPORTING, package.name, *modules]
+    environment = {**os.environ, "PYTHONPATH": str(package.parent)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("name", INCLUDE)
+def test_a_package_imports_its_own_modules_relatively(
+    sets: dict[str, Path], name: str
+) -> None:
+    package = sets[name]
+    allowed = {"__future__", "rtgen", *sys.stdlib_module_names}
+    for file in package.rglob("*.py"):
+        depth = len(file.relative_to(package).parts)
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            assert not isinstance(node, ast.Import), file
+            if isinstance(node, ast.ImportFrom):
+                top = (node.module or "").partition(".")[0]
+                assert node.level <= depth if node.level else top in allowed, file
+
+
+@pytest.mark.parametrize("name", INCLUDE)
+def test_text_is_as_black_has_it(sets: dict[str, Path], name: str) -> None:
+    mode = black.Mode(target_versions={black.TargetVersion.PY311})
+    for file in sorted(sets[name].rglob("*.py")):
+        text = file.read_text(encoding="utf-8")
+        assert black.format_str(text, mode=mode) == text, file
+
+
+@pytest.mark.slow
+def test_mypy_finds_nothing(sets: dict[str, Path], tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary"]
+    command += ["--config-file=", "--cache-dir", str(tmp_path)]
+    command += map(str, sets.values())
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+@pytest.mark.slow
+def test_pyright_finds_nothing(sets: dict[str, Path], tmp_path: Path) -> None:
+    if importlib.util.find_spec("pyright") is None:
+        pytest.skip("pyright is not installed")
+    command = [sys.executable, "-m", "pyright", "--pythonpath", sys.executable]
+    command += map(str, sets.values())
+    environment = {**os.environ, "PYRIGHT_PYTHON_IGNORE_WARNINGS": "1"}
+    done = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True
+    )
+    found = re.search(r"^(\d+) errors?, (\d+) warnings?", done.stdout, re.MULTILINE)
+    if found is None:
+        pytest.skip(f"pyright cannot run here, it needs Node.js: {done.stderr[-300:]}")
+    assert found.groups() == ("0", "0"), done.stdout
