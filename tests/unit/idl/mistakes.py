@@ -1615,4 +1615,59 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
         "IDL0125: a name is missing behind '::'",
         "'::' stands between the parts of a scoped name",
     ),
+    "end without brace": (
+        "module M {\n    struct S { long a; };\n§;\nstruct T { long b; };",
+        "IDL0124: a '}' is missing before this ';'",
+        "write '};'",
+    ),
+    "end of an enum without brace": (
+        "enum E {\n    A,\n    B\n§;\nstruct T { E b; };",
+        "IDL0124: a '}' is missing before this ';'",
+        "write '};'",
+    ),
+    "opening brace twice": (
+        "struct S {§{ long a; };\nstruct T { S b; };",
+        "IDL0100: this '{' is one too many",
+        "remove it",
+    ),
+    "closing brace twice": (
+        "struct S { long a; }§};\nstruct T { S b; };",
+        "IDL0100: this '}' is one too many",
+        "remove it",
+    ),
+    "closing brace twice in module": (
+        "module M { struct S { long a; }§}; struct T { S b; }; };",
+        "IDL0100: this '}' is one too many",
+        "remove it",
+    ),
+    "word twice": (
+        "struct S { long a §a; };",
+        "IDL0100: 'a' stands twice",
+        "remove one",
+    ),
+    "type twice": (
+        "struct S { double §double a; };",
+        "IDL0100: 'double' stands twice",
+        "remove one",
+    ),
+    "enumerator twice": (
+        "enum E { A §A, B };",
+        "IDL0100: 'A' stands twice",
+        "remove one",
+    ),
+    "missing close brace struct, semicolon left": (
+        "module M {\nstruct S §{\n    long a;\n;\nstruct T { long b; };\n};",
+        "IDL0105: this '{' of struct S is not closed",
+        "put '};' before 'struct'",
+    ),
+    "missing comma in typedef": (
+        "typedef long A §B, C;\nstruct S { A x; };",
+        "IDL0100: 'B' cannot stand here: A is the name already",
+        "write A_B if that is one name",
+    ),
+    "missing open brace of annotated": (
+        "@nested\nstruct S§\n    long a;\n};",
+        "IDL0124: a '{' is missing here",
+        "put '{' behind 'S'",
+    ),
 }

@@ -97,3 +97,26 @@ def test_independent_mistakes_are_all_told_and_nothing_else(
     places = [told(d, folder) for d in diagnostics]
     plain = [(line, column, re.sub(r"\bM\d::", "", m)) for line, column, m, _ in places]
     assert plain == [place[:3] for place in wanted], names
+
+
+LANGUAGE = Path(__file__).parents[2] / "golden" / "idl" / "language.idl"
+TOKEN = re.compile(r'//[^\n]*|/\*.*?\*/|#[^\n]*|"[^"\n]*"|\w+|::|[^\s\w]', re.DOTALL)
+
+
+def test_a_changed_token_gives_one_message_or_none(folder: Path) -> None:
+    """In a file with every construct: a token left out, doubled, or with two letters swapped."""
+    text = LANGUAGE.read_text(encoding="utf-8")
+    tokens = [m for m in TOKEN.finditer(text) if m[0][:2] not in ("//", "/*")]
+    tokens = [m for m in tokens if m[0][0] != "#"]
+    random = Random(3)
+    counts = []
+    for _ in range(40):
+        token = random.choice(tokens)
+        word = token[0]
+        changed = random.choice(
+            ("", f"{word} {word}", word[:1] + word[2:3] + word[1:2] + word[3:])
+        )
+        mutant = text[: token.start()] + changed + text[token.end() :]
+        counts.append(len(found(folder, mutant)))
+    assert max(counts) <= 4
+    assert sum(count > 1 for count in counts) <= 2

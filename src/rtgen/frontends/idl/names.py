@@ -660,7 +660,7 @@ class Resolver(Naming):
         )
 
     def _skipped(self, node: tree.Skipped, scope: Scope, item: tree.Item) -> None:
-        if item.end > item.start:
+        if item.end > item.start and item.start not in self._unit.excused:
             span = self._unit.span(item.start, item.end)
             self._report(
                 syntax.EXTRA_SEMICOLON.at(

@@ -156,7 +156,7 @@ class Naming(ABC):
             inner = entity.inner if entity else None
             found = inner.find(self._key(name)) if inner else []
             entity = found[0] if found else None
-        if entity is None:
+        if entity is None and names[-1].lower() not in self._lookup.lost:
             self._report(
                 rules.UNKNOWN_NAME.at(
                     span,

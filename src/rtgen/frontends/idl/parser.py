@@ -39,7 +39,7 @@ _TEMPLATE_WORDS = frozenset(
     ("sequence", "string", "wstring", "fixed", "map", "bitfield")
 )
 _CLOSER = "\x01"
-_DECLARED = re.compile(r"\b([^\W\d]\w*)(?=\s*[;,{:(\[=}])")
+_DECLARED = re.compile(r"\b([^\W\d]\w*)(?=\s*(?:[;,{:(\[=}]|switch\b))")
 _ENUMERATORS = re.compile(r"\benum\b[^{}]*\{([^{}]*)")
 _NAME = re.compile(r"[^\W\d]\w*")
 
@@ -130,6 +130,7 @@ class _Run:
         self._mended.add(again)
         parser = self._parser
         if mistake.instead and not mistake.feed:
+            self._surplus -= {"{": 1, "}": -1}.get(situation.text, 0)
             parser.position = situation.end
             return True
         if not mistake.feed and mistake.resume is None:

@@ -60,7 +60,8 @@ class Unit:
     offsets in `text`, and so do `comments`. `lacking` says that an include or the
     text of a macro is missing, so that names may be unknown for no fault of their own; `flawed`
     are the offsets of macro calls that could not be expanded; `lost` are names, in lower case,
-    that declarations with syntax errors may have declared.
+    that declarations with syntax errors may have declared; `excused` are the offsets of `;` that
+    end nothing because of a mistake that is reported.
     """
 
     source: Source
@@ -73,6 +74,7 @@ class Unit:
     lacking: bool = False
     flawed: set[int] = field(default_factory=set)
     lost: set[str] = field(default_factory=set)
+    excused: set[int] = field(default_factory=set)
 
     def piece(self, offset: int) -> tuple[Piece, int]:
         """The piece at an offset, and where it begins; the last one for the end of the text."""

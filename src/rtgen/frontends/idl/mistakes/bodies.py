@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from rtgen.diagnostics import Related
 from rtgen.frontends.idl.mistakes.situation import (
     DEFINERS,
@@ -12,6 +14,7 @@ from rtgen.frontends.idl.mistakes.situation import (
 )
 from rtgen.frontends.idl.rules import syntax
 
+_LONE = re.compile(r"[;{}][ \t\r]*\n\s*;")
 _DATA = ("struct", "exception", "union", "enum", "bitset", "bitmask")
 _NEVER_IN_DATA = frozenset(
     ("module", "interface", "typedef", "exception", "const", "valuetype", "native")
@@ -46,6 +49,9 @@ def unclosed(s: Situation) -> Mistake | None:
 
 def _unclosed(s: Situation, start: int, word: str, *, back: bool) -> Mistake:
     assert s.opening is not None
+    lone = _LONE.search(s.unit.text, s.opening, start)
+    if lone is not None:
+        s.unit.excused.add(lone.end() - 1)
     return s.mistake(
         syntax.UNCLOSED_BRACE,
         f"this '{{' of {s.called} is not closed",
@@ -64,9 +70,69 @@ def unopened(s: Situation) -> Mistake | None:
     """The body of `struct S` begins without `{`, and there is a `}` for which none is open."""
     if s.surplus >= 0 or "LBRACE" not in s.accepted or s.text in ("{", ";"):
         return None
-    if s.first not in (*DEFINERS, "abstract", "local", "custom"):
+    if not any(word.text in DEFINERS for word in s.before):
         return None
     return s.missing("{", f"put '{{' behind '{s.previous}'", feed="LBRACE")
+
+
+def doubled(s: Situation) -> Mistake | None:
+    """A brace that stands twice."""
+    twice = s.last > 0 and s.unit.text[s.last - 1] == s.text
+    if twice and (
+        (s.text == "{" and s.surplus > 0) or (s.text == "}" and s.surplus < 0)
+    ):
+        message = f"this '{s.text}' is one too many"
+        return s.mistake(syntax.UNEXPECTED, message, "remove it", instead=True)
+    return None
+
+
+def end_without_brace(s: Situation) -> Mistake | None:
+    """A `;` that ends a body whose `}` is missing."""
+    if s.surplus <= 0:
+        return None
+    if s.text == ";" and s.construct in ("enum", "bitmask") and "RBRACE" in s.accepted:
+        assert s.opening is not None
+        return s.mistake(
+            syntax.MISSING_MARK,
+            "a '}' is missing before this ';'",
+            "write '};'",
+            related=[_opened(s, s.opening)],
+            feed=("RBRACE",),
+            resume=s.start,
+        )
+    if s.kind != "$END" or s.opening is None:
+        return None
+    match = _LONE.search(s.unit.text, s.opening)
+    if match is None:
+        return None
+    place = match.end() - 1
+    s.unit.excused.add(place)
+    brace = _innermost(s.unit.text, s.opening, place)
+    return s.mistake(
+        syntax.MISSING_MARK,
+        "a '}' is missing before this ';'",
+        "write '};'",
+        at=(place, place + 1),
+        related=[_opened(s, brace)],
+    )
+
+
+def _opened(s: Situation, brace: int) -> Related:
+    names = [w.text for w in header(s.unit.text, brace) if w.is_word][:2]
+    return Related(
+        s.unit.span(brace, brace + 1), f"the body of {' '.join(names)} begins here"
+    )
+
+
+def _innermost(text: str, start: int, end: int) -> int:
+    """The innermost brace that is open at `end`; the one at `start` is."""
+    opened = [start]
+    for place in range(start + 1, end):
+        if text[place] == "{":
+            opened.append(place)
+        elif text[place] == "}" and len(opened) > 1:
+            opened.pop()
+    return opened[-1]
 
 
 def stray(s: Situation) -> Mistake | None:

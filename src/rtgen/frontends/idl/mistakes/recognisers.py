@@ -181,6 +181,7 @@ def _split_name(s: Situation) -> Mistake | None:
     if "SEMI" in s.accepted or "LBRACE" in s.accepted:
         if near is not None:
             return None
+        s.unit.lost.add(previous.text.lower())
         return s.mistake(
             syntax.UNEXPECTED,
             f"'{s.text}' cannot stand here: {previous.text} is the name already",
@@ -292,6 +293,14 @@ def _keyword_as_name(s: Situation) -> Mistake | None:
         feed=("IDENT",),
         instead=True,
     )
+
+
+def _doubled_word(s: Situation) -> Mistake | None:
+    """A word that stands twice."""
+    if s.text != s.previous or not s.before[-1].is_word or s.fresh_line:
+        return None
+    message = f"'{s.text}' stands twice"
+    return s.mistake(syntax.UNEXPECTED, message, "remove one", instead=True)
 
 
 def _missing_tag(s: Situation) -> Mistake | None:
@@ -431,12 +440,15 @@ def _semicolon_of_macro(s: Situation) -> Mistake | None:
 
 _RECOGNISERS: tuple[Callable[[Situation], Mistake | None], ...] = (
     _semicolon_of_macro,
+    bodies.doubled,
+    bodies.end_without_brace,
     bodies.unclosed,
     _at_end,
     bodies.unopened,
     bodies.stray,
     _missing_tag,
     foreign.number_type,
+    _doubled_word,
     places.values,
     places.colon_behind_access,
     places.misplaced_direction,
