@@ -164,7 +164,7 @@ class Components:
         if node.keyword not in _KINDS or node.keyword.endswith("multiple"):
             message = f"'{node.keyword}' is read only"
             hint = "nothing is made of it"
-            self._report(rules.CONSTANT_ATTRIBUTE.at(entity.span, message, hint=hint))
+            self._report(rules.PASSED_OVER.at(entity.span, message, hint=hint))
             if node.keyword not in _KINDS:
                 return None
         type_ = self._types.of_node(node.type, unit)
@@ -236,7 +236,7 @@ class Components:
         if node.readonly:
             message = "a read-only attribute is no configuration parameter"
             hint = "leave readonly out"
-            self._report(rules.CONSTANT_ATTRIBUTE.at(span, message, hint=hint))
+            self._report(rules.PASSED_OVER.at(span, message, hint=hint))
             return []
         if not self._has_text_form(type_):
             message = f"{type_} cannot be the type of a configuration parameter"

@@ -534,7 +534,7 @@ class Resolver(Naming):
         self._body(entity, node.body)
         entity.complete = True
         self._report(
-            annotation_rules.CONSTANT_ATTRIBUTE.at(
+            annotation_rules.PASSED_OVER.at(
                 entity.span,
                 f"the home {entity.name} is read, but nothing is made of it",
                 hint="components are made by the factory of their module",

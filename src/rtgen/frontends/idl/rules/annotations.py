@@ -219,7 +219,7 @@ BAD_DATE = Rule(
 """,
 )
 
-CONSTANT_ATTRIBUTE = Rule(
+PASSED_OVER = Rule(
     "IDL0905",
     "construct of components that is read only",
     Severity.WARNING,
@@ -250,5 +250,5 @@ RULES = (
     BAD_PARAMETER_TYPE,
     BAD_NAME,
     BAD_DATE,
-    CONSTANT_ATTRIBUTE,
+    PASSED_OVER,
 )
