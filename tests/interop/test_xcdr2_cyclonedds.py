@@ -38,8 +38,8 @@ pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 
 from cyclonedds.idl._support import Endianness
 
-TYPE_SETS = int(os.environ.get("RTGEN_XCDR_TYPE_SETS", "50"))
-VALUES = int(os.environ.get("RTGEN_XCDR_VALUES", "200"))
+TYPE_SETS = int(os.environ.get("RTGEN_XCDR_TYPE_SETS", "100"))
+VALUES = int(os.environ.get("RTGEN_XCDR_VALUES", "120"))
 ORDERS = {True: Endianness.Little, False: Endianness.Big}
 
 

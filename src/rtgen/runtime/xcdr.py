@@ -113,8 +113,10 @@ def _check_kind(type_: type[DataType], representation: Representation) -> None:
 def encode(type_: Any, value: object, version: int, little_endian: bool) -> bytes:
     """The body of a value of a generated type or typedef; raises CdrError."""
     try:
+        descriptor = type_._descriptor_
+        codec = descriptor.codecs.get(version << 1 | bool(little_endian))
         out = bytearray()
-        _root(type_._descriptor_, version, little_endian).write(out, value)
+        (codec or _root(descriptor, version, little_endian)).write(out, value)
         return bytes(out)
     except UnsupportedError as failure:
         raise CdrError(_name(type_) + failure.path, str(failure)) from failure

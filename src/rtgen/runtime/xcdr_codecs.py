@@ -102,7 +102,8 @@ class Codec:
 class Run:
     """Scalars behind each other, packed and unpacked by one `struct` call.
 
-    `paths` lead from the value to each (empty: the value itself). `builds` make the members from
+    `paths` lead from the value to each (empty: the value itself), `labels` say so with the names
+    of the definition. `builds` make the members from
     the unpacked scalars; `build` makes the value itself, if the run is all of it.
     """
 
@@ -112,11 +113,13 @@ class Run:
         scalars: Sequence[Scalar],
         paths: Sequence[str],
         builds: Sequence[Build],
+        labels: Sequence[str],
         build: Build | None = None,
     ) -> None:
         self.scalars = tuple(scalars)
         self.paths = tuple(paths)
         self.builds = tuple(builds)
+        self.labels = tuple(labels)
         self.build = build
         self.format = format_
         widest = format_.widest
@@ -166,21 +169,26 @@ class Run:
         mask = self.mask
         readers = [(s.unpack_from, s.size) for s in self.structs]
         builds = self.builds
-        plain = self.plain
 
-        def read(data: bytes, offset: int, values: list[Any]) -> int:
+        def read_plain(data: bytes, offset: int, values: list[Any]) -> int:
             unpack, size = readers[offset & mask]
             try:
-                if plain:
-                    values += unpack(data, offset)
-                else:
-                    scalars = iter(unpack(data, offset))
-                    values += [build(scalars) for build in builds]
+                values += unpack(data, offset)
             except LOCATED as failure:
                 self._refuse(data, offset, failure)
             return offset + size
 
-        return read
+        def read(data: bytes, offset: int, values: list[Any]) -> int:
+            unpack, size = readers[offset & mask]
+            try:
+                scalars = iter(unpack(data, offset))
+                for build in builds:
+                    values.append(build(scalars))
+            except LOCATED as failure:
+                self._refuse(data, offset, failure)
+            return offset + size
+
+        return read_plain if self.plain else read
 
     def many(self, build: Build) -> Callable[[bytes, int, int], tuple[list[Any], int]]:
         """Reads so many values that consist of the run."""
@@ -214,7 +222,7 @@ class Run:
 
     def _refuse(self, data: bytes, offset: int, failure: Exception) -> NoReturn:
         """Names the scalar that cannot be read."""
-        for scalar, path in zip(self.scalars, self.paths, strict=True):
+        for scalar, label in zip(self.scalars, self.labels, strict=True):
             offset += -offset % min(scalar.align, self.format.widest)
             try:
                 left(data, offset, scalar.size)
@@ -223,7 +231,7 @@ class Run:
                 if scalar.decode is not None:
                     scalar.decode(value)
             except LOCATED as found:
-                refuse(found, f".{path}" if path else "")
+                refuse(found, label)
             offset += scalar.size
         refuse(failure, "")
 
@@ -253,7 +261,7 @@ def _arranged(scalars: Sequence[Scalar], phase: int, widest: int) -> str:
 def scalar_codec(format_: Format, scalar: Scalar, primitive: bool) -> Codec:
     """The codec of a scalar by itself."""
     build: Build = next if scalar.decode is None else partial(_decoded, scalar.decode)
-    run = Run(format_, [scalar], [""], [build])
+    run = Run(format_, [scalar], [""], [build], [""])
     step = run.reader()
 
     def read(data: bytes, offset: int) -> tuple[Any, int]:
@@ -273,7 +281,12 @@ def made(class_: Callable[..., Any], builds: Sequence[Build]) -> Build:
     """What makes an object of a class from scalars."""
     if all(build is next for build in builds):
         count = len(builds)
+        if count == 2:
+            return lambda scalars: class_(next(scalars), next(scalars))
         return lambda scalars: class_(*islice(scalars, count))
+    if len(builds) == 2:
+        first, second = builds
+        return lambda scalars: class_(first(scalars), second(scalars))
     return lambda scalars: class_(*[build(scalars) for build in builds])
 
 

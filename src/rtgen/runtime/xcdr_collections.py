@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import struct
 from collections.abc import Callable
 from math import prod
 from struct import Struct
 from typing import Any
 
+from rtgen.runtime.cdr import SHAPES_KEPT
 from rtgen.runtime.cdr_values import exact, flat, nested, text_octets, text_value
 from rtgen.runtime.descriptors import (
     ArrayDescriptor,
@@ -279,29 +279,43 @@ def _items(
     return write, read
 
 
+class _Shapes(dict[int, Struct]):
+    """What packs so many scalars; emptied when it is full, as the tables of classic CDR."""
+
+    def __init__(self, order: str, code: str) -> None:
+        self._order = order
+        self._code = code
+
+    def __missing__(self, count: int) -> Struct:
+        if len(self) >= SHAPES_KEPT:
+            self.clear()
+        simple = len(self._code) == 1
+        text = f"{count}{self._code}" if simple else self._code * count
+        made = self[count] = Struct(self._order + text)
+        return made
+
+
 def _scalars(format_: Format, run: Run) -> tuple[Write, _ReadItems]:
     """Scalars in one `struct` call."""
     (scalar,) = run.scalars
     order, code, size = format_.order, scalar.code, scalar.size
     mask = min(scalar.align, format_.widest) - 1
     encode, decode = scalar.encode, scalar.decode
-    simple = len(code) == 1
-    blanks = bytes(8)
+    shapes = _Shapes(order, code)
 
     def write(out: bytearray, value: Any) -> None:
-        out += blanks[: -len(out) & mask]
+        padding = -len(out) & mask
+        if padding:
+            out += bytes(padding)
         if encode is not None:
             value = [encode(item) for item in value]
-        count = len(value)
-        text = f"{count}{code}" if simple else code * count
-        out += struct.pack(order + text, *value)
+        out += shapes[len(value)].pack(*value)
 
     def read(data: bytes, offset: int, count: int) -> tuple[Any, int]:
         if count:
             offset += -offset & mask
         left(data, offset, count * size)
-        text = f"{count}{code}" if simple else code * count
-        values = list(struct.unpack_from(order + text, data, offset))
+        values = list(shapes[count].unpack_from(data, offset))
         if decode is not None:
             index = 0
             try:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import Any
+from typing import Any, TypeAlias
 
 from rtgen.runtime.descriptors import (
     MemberDescriptor,
@@ -57,7 +57,7 @@ def struct_codec(format_: Format, descriptor: StructDescriptor, of: Of) -> Codec
     if len(parts) == 1 and parts[0].run is not None:
         run = parts[0].run
         build = made(class_, run.builds)
-        whole = Run(format_, run.scalars, run.paths, run.builds, build)
+        whole = Run(format_, run.scalars, run.paths, run.builds, run.labels, build)
         return Codec(write, _reader(class_, parts), least, run=whole)
     return Codec(write, _reader(class_, parts), least)
 
@@ -88,12 +88,15 @@ def _member_codec(
     try:
         codec = of(member.type)
     except UnsupportedError as failure:
-        failure.path = f".{member.attribute}{failure.path}"
+        failure.path = f".{member.name}{failure.path}"
         raise
     mutable = descriptor.extensibility == "mutable" and not format_.key
     if member.optional and not mutable:
         return optional_codec(format_, member, codec)
     return codec
+
+
+_Pair: TypeAlias = tuple[MemberDescriptor, Codec]
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,41 +109,43 @@ class _Part:
     run: Run | None = None
 
 
-def _parts(
-    format_: Format, pairs: Sequence[tuple[MemberDescriptor, Codec]]
-) -> list[_Part]:
+def _parts(format_: Format, pairs: Sequence[_Pair]) -> list[_Part]:
     parts: list[_Part] = []
-    pending: list[tuple[str, Codec]] = []
+    pending: list[_Pair] = []
 
     def settle() -> None:
         if pending:
             run = _joined(format_, pending)
-            parts.append(_Part(list(pending), run.writer(), run.reader(), run))
+            members = [(member.name, codec) for member, codec in pending]
+            parts.append(_Part(members, run.writer(), run.reader(), run))
             pending.clear()
 
     for member, codec in pairs:
-        name = member.attribute
         if codec.run is not None:
-            pending.append((name, codec))
+            pending.append((member, codec))
             continue
         settle()
-        parts.append(_Part([(name, codec)], _writing(name, codec), _reading(codec)))
+        write = _writing(member.attribute, codec)
+        parts.append(_Part([(member.name, codec)], write, _reading(codec)))
     settle()
     return parts
 
 
-def _joined(format_: Format, members: Sequence[tuple[str, Codec]]) -> Run:
+def _joined(format_: Format, members: Sequence[_Pair]) -> Run:
     """One run of the runs of members behind each other."""
     scalars: list[Scalar] = []
     paths: list[str] = []
     builds: list[Build] = []
-    for name, codec in members:
+    labels: list[str] = []
+    for member, codec in members:
+        name = member.attribute
         run = codec.run
         assert run is not None
         scalars += run.scalars
         paths += [f"{name}.{path}" if path else name for path in run.paths]
         builds += run.builds if run.build is None else [run.build]
-    return Run(format_, scalars, paths, builds)
+        labels += [f".{member.name}{label}" for label in run.labels]
+    return Run(format_, scalars, paths, builds, labels)
 
 
 def _writing(name: str, codec: Codec) -> Write:

@@ -35,7 +35,7 @@ def union_codec(format_: Format, descriptor: UnionDescriptor, of: Of) -> Codec:
         try:
             codecs.append(of(branch.type))
         except UnsupportedError as failure:
-            failure.path = f".{branch.attribute}{failure.path}"
+            failure.path = f".{branch.name}{failure.path}"
             raise
     if descriptor.extensibility == "mutable" and not format_.key:
         return _mutable(format_, descriptor, switch, codecs)
@@ -90,7 +90,7 @@ def _plain_reader(
     select = _selection(descriptor)
     read_switch = switch.read
     reads = [codec.read for codec in codecs]
-    names = [f".{branch.attribute}" for branch in descriptor.branches]
+    names = [f".{branch.name}" for branch in descriptor.branches]
     class_ = descriptor.class_
     initial = [partial(initial_value, b.type) for b in descriptor.branches]
 

@@ -13,6 +13,7 @@ import pytest
 
 from rtgen.backends import Options
 from rtgen.backends.types import BACKEND
+from rtgen.cli import run
 from rtgen.frontends.idl import load
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.xcdr import Representation, decode, deserialize, encode, serialize
@@ -407,3 +408,24 @@ def test_what_dds_has_not_is_an_error_of_the_codec(tmp_path: Path) -> None:
         CdrError, match=r"^S\.list\.f: XCDR has no representation of fixed"
     ):
         package.S().to_xcdr2()
+
+
+def test_the_command_line_and_the_project_file_choose(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    Path("case.idl").write_text("struct A { octet a; };")
+    made = Path("generated/robots/_idl/case.py")
+    for arguments, found in (([], 0), (["--representation", "xcdr2"], 1), ([], 0)):
+        assert run(["generate", "case.idl", *arguments]) == 0
+        assert made.read_text().count("return to_xcdr2(A, ") == found
+    assert run(["generate", "case.idl", "--representation", "xcdr"]) == 2
+    Path("rtgen.toml").write_text(
+        '[sources]\npaths = ["case.idl"]\n'
+        '[output]\nrepresentation = "xcdr2"\nextensibility = "mutable"\n'
+    )
+    assert run(["generate"]) == 0
+    assert "return to_xcdr2(A, " in made.read_text()
+    assert 'extensibility="mutable"' in made.read_text()
+    assert run(["check"]) == 0
