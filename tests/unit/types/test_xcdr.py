@@ -369,12 +369,14 @@ def test_an_annotation_makes_it_the_cdr_of_a_type(x: Any) -> None:
 def test_the_defaults_of_options(tmp_path: Path) -> None:
     file = tmp_path / "case.idl"
     file.write_text(
-        "struct A { octet a; }; @final struct B { octet a; }; struct D : B { octet d; };"
-        "@data_representation(XCDR) struct C { fixed<3,1> a; };"
+        "struct A { octet x; }; @final struct B { octet x; }; struct D : B { octet y; };"
+        "@data_representation(XCDR) struct C { fixed<3,1> x; };"
         "union U switch (long) { case 1: A m_a; }; typedef sequence<A> As;"
         "interface I { void work(in long x); };"
     )
-    model = load([file], root=tmp_path).model
+    result = load([file], root=tmp_path)
+    assert not result.diagnostics
+    model = result.model
     options = Options("p", "s", "0", representation="xcdr2", extensibility="appendable")
     made = {a.path: a.text for a in BACKEND.emit(model, options).artifacts}
     text = made["p/_idl/case.py"]
@@ -415,7 +417,7 @@ def test_the_command_line_and_the_project_file_choose(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
-    Path("case.idl").write_text("struct A { octet a; };")
+    Path("case.idl").write_text("struct A { octet x; };")
     made = Path("generated/robots/_idl/case.py")
     for arguments, found in (([], 0), (["--representation", "xcdr2"], 1), ([], 0)):
         assert run(["generate", "case.idl", *arguments]) == 0
