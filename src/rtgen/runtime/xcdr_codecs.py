@@ -20,9 +20,12 @@ from rtgen.runtime.cdr import BOOLEAN
 from rtgen.runtime.cdr_values import quad_octets, quad_value
 from rtgen.runtime.faults import LOCATED, Fault, located
 
+Octets: TypeAlias = bytes | memoryview
+"""What is read; a part of it is a view, so that depth costs no copies."""
+
 Write: TypeAlias = Callable[[bytearray, Any], None]
-Read: TypeAlias = Callable[[bytes, int], tuple[Any, int]]
-Step: TypeAlias = Callable[[bytes, int, list[Any]], int]
+Read: TypeAlias = Callable[[Octets, int], tuple[Any, int]]
+Step: TypeAlias = Callable[[Octets, int, list[Any]], int]
 Build: TypeAlias = Callable[[Iterator[Any]], Any]
 
 PADDING = (b"", bytes(3), bytes(2), bytes(1))
@@ -64,7 +67,7 @@ def refuse(failure: Exception, part: str) -> NoReturn:
     raise located(failure, part)
 
 
-def left(data: bytes, offset: int, size: int) -> None:
+def left(data: Octets, offset: int, size: int) -> None:
     """Refuses to read more than there is."""
     if size > len(data) - offset:
         rest = max(len(data) - offset, 0)
@@ -170,7 +173,7 @@ class Run:
         readers = [(s.unpack_from, s.size) for s in self.structs]
         builds = self.builds
 
-        def read_plain(data: bytes, offset: int, values: list[Any]) -> int:
+        def read_plain(data: Octets, offset: int, values: list[Any]) -> int:
             unpack, size = readers[offset & mask]
             try:
                 values += unpack(data, offset)
@@ -178,7 +181,7 @@ class Run:
                 self._refuse(data, offset, failure)
             return offset + size
 
-        def read(data: bytes, offset: int, values: list[Any]) -> int:
+        def read(data: Octets, offset: int, values: list[Any]) -> int:
             unpack, size = readers[offset & mask]
             try:
                 scalars = iter(unpack(data, offset))
@@ -190,11 +193,11 @@ class Run:
 
         return read_plain if self.plain else read
 
-    def many(self, build: Build) -> Callable[[bytes, int, int], tuple[list[Any], int]]:
+    def many(self, build: Build) -> Callable[[Octets, int, int], tuple[list[Any], int]]:
         """Reads so many values that consist of the run."""
         mask, structs = self.mask, self.structs
 
-        def read(data: bytes, offset: int, count: int) -> tuple[list[Any], int]:
+        def read(data: Octets, offset: int, count: int) -> tuple[list[Any], int]:
             values: list[Any] = []
             try:
                 if (offset + structs[offset & mask].size) & mask == offset & mask:
@@ -220,7 +223,7 @@ class Run:
 
         return read
 
-    def _refuse(self, data: bytes, offset: int, failure: Exception) -> NoReturn:
+    def _refuse(self, data: Octets, offset: int, failure: Exception) -> NoReturn:
         """Names the scalar that cannot be read."""
         for scalar, label in zip(self.scalars, self.labels, strict=True):
             offset += -offset % min(scalar.align, self.format.widest)
@@ -264,7 +267,7 @@ def scalar_codec(format_: Format, scalar: Scalar, primitive: bool) -> Codec:
     run = Run(format_, [scalar], [""], [build], [""])
     step = run.reader()
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         values: list[Any] = []
         offset = step(data, offset, values)
         return values[0], offset

@@ -23,6 +23,7 @@ from rtgen.runtime.xcdr_codecs import (
     PADDING,
     Codec,
     Format,
+    Octets,
     Read,
     Run,
     Write,
@@ -54,13 +55,13 @@ def delimited(
         write_inner(out, value)
         pack_into(out, start - 4, len(out) - start)
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         offset += -offset & 3
         (size,) = unpack(data, offset)
         offset += 4
         left(data, offset, size)
         end = offset + size
-        value, used = read_inner(data[offset:end], 0)
+        value, used = read_inner(memoryview(data)[offset:end], 0)
         if used != size:
             raise ValueError(f"{size - used} octets too many")
         return value, end
@@ -99,19 +100,18 @@ def string_codec(format_: Format, descriptor: StringDescriptor) -> Codec:
         out += pack(len(octets))
         out += octets
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         offset += -offset & 3
         (size,) = unpack(data, offset)
         offset += 4
         left(data, offset, size)
         end = offset + size
-        octets = data[offset:end]
         if not wide:
             if bound is not None:
                 checked(size - 1)
-            return text_value(octets), end
+            return text_value(bytes(data[offset:end])), end
         checked(size // 2)
-        text = octets.decode(encoding)
+        text = str(data[offset:end], encoding)
         if "\0" in text:
             raise ValueError("a wstring cannot hold NUL")
         return text, end
@@ -137,7 +137,7 @@ def sequence_codec(format_: Format, descriptor: SequenceDescriptor, of: Of) -> C
         if count:
             write_items(out, value)
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         offset += -offset & 3
         (count,) = unpack(data, offset)
         offset += 4
@@ -178,7 +178,7 @@ def array_codec(
             value = flat(value, dimensions)
         write_items(out, exact(value, total))
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         left(data, offset, least)
         value, offset = read_items(data, offset, total)
         return (nested(value, dimensions) if several else value), offset
@@ -207,7 +207,7 @@ def map_codec(format_: Format, descriptor: MapDescriptor, of: Of) -> Codec:
             write_key(out, k)
             write_item(out, v)
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         offset += -offset & 3
         (count,) = unpack(data, offset)
         offset += 4
@@ -228,7 +228,7 @@ def map_codec(format_: Format, descriptor: MapDescriptor, of: Of) -> Codec:
 
 
 def _check_count(
-    data: bytes, offset: int, count: int, least: int, bound: int | None
+    data: Octets, offset: int, count: int, least: int, bound: int | None
 ) -> None:
     rest = len(data) - offset
     if count * least > rest or (not least and count > EMPTY_ELEMENTS):
@@ -237,7 +237,7 @@ def _check_count(
         raise ValueError(f"{count} items, and {bound} are the most")
 
 
-_ReadItems = Callable[[bytes, int, int], tuple[Any, int]]
+_ReadItems = Callable[[Octets, int, int], tuple[Any, int]]
 
 
 def _is_text(descriptor: Descriptor) -> bool:
@@ -266,7 +266,7 @@ def _items(
     if element.run is not None and element.run.build is not None:
         return write, element.run.many(element.run.build)
 
-    def read(data: bytes, offset: int, count: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int, count: int) -> tuple[Any, int]:
         items: list[Any] = []
         try:
             for _ in range(count):
@@ -311,7 +311,7 @@ def _scalars(format_: Format, run: Run) -> tuple[Write, _ReadItems]:
             value = [encode(item) for item in value]
         out += shapes[len(value)].pack(*value)
 
-    def read(data: bytes, offset: int, count: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int, count: int) -> tuple[Any, int]:
         if count:
             offset += -offset & mask
         left(data, offset, count * size)
@@ -334,15 +334,15 @@ def _write_octets(out: bytearray, value: Any) -> None:
     out += value
 
 
-def _read_octets(data: bytes, offset: int, count: int) -> tuple[Any, int]:
+def _read_octets(data: Octets, offset: int, count: int) -> tuple[Any, int]:
     end = offset + count
-    return data[offset:end], end
+    return bytes(data[offset:end]), end
 
 
 def _write_characters(out: bytearray, value: Any) -> None:
     out += value.encode("latin-1")
 
 
-def _read_characters(data: bytes, offset: int, count: int) -> tuple[Any, int]:
+def _read_characters(data: Octets, offset: int, count: int) -> tuple[Any, int]:
     end = offset + count
-    return data[offset:end].decode("latin-1"), end
+    return str(data[offset:end], "latin-1"), end

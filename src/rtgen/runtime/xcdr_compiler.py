@@ -25,6 +25,7 @@ from rtgen.runtime.descriptors import (
 from rtgen.runtime.xcdr_codecs import (
     Codec,
     Format,
+    Octets,
     Scalar,
     UnsupportedError,
     primitive,
@@ -96,7 +97,7 @@ def _linked(descriptor: LinkDescriptor, format_: Format) -> Codec:
     def write(out: bytearray, value: Any) -> None:
         codec_of(descriptor.target(), format_).write(out, value)
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         return codec_of(descriptor.target(), format_).read(data, offset)
 
     return Codec(write, read, 1)

@@ -17,6 +17,7 @@ from rtgen.runtime.xcdr_codecs import (
     PADDING,
     Codec,
     Format,
+    Octets,
     Write,
     left,
     refuse,
@@ -51,7 +52,7 @@ class _Found:
 
     id: int
     must_understand: bool
-    content: bytes
+    content: Octets
     end: int
 
 
@@ -72,7 +73,7 @@ def optional_codec(format_: Format, member: MemberDescriptor, codec: Codec) -> C
         else:
             write_one(out, value)
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         found = next_parameter(data, offset)
         if found is None or found.id != member.id:
             raise ValueError(f"the parameter {member.id} is needed")
@@ -93,7 +94,7 @@ def _flagged(codec: Codec) -> Codec:
             out += b"\1"
             write_one(out, value)
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         left(data, offset, 1)
         present = data[offset]
         if present > 1:
@@ -103,7 +104,7 @@ def _flagged(codec: Codec) -> Codec:
     return Codec(write, read, 1)
 
 
-def _whole(codec: Codec, content: bytes, padding: int) -> Any:
+def _whole(codec: Codec, content: Octets, padding: int) -> Any:
     """The value that is all of the content but so many octets of padding."""
     value, used = codec.read(content, 0)
     if len(content) - used > padding:
@@ -185,14 +186,14 @@ def list_end(format_: Format) -> bytes:
     return Struct(f"{format_.order}HH").pack(PID_LIST_END | SHORT_MUST_UNDERSTAND, 0)
 
 
-_Next = Callable[[bytes, int], "_Found | None"]
+_Next = Callable[[Octets, int], "_Found | None"]
 
 
 def _parameters(format_: Format) -> _Next:
     """What finds the parameter at an offset in a list of XCDR1; None is its end."""
     short, long = Struct(f"{format_.order}HH"), Struct(f"{format_.order}II")
 
-    def next_parameter(data: bytes, offset: int) -> _Found | None:
+    def next_parameter(data: Octets, offset: int) -> _Found | None:
         offset += -offset & 3
         pid, size = short.unpack_from(data, offset)
         offset += 4
@@ -213,7 +214,7 @@ def _parameters(format_: Format) -> _Next:
             masked = masked & ~SHORT_IMPLEMENTATION | LONG_IMPLEMENTATION
         left(data, offset, size)
         end = offset + size
-        return _Found(masked, must_understand, data[offset:end], end)
+        return _Found(masked, must_understand, memoryview(data)[offset:end], end)
 
     return next_parameter
 
@@ -222,7 +223,7 @@ def _members(format_: Format) -> _Next:
     """What finds the member at an offset behind a DHEADER; None where the octets end."""
     ulong = Struct(f"{format_.order}I")
 
-    def next_member(data: bytes, offset: int) -> _Found | None:
+    def next_member(data: Octets, offset: int) -> _Found | None:
         if offset >= len(data):
             return None
         offset += -offset & 3
@@ -240,14 +241,16 @@ def _members(format_: Format) -> _Next:
         left(data, offset, size)
         end = offset + size
         must_understand = bool(header & MUST_UNDERSTAND)
-        return _Found(header & MEMBER_ID, must_understand, data[offset:end], end)
+        return _Found(
+            header & MEMBER_ID, must_understand, memoryview(data)[offset:end], end
+        )
 
     return next_member
 
 
 def list_reader(
     format_: Format, parameters: Sequence[Parameter]
-) -> Callable[[bytes, int], tuple[dict[str, Any], int]]:
+) -> Callable[[Octets, int], tuple[dict[str, Any], int]]:
     """Reads a list into the values by name, and the offset behind it.
 
     What is not known is skipped, unless it must be understood.
@@ -257,7 +260,7 @@ def list_reader(
     padding = 0 if format_.version == 2 else 3
     end_size = 0 if format_.version == 2 else 4
 
-    def read(data: bytes, offset: int) -> tuple[dict[str, Any], int]:
+    def read(data: Octets, offset: int) -> tuple[dict[str, Any], int]:
         values: dict[str, Any] = {}
         while (found := next_one(data, offset)) is not None:
             offset = found.end

@@ -17,6 +17,7 @@ from rtgen.runtime.xcdr_codecs import (
     Build,
     Codec,
     Format,
+    Octets,
     Read,
     Run,
     Scalar,
@@ -156,7 +157,7 @@ def _writing(name: str, codec: Codec) -> Write:
 def _reading(codec: Codec) -> Step:
     read = codec.read
 
-    def step(data: bytes, offset: int, values: list[Any]) -> int:
+    def step(data: Octets, offset: int, values: list[Any]) -> int:
         value, offset = read(data, offset)
         values.append(value)
         return offset
@@ -187,7 +188,7 @@ def _steps(parts: Sequence[_Part]) -> list[tuple[str, Step]]:
 def _reader(class_: Callable[..., Any], parts: Sequence[_Part]) -> Read:
     steps = _steps(parts)
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         values: list[Any] = []
         name = ""
         try:
@@ -204,7 +205,7 @@ def _prefix_reader(class_: Callable[..., Any], parts: Sequence[_Part]) -> Read:
     """Reads the members that are there; the rest gets its defaults, more is not looked at."""
     steps = [(part.members, part.step, part.run) for part in parts]
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         values: list[Any] = []
         name = ""
         end = len(data)
@@ -256,7 +257,7 @@ def _mutable(
     parameter_list = list_reader(format_, parameters)
     keys = [p for p in parameters if p.key]
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         values, offset = parameter_list(data, offset)
         for parameter in keys:
             if parameter.name not in values:

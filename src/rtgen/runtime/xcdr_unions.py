@@ -11,6 +11,7 @@ from rtgen.runtime.faults import LOCATED, Fault
 from rtgen.runtime.xcdr_codecs import (
     Codec,
     Format,
+    Octets,
     Read,
     UnsupportedError,
     Write,
@@ -94,7 +95,7 @@ def _plain_reader(
     class_ = descriptor.class_
     initial = [partial(initial_value, b.type) for b in descriptor.branches]
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         name = f".{DISCRIMINATOR}"
         value = None
         try:
@@ -140,7 +141,7 @@ def _mutable(
         else:
             writes[index](out, value.value)
 
-    def read(data: bytes, offset: int) -> tuple[Any, int]:
+    def read(data: Octets, offset: int) -> tuple[Any, int]:
         values, offset = read_list(data, offset)
         if DISCRIMINATOR not in values:
             raise Fault("the discriminator is missing")
