@@ -188,3 +188,11 @@ def test_emitted_modules_pass_mypy(tmp_path: Path) -> None:
         command, cwd=tmp_path, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout
+
+
+def test_a_file_included_in_a_scope_is_an_input_of_its_owner(tmp_path: Path) -> None:
+    (tmp_path / "part.inc").write_text("struct Part { long a; };\n")
+    found = emission_of(tmp_path, 'module M {\n#include "part.inc"\n};\n')
+    module = next(a for a in found.artifacts if a.path.endswith("_idl/case.py"))
+    assert set(module.origin) == {"case.idl", "part.inc"}
+    assert "part.inc" in module.text.split('"""')[0]

@@ -124,9 +124,13 @@ class _Writer:
         return self._artifact(path, package_text(package, self._header(files)), files)
 
     def _sources(self, names: Iterable[str]) -> list[SourceFile]:
-        """The files in the order of the model."""
+        """The files, and those included in their declarations, in the order of the model."""
         wanted = set(names)
-        return [file for file in self._model.files if file.name in wanted]
+        return [
+            file
+            for file in self._model.files
+            if file.name in wanted or file.belongs_to in wanted
+        ]
 
     def _header(self, files: list[SourceFile]) -> str:
         sources = [(file.key, file.sha256) for file in files]
@@ -137,8 +141,8 @@ class _Writer:
 
 
 def _keys(files: list[SourceFile]) -> str:
-    """The keys of the files, for a title."""
-    return ", ".join(file.key for file in files)
+    """The keys of the files, for a title; without those that belong to others."""
+    return ", ".join(file.key for file in files if file.belongs_to is None)
 
 
 def _check(

@@ -428,6 +428,11 @@ class Lowering:
                             annotations=member.annotations,
                             name=member.name,
                             type=member.type,
+                            optional=member.optional,
+                            key=member.key,
+                            id=member.id,
+                            must_understand=member.must_understand,
+                            external=member.external,
                             public=item.node.public,
                         )
                     )
