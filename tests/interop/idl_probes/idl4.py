@@ -177,6 +177,11 @@ PROBES = [
     alone("value", "enum E { @value(3) A, B, @value(10) C };", E="enum E; A; B; C"),
     alone("value twice", "enum E { @value(1) A, @value(1) B };", "IDL0806"),
     alone(
+        "value beyond the bound",
+        "@bit_bound(8) enum E { @value(300) A };",
+        "IDL0806",
+    ),
+    alone(
         "value that follows is taken",
         "enum E { @value(2) A, @value(1) B, C };",
         "IDL0806",

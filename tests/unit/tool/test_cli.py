@@ -287,3 +287,15 @@ def test_what_is_not_needed_is_not_imported() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert done.stdout == "[]\n"
+
+
+@pytest.mark.parametrize("command", ["generate", "check", "inspect", "lint"])
+def test_names_that_differ_in_case_only(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("case.idl").write_text("struct Foo { long a; long A; };\n")
+    assert run([command, "case.idl"]) == 2
+    assert run([command, "--ignore-case-clashes", "case.idl"]) != 2
+    Path("rtgen.toml").write_text("[sources]\nignore_case_clashes = true\n")
+    assert run([command, "case.idl"]) != 2

@@ -201,3 +201,10 @@ def test_paths_beside_those_of_the_project() -> None:
         *(p.name for p in project.sources),
         "b.idl",
     ]
+
+
+def test_ignore_case_clashes_is_a_boolean() -> None:
+    assert not written("").ignore_case_clashes
+    assert written("[sources]\nignore_case_clashes = true\n").ignore_case_clashes
+    (wrong,) = findings('[sources]\nignore_case_clashes = "yes"\n')
+    assert "true or false" in wrong.message

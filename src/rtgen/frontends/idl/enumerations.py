@@ -115,6 +115,11 @@ class Enumerations:
         self, value: int, before: list[Enumerator], span: Span, bound: int, mask: bool
     ) -> bool:
         rule: Rule = rules.BAD_BIT_BOUND if mask else rules.BAD_ENUM_VALUE
+        if not mask and not -(1 << (bound - 1)) <= value < 1 << bound:
+            message = f"the value {value} does not fit into {bound} bits"
+            hint = f"@bit_bound gives the number of bits, here {bound}"
+            self._report(rule.at(span, message, hint=hint))
+            return False
         if mask and not 0 <= value < bound:
             self._report(
                 rule.at(
