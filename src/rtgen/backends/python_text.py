@@ -169,6 +169,34 @@ def _lines(parts: tuple[_Part, ...], indent: int, ending: str) -> list[str]:
     return _open(parts, groups[-1], indent, ending)
 
 
+def _item(parts: tuple[_Part, ...], indent: int, ending: str) -> list[str]:
+    """An item of a group as lines."""
+    lines = _lines(parts, indent, ending)
+    if (
+        len(lines) > 1
+        or len(lines[0]) <= WIDTH
+        or any(isinstance(part, _Group) for part in parts)
+    ):
+        return lines
+    return _union("".join(_one_line(p) for p in parts), indent, ending)
+
+
+def _union(text: str, indent: int, ending: str) -> list[str]:
+    """An item `A | None`, or `name: A | None`, whose type black splits before each `|`."""
+    margin = " " * indent
+    name, colon, annotation = text.partition(": ")
+    if not colon:
+        first, *others = text.split(" | ")
+        lines = [margin + first, *(f"{margin}| {other}" for other in others)]
+        return [*lines[:-1], lines[-1] + ending]
+    if " | " not in annotation:
+        return [margin + text + ending]
+    body = [margin + " " * _STEP + annotation]
+    if len(body[0]) > WIDTH:
+        body = _union(annotation, indent + _STEP, "")
+    return [f"{margin}{name}: (", *body, f"{margin}){ending}"]
+
+
 def _open(parts: tuple[_Part, ...], index: int, indent: int, ending: str) -> list[str]:
     """The parts as lines with the group of that index opened."""
     group = parts[index]
@@ -180,7 +208,7 @@ def _open(parts: tuple[_Part, ...], index: int, indent: int, ending: str) -> lis
         items = (body,) if indent + _STEP + len(body) <= WIDTH else items
         comma = ""
     for item in items:
-        lines.extend(_lines(_parts(item), indent + _STEP, comma))
+        lines.extend(_item(_parts(item), indent + _STEP, comma))
     return lines + _lines((group.closing, *parts[index + 1 :]), indent, ending)
 
 

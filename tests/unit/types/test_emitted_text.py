@@ -79,7 +79,10 @@ module {a} {{
     {n} {L}(in {n} {M}, out {k} {N}) raises ({G});
     void {O}(); long {P}(in long {Q}, in string {R});
   }};
-  interface {S} : {I} {{ void {T}(); }};
+  interface {S} : {I} {{
+    void {T}(); {I} {dd}(in {S} {ee}); oneway void {ff}(in {I} {gg});
+    {S} {hh}(inout {I} {ii}, in string {jj}, out {h} {kk}) raises ({G}); attribute {I} {ll};
+  }};
   struct {U} {{ {I} {V}; {y} {W}; fixed<5,2> {X}; }};
 }};
 interface {Y} {{}};
@@ -87,7 +90,7 @@ struct {Z} {{ double {aa}; double {bb}; double {cc}; }};
 """
 
 
-@pytest.mark.parametrize("longest", [4, 20, 50, 80, 100, 120])
+@pytest.mark.parametrize("longest", [5, 20, 50, 65, 80, 90, 100, 110, 120])
 def test_black_leaves_names_of_any_length_unchanged(
     tmp_path: Path, longest: int
 ) -> None:
