@@ -17,8 +17,8 @@ NEXT: Final = -1
 """The member id that follows that of the member before."""
 
 
-class _Shared:
-    """What a copy of a value refers to as the value does."""
+class Description:
+    """The base of all descriptors; a copy of a value refers to the same ones."""
 
     __slots__ = ()
 
@@ -27,7 +27,7 @@ class _Shared:
 
 
 @dataclass(frozen=True, slots=True)
-class PrimitiveDescriptor(_Shared):
+class PrimitiveDescriptor(Description):
     """A basic type, by its IDL name; `null` and `void` are types of nothing."""
 
     name: str
@@ -37,7 +37,7 @@ class PrimitiveDescriptor(_Shared):
 
 
 @dataclass(frozen=True, slots=True)
-class StringDescriptor(_Shared):
+class StringDescriptor(Description):
     """`string` (`bound` in octets of UTF-8) or `wstring` (in UTF-16 units)."""
 
     wide: bool = False
@@ -49,7 +49,7 @@ class StringDescriptor(_Shared):
 
 
 @dataclass(frozen=True, slots=True)
-class FixedDescriptor(_Shared):
+class FixedDescriptor(Description):
     """`fixed<digits,scale>`."""
 
     digits: int
@@ -60,7 +60,7 @@ class FixedDescriptor(_Shared):
 
 
 @dataclass(frozen=True, slots=True)
-class SequenceDescriptor(_Shared):
+class SequenceDescriptor(Description):
     """`sequence<element>` or `sequence<element,bound>`."""
 
     element: Descriptor
@@ -72,7 +72,7 @@ class SequenceDescriptor(_Shared):
 
 
 @dataclass(frozen=True, slots=True)
-class ArrayDescriptor(_Shared):
+class ArrayDescriptor(Description):
     """An array; dimensions outermost first."""
 
     element: Descriptor
@@ -83,7 +83,7 @@ class ArrayDescriptor(_Shared):
 
 
 @dataclass(frozen=True, slots=True)
-class MapDescriptor(_Shared):
+class MapDescriptor(Description):
     """`map<key,value>` or `map<key,value,bound>`."""
 
     key: Descriptor
@@ -96,7 +96,7 @@ class MapDescriptor(_Shared):
 
 
 @dataclass(frozen=True, slots=True)
-class _Named(_Shared):
+class _Named(Description):
     """`class_` is the Python class it describes, or None; `codecs` what was compiled from it."""
 
     repository_id: str

@@ -11,11 +11,15 @@ from enum import Enum
 from typing import Any, TextIO
 
 from rtgen.runtime.descriptors import (
+    BitsetDescriptor,
+    Description,
     EnumDescriptor,
     ExceptionDescriptor,
     StructDescriptor,
+    ValueDescriptor,
 )
 from rtgen.runtime.records import Record, SampleRecord
+from rtgen.runtime.values import AnyValue, Box, Value
 
 
 class JsonLinesRecorder:
@@ -53,31 +57,61 @@ def _fields(record: Record) -> dict[str, Any]:
 
 
 def plain(value: object) -> Any:
-    """A generated value as what JSON knows, with the names that the definition has."""
+    """A generated value as what JSON knows, with the names that the definition has.
+
+    A valuetype inside of itself is told by its name alone.
+    """
+    return _plain(value, ())
+
+
+def _plain(value: Any, around: tuple[int, ...]) -> Any:
+    match value:
+        case None | bool() | str():
+            return value
+        case Enum():
+            return _enumerator(value)
+        case int():
+            return value
+        case float():
+            return value if math.isfinite(value) else str(value)
+        case list() | tuple():
+            return [_plain(item, around) for item in value]
+        case dict():
+            pairs = value.items()
+            return [[_plain(k, around), _plain(v, around)] for k, v in pairs]
+        case bytes():
+            return list(value)
+        case Decimal() | Description():
+            return str(value)
+        case AnyValue():
+            return _plain(value.value, around)
+    if id(value) in around:
+        return str(value.described())
+    named = _members(getattr(value, "_descriptor_", None))
+    inside = (*around, id(value)) if isinstance(value, Value | Box) else around
+    if named:
+        return {n: _plain(getattr(value, a), inside) for n, a in named.items()}
+    if is_dataclass(value):
+        names = [field.name for field in fields(value)]
+    else:
+        names = ["discriminator", "value"]
+    return {name: _plain(getattr(value, name), inside) for name in names}
+
+
+def _enumerator(value: Any) -> str:
     descriptor = getattr(value, "_descriptor_", None)
     if isinstance(descriptor, EnumDescriptor):
         return next(name for name, number in descriptor.members if number == value)
-    if isinstance(descriptor, StructDescriptor | ExceptionDescriptor):
-        return {
-            member.name: plain(getattr(value, member.attribute))
-            for member in descriptor.members
-        }
-    if isinstance(value, Enum):
-        return value.name
-    if value is None or isinstance(value, bool | int | str):
-        return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else str(value)
-    if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
-    if isinstance(value, dict):
-        return [[plain(key), plain(item)] for key, item in value.items()]
-    if isinstance(value, bytes):
-        return list(value)
-    if isinstance(value, Decimal):
-        return str(value)
-    if is_dataclass(value):
-        return {
-            field.name: plain(getattr(value, field.name)) for field in fields(value)
-        }
-    return {name: plain(getattr(value, name)) for name in ("discriminator", "value")}
+    return str(value.name)
+
+
+def _members(descriptor: object) -> dict[str, str]:
+    """The attributes of a generated value by their names in the definition."""
+    match descriptor:
+        case StructDescriptor() | ExceptionDescriptor():
+            return {m.name: m.attribute for m in descriptor.members}
+        case ValueDescriptor():
+            return {m.name: m.attribute for m in descriptor.all_members()}
+        case BitsetDescriptor():
+            return {f.name: f.attribute for f in descriptor.fields}
+    return {}

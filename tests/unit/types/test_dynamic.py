@@ -28,6 +28,7 @@ from rtgen.runtime.descriptors import (
     difference,
     plain,
 )
+from rtgen.runtime.recording import plain as plain_sample
 from rtgen.runtime.values import (
     AnyValue,
     Box,
@@ -448,6 +449,17 @@ def test_optional_members_have_headers(dyn: Any) -> None:
     with pytest.raises(CdrError) as caught:
         dyn.Opt(a="x").to_cdr()
     assert caught.value.path == "Opt.a"
+
+
+def test_samples_in_logs(dyn: Any) -> None:
+    value = dyn.V(1)
+    value.next = value
+    anys = dyn.Anys(1, AnyValue(dyn.A, dyn.A(2)), e=dyn.A._descriptor_)
+    assert plain_sample(value) == {"x": 1, "next": "Dyn::V"}
+    told = plain_sample(anys)
+    assert (told["a"], told["e"]) == ({"x": 2}, "Dyn::A")
+    assert plain_sample(dyn.Text("t")) == {"value": "t"}
+    assert plain_sample(dyn.U.of_p(3)) == {"discriminator": 1, "value": 3}
 
 
 def test_links_are_looked_through(dyn: Any) -> None:
