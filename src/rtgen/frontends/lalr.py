@@ -240,10 +240,12 @@ def _rule(
     def select(parts: list[Any]) -> Any:
         found: list[Any] = []
         for index, spread in kept:
-            if spread:
-                found += parts[index]
-            else:
+            if not spread:
                 found.append(parts[index])
+            elif found:
+                found += parts[index]
+            else:  # no copy, for a list that grows on the left
+                found = parts[index]
         return found[0] if single and len(found) == 1 else make(found)
 
     return size, origin, select

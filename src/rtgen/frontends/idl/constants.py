@@ -493,6 +493,9 @@ class Constants:
                 rules.OUT_OF_RANGE, node, "the value is beyond the range of a double"
             )
         elif isinstance(value, Decimal):
+            if value and value.adjusted() >= 31:
+                message = "the value has more than 31 digits before its point"
+                self._fail(rules.OUT_OF_RANGE, node, message)
             return _DIGITS_31.plus(value)
         return value
 

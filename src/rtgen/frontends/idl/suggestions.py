@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+_MOST_COMPARED = 500
+"""Among more candidates only case is looked at, since comparing takes time."""
+
 
 def nearest(word: str, candidates: Iterable[str]) -> str | None:
     """The candidate most like `word`: equal but for case, else by difflib; None if none is."""
@@ -15,5 +18,7 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
     for choice in choices:
         if choice.lower() == folded:
             return choice
+    if len(choices) > _MOST_COMPARED:
+        return None
     found = get_close_matches(word, choices, n=1, cutoff=0.7)
     return found[0] if found else None
