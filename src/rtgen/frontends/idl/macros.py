@@ -118,6 +118,11 @@ class Expander:
         self._macros = macros
         self._left = MAX_TOKENS
 
+    @property
+    def exhausted(self) -> bool:
+        """Whether so much was expanded that there seems to be no end."""
+        return self._left < 0
+
     def expand(self, tokens: list[Token]) -> list[Token]:
         """The tokens with all macro calls replaced; raises ExpansionError."""
         pending = tokens[::-1]

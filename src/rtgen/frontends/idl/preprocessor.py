@@ -273,6 +273,7 @@ class _File:
         self._depth = 0
         self._complete = True
         self._seen = 0
+        self._endless = False
 
     @property
     def _active(self) -> bool:
@@ -358,9 +359,13 @@ class _File:
         """Append what a macro call at [start, end) expands to."""
         span = self._span(start, end)
         builder = self.builder
+        expander = Expander(self._table(span))
         try:
-            tokens = Expander(self._table(span)).expand(call)
+            if self._endless:
+                raise ExpansionError("the macros expand without end")
+            tokens = expander.expand(call)
         except ExpansionError as error:
+            self._endless = self._endless or expander.exhausted
             macro = self.macros.get(call[0].text)
             defined = macro.span if macro else None
             related = [Related(defined, "defined here")] if defined else []
