@@ -34,7 +34,7 @@ MOST_FAILURES = 100
 """After so many failures a run ends."""
 
 _PATIENCE = 120.0
-_CHUNK = 5000
+_CHUNK = 10_000
 _SHARED_MEMORY = Path("/dev/shm")
 
 
@@ -173,7 +173,10 @@ def run(
     jobs: int = 1,
     progress: Callable[[Report], None] = lambda _report: None,
 ) -> Report:
-    """Run the cases of a range; after each few thousand of them `progress` is told."""
+    """Run the cases of a range; after each few thousand of them `progress` is told.
+
+    An interrupt ends the run; what is done by then is reported.
+    """
     total = Report()
     start = time.monotonic()
     pending = [numbers[i : i + _CHUNK] for i in range(0, len(numbers), _CHUNK)][::-1]
@@ -181,23 +184,27 @@ def run(
     with tempfile.TemporaryDirectory(
         dir=_SHARED_MEMORY if _SHARED_MEMORY.is_dir() else None
     ) as scratch:
-        while pending or workers:
-            while pending and len(workers) < jobs:
-                worker = _Worker(factory, pending.pop(), Path(scratch))
-                workers[worker.channel] = worker
-            for channel in wait(list(workers), _PATIENCE):
-                assert isinstance(channel, Connection)
-                worker = workers.pop(channel)
-                report, rest = worker.result()
-                total.add(report)
-                if rest:
-                    pending.append(rest)
-                total.seconds = time.monotonic() - start
-                progress(total)
+        try:
+            while pending or workers:
+                while pending and len(workers) < jobs:
+                    worker = _Worker(factory, pending.pop(), Path(scratch))
+                    workers[worker.channel] = worker
+                for channel in wait(list(workers), _PATIENCE):
+                    assert isinstance(channel, Connection)
+                    worker = workers.pop(channel)
+                    report, rest = worker.result()
+                    total.add(report)
+                    if rest:
+                        pending.append(rest)
+                    total.seconds = time.monotonic() - start
+                    progress(total)
+                for worker in workers.values():
+                    worker.look()
+                if len(total.failures) >= MOST_FAILURES:
+                    pending.clear()
+        except KeyboardInterrupt:
             for worker in workers.values():
-                worker.look()
-            if len(total.failures) >= MOST_FAILURES:
-                pending.clear()
+                worker.end()
     return total
 
 
@@ -227,6 +234,11 @@ class _Worker:
         elif now - self._since > _PATIENCE:
             self._process.kill()
 
+    def end(self) -> None:
+        """End the worker at once."""
+        self._process.kill()
+        self._process.join()
+
     def result(self) -> tuple[Report, range]:
         """The report and the cases that are left, once the channel is ready."""
         try:
@@ -248,6 +260,7 @@ class _Worker:
 def _work(
     factory: Factory, numbers: range, folder: Path, current: object, channel: Connection
 ) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     target = factory(folder)
     report = Report()

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import re
+import signal
 import sys
 import tempfile
 from collections import defaultdict
@@ -46,6 +47,7 @@ def main() -> int:
     parser.add_argument("--show", type=int)
     parser.add_argument("--replay", type=Path)
     arguments = parser.parse_args()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     factory = KINDS[arguments.kind]
     if arguments.show is not None:
         with tempfile.TemporaryDirectory() as folder:
@@ -58,40 +60,49 @@ def main() -> int:
             attempt(factory(Path(folder)), -1, data, report, Watch(SECONDS / 2))
     else:
         numbers = range(arguments.first, arguments.first + arguments.count)
-        report = run(factory, numbers, jobs=arguments.jobs, progress=_progress)
+        keeper = _Keeper(factory, arguments.failures)
+        report = run(factory, numbers, jobs=arguments.jobs, progress=keeper.progress)
     print(report)
-    _keep(report.failures, factory, arguments.failures)
+    _summarize(report.failures)
     return 1 if report.failures else 0
 
 
-def _progress(report: Report) -> None:
-    print(
-        f"{report.cases} cases, {report.cases / report.seconds:.0f}/s,"
-        f" {len(report.failures)} failures",
-        file=sys.stderr,
-        flush=True,
-    )
+class _Keeper:
+    """Tells how far a run is, and keeps an input and its traceback for each failure."""
+
+    def __init__(self, factory: Factory, folder: Path) -> None:
+        self._factory = factory
+        self._folder = folder
+        self._kept = 0
+
+    def progress(self, report: Report) -> None:
+        """Called now and then."""
+        rate = report.cases / report.seconds
+        state = f"{report.cases} cases, {rate:.0f}/s, {len(report.failures)} failures"
+        print(state, file=sys.stderr, flush=True)
+        failures = report.failures[self._kept :]
+        self._kept = len(report.failures)
+        if not failures:
+            return
+        self._folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory() as scratch:
+            target = self._factory(Path(scratch))
+            for failure in failures:
+                path = self._folder / f"{failure.number}.idl"
+                path.write_bytes(target.make(failure.number))
+                path.with_suffix(".txt").write_text(failure.detail, encoding="utf-8")
+        for name, data in HELPERS.items():
+            (self._folder / name).write_bytes(data)
+        print(f"inputs are in {self._folder}", file=sys.stderr, flush=True)
 
 
-def _keep(failures: list[Failure], factory: Factory, folder: Path) -> None:
-    """Write an input and its traceback for each failure; print one of each sort."""
+def _summarize(failures: list[Failure]) -> None:
+    """Print one of each sort."""
     sorts: defaultdict[str, list[Failure]] = defaultdict(list)
     for failure in failures:
         sorts[_WHERE.sub("", failure.title)].append(failure)
     for title, same in sorts.items():
         print(f"\n{len(same)} x {title}\n{same[0].detail}")
-    if not failures:
-        return
-    folder.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as scratch:
-        target = factory(Path(scratch))
-        for failure in failures:
-            path = folder / f"{failure.number}.idl"
-            path.write_bytes(target.make(failure.number))
-            path.with_suffix(".txt").write_text(failure.detail, encoding="utf-8")
-    for name, data in HELPERS.items():
-        (folder / name).write_bytes(data)
-    print(f"\ninputs are in {folder}")
 
 
 if __name__ == "__main__":
