@@ -98,6 +98,8 @@ def _tried(encoding: Encoding, data: bytes) -> str:
         value = encoding.read(data)
     except CdrError:
         return f"{encoding.name} CdrError"
+    if value is None:  # a null value
+        return f"{encoding.name} read-only value"
     try:
         written = encoding.write(value)
     except CdrError:

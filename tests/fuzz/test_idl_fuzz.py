@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from fuzzing import Report, TimeUp, ViolationError, Watch, attempt, run
+from generated import Generated, generate
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from idl_grammar import is_valid, program
@@ -116,6 +117,19 @@ def test_found_by_fuzzing(name: str, tmp_path: Path) -> None:
     text, codes = FOUND[name]
     result = read(tmp_path, text.encode())
     assert tuple(d.code for d in result.diagnostics) == codes, result.diagnostics
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "component C {}; home H manages C {};"
+        " interface I { attribute C a; H f(in C b); }; typedef sequence<C> Cs;",
+        "struct S {}; struct T { S a[5]; long b; }; typedef S Row[2];",
+        "valuetype V { struct S { long a; }; public S b; }; typedef sequence<V> Vs;",
+    ],
+)
+def test_what_is_generated_can_be_imported(text: str, tmp_path: Path) -> None:
+    assert Generated(generate(read(tmp_path, text.encode()).model)).load()
 
 
 @BOUNDED

@@ -302,7 +302,7 @@ class PythonMapping:
             return f"{reference} | None"
         if isinstance(declaration, Valuetype | ValueBox):
             return f"{self._name_of(name)} | None"
-        if isinstance(declaration, Native):
+        if isinstance(declaration, Native | Component | Home):
             return self._spell("", "object")
         return self._name_of(name)
 
