@@ -63,6 +63,10 @@ class _Grammar:
                 self.ways[rule.origin.name].append(way)
         self.depths: dict[str, int] = {}
         self._measure()
+        self.shortest = {
+            name: [way for way in ways if self.depth(way) == self.depths[name]]
+            for name, ways in self.ways.items()
+        }
 
     def _measure(self) -> None:
         changed = True
@@ -108,7 +112,6 @@ def sample(chance: Random) -> list[str]:
         ways = found.ways[name]
         plain = name in _EXPRESSIONS and chance.random() < 0.9
         if plain or level > 30 or len(tokens) > most:
-            least = min(map(found.depth, ways))
-            ways = [way for way in ways if found.depth(way) == least]
+            ways = found.shortest[name]
         pending += [(n, level + 1) for n in reversed(chance.choice(ways))]
     return tokens
