@@ -78,6 +78,16 @@ _TEXTS = {
 }
 
 
+MOST_IN_PLACE = 128
+"""A struct of more values has a codec of its own, which those of its holders call."""
+
+MOST_LOOPS_IN_PLACE = 6
+"""The same for one with loops in loops: Python nests 20 blocks at most in a function."""
+
+MOST_LOOPS = 12
+"""So deep can sequences be nested in each other without a struct or union between."""
+
+
 class NotMarshalledError(Exception):
     """A type that has no layout in classic CDR, or none here; the message says which and why."""
 
@@ -87,7 +97,7 @@ Rename: TypeAlias = Callable[[Struct | ExceptionDecl], Mapping[str, str]]
 
 
 class CdrTypes:
-    """The trees of a model's types. Recursive structs and unions are calls of their own codecs."""
+    """The trees of a model's types. Unions and some structs are calls of their own codecs."""
 
     def __init__(
         self, model: Model, rename: Rename, representations: Representations
@@ -104,6 +114,13 @@ class CdrTypes:
     def is_recursive(self, name: ScopedName) -> bool:
         """Whether values of the struct or union can contain values of the same type."""
         return name in self._recursive
+
+    def has_own_codec(self, name: ScopedName) -> bool:
+        """Whether other codecs call that of the struct: it is recursive, or large.
+
+        Raises NotMarshalledError.
+        """
+        return name in self._recursive or isinstance(self._named(name), Call)
 
     def is_dynamic(self, type_: Type) -> bool:
         """Whether values of the type hold what is marshalled along its descriptor."""
@@ -183,7 +200,7 @@ class CdrTypes:
             case MapType(key, value, bound):
                 keys, values = self.node(key), self.node(value)
                 least = minimum_size(keys) + minimum_size(values)
-                return Repeat(values, max(least, 1), bound, key=keys)
+                return _checked(Repeat(values, max(least, 1), bound, key=keys))
             case NamedType(name):
                 return self._named(name)
 
@@ -216,7 +233,7 @@ class CdrTypes:
                 return Call(name, 1)
             case Struct():
                 if name not in self._nodes:
-                    self._nodes[name] = self.body(declaration)
+                    self._nodes[name] = _called_if_large(self.body(declaration))
                 return self._nodes[name]
         kind = type(declaration).__name__.lower()
         raise NotMarshalledError(
@@ -262,7 +279,44 @@ class CdrTypes:
             raise NotMarshalledError(
                 "a sequence of empty elements: its count cannot be checked"
             )
-        return Repeat(element, least, bound, length)
+        return _checked(Repeat(element, least, bound, length))
+
+
+def _called_if_large(body: Group) -> Group | Call:
+    """A struct where it is used: in place, or called if that would be much text."""
+    if _values(body) > MOST_IN_PLACE or _loops(body) > MOST_LOOPS_IN_PLACE:
+        return Call(body.name, minimum_size(body))
+    return body
+
+
+def _checked(node: Repeat) -> Repeat:
+    if _loops(node) > MOST_LOOPS:
+        raise NotMarshalledError(
+            f"sequences are nested more than {MOST_LOOPS} deep: put a struct between"
+        )
+    return node
+
+
+def _values(node: Node) -> int:
+    """How many values the text for a tree names."""
+    match node:
+        case Group(members=members):
+            return sum(_values(inner) for _, inner in members)
+        case Repeat(element=element, key=key):
+            return 1 + _values(element) + (0 if key is None else _values(key))
+        case Records(fields=fields):
+            return 1 + len(fields)
+    return 1
+
+
+def _loops(node: Node) -> int:
+    """How deep loops are nested in the text for a tree."""
+    match node:
+        case Group(members=members):
+            return max((_loops(inner) for _, inner in members), default=0)
+        case Repeat(element=element, key=key):
+            return 1 + max(_loops(element), 0 if key is None else _loops(key))
+    return 0
 
 
 def _bits(count: int, form: Form, name: ScopedName) -> Atom:

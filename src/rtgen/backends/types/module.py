@@ -169,7 +169,7 @@ class TypesModule:
         names = self._names.members(declaration)
         body = self._types.body(declaration)
         holds = _Holdings(self._types, declaration)
-        composite = self._types.is_recursive(declaration.name) and not holds.headers
+        composite = self._is_called(declaration) and not holds.headers
         version = self._version(declaration, holds)
         fields = [
             Statement(f"{names[m.name]}: {self._field(m)}", docstring(m.doc, 4))
@@ -216,17 +216,20 @@ class TypesModule:
         if isinstance(declaration, ExceptionDecl):
             return self.scope.UserException
         bases: list[str] = []
-        if self._types.is_recursive(declaration.name) and not self._is_composite(
-            declaration.base
-        ):
+        if self._is_called(declaration) and not self._is_composite(declaration.base):
             bases.append(self.scope.Composite)
         if declaration.base is not None:
             bases.append(self.scope.reference(declaration.base))
         return ", ".join(bases or [self.scope.Aggregated])
 
+    def _is_called(self, declaration: Struct | ExceptionDecl) -> bool:
+        return isinstance(declaration, Struct) and self._types.has_own_codec(
+            declaration.name
+        )
+
     def _is_composite(self, name: tuple[str, ...] | None) -> bool:
         while name is not None:
-            if self._types.is_recursive(name):
+            if self._types.has_own_codec(name):
                 return True
             declaration = self._model.find(name)
             name = declaration.base if isinstance(declaration, Struct) else None

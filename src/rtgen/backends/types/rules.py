@@ -11,6 +11,7 @@ The member has no codec in CDR. Its type is, or holds,
 - a local interface: its objects do not leave the process;
 - a custom valuetype: only its user's own code knows how its state is marshalled;
 - a sequence of elements that take no octets: nothing would bound its length when it is read;
+- sequences nested in each other more than 12 deep, with no struct or union between;
 - an optional member (`@optional`) or a mutable type (`@mutable`) together with `any`,
   `CORBA::TypeCode`, a value or an abstract interface: the former belongs to the CDR of DDS, the
   latter to that of CORBA.
