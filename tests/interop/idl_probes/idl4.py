@@ -297,6 +297,11 @@ PROBES = [
         "struct S { @transfer_mode(SHMEM_REF) octet a[4]; }; @transfer_mode(SHMEM_REF) struct T { long b; };",
     ),
     alone("misplaced key", "@key struct S { long a; };", "IDL0801"),
+    alone("key on a module", "@key module M { struct S { long a; }; };", "IDL0801"),
+    alone(
+        "defaults of a module",
+        "@mutable @autoid(HASH) module M { struct S { long a; }; }; module M { struct T { long a; }; };",
+    ),
     alone("misplaced final", "struct S { @final long a; };", "IDL0801"),
     alone("misplaced optional", "interface I { @optional void f(); };", "IDL0801"),
     # Types

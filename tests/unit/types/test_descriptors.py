@@ -106,3 +106,47 @@ def test_names_that_two_files_have(tmp_path: Path) -> None:
     text = (tmp_path / package.__name__ / "_idl" / "second.py").read_text()
     assert "RoleStub as RoleStub_" in text
     assert "class RoleStub(Role, RoleStub_):" in text
+
+
+def test_annotations_of_modules_are_the_defaults_of_their_types(tmp_path: Path) -> None:
+    package = emitted.emit_text(
+        tmp_path,
+        """
+@mutable @autoid(HASH) @default_nested module Outer {
+  struct A { long color; };
+  @nested(FALSE) @final @autoid(SEQUENTIAL) struct B { long color; };
+  @topic union U switch (long) { case 1: long color; };
+  @appendable @data_representation(XCDR2) module Inner {
+    struct C { octet a; double b; };
+    @data_representation(XCDR) @final struct D { octet a; double b; };
+    interface I { struct E { long a; }; };
+  };
+  struct Derived : B { long d; };
+  struct Later;
+};
+module Outer { struct F { long a; }; struct Later { long a; }; };
+""",
+    )
+    outer, inner = package.outer, package.outer.inner
+    found = {
+        t.__name__: (t._descriptor_.extensibility, t._descriptor_.nested)
+        for t in (outer.A, outer.B, outer.U, inner.C, inner.D, inner.I.E)
+    }
+    assert found == {
+        "A": ("mutable", True),
+        "B": ("final", False),
+        "U": ("mutable", False),
+        "C": ("appendable", True),
+        "D": ("final", True),
+        "I_E": ("appendable", True),
+    }
+    assert outer.Derived._descriptor_.extensibility == "final"
+    for type_ in (outer.F, outer.Later):  # this opening says nothing
+        assert (type_._descriptor_.extensibility, type_._descriptor_.nested) == (
+            "final",
+            False,
+        )
+    hashed = outer.A._descriptor_.members[0].id
+    assert hashed == 0x0FA5DD70
+    assert inner.C(1, 2.0).to_cdr() == inner.C(1, 2.0).to_xcdr2()
+    assert inner.D(1, 2.0).to_cdr() != inner.D(1, 2.0).to_xcdr2()

@@ -77,11 +77,14 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
         "position": _define("enumerator member", required=True, value=INTEGER),
         "value": _define("enumerator", required=True, value=INTEGER),
         "extensibility": _define(
-            _TYPES, required=True, words="FINAL APPENDABLE MUTABLE", value=WORD
+            _TYPES + " module",
+            required=True,
+            words="FINAL APPENDABLE MUTABLE",
+            value=WORD,
         ),
-        "final": _define(_TYPES),
-        "appendable": _define(_TYPES),
-        "mutable": _define(_TYPES),
+        "final": _define(_TYPES + " module"),
+        "appendable": _define(_TYPES + " module"),
+        "mutable": _define(_TYPES + " module"),
         "key": _define("member case attribute", value=FLAG),
         "must_understand": _define("member case", value=FLAG),
         "default_literal": _define("enumerator"),

@@ -54,6 +54,10 @@ class Lowering:
         self._annotations = Annotations(types, report)
         self._components = Components(types, self, report)
         self._enumerations = Enumerations(types, self._annotations, report)
+        self._modules = {
+            id(item): self._annotations.of(item.annotations, "module", unit)
+            for item, unit in types.tables.modules
+        }
         self._docs: dict[Unit, Docs] = {}
         self._makers: dict[Kind, Callable[[Entity, Any], Declaration | None]] = {
             Kind.STRUCT: self._struct,
@@ -117,6 +121,18 @@ class Lowering:
             ),
         }
 
+    def _with_defaults(
+        self, entity: Entity, *, derived: bool = False
+    ) -> dict[str, Any]:
+        """The fields that every declaration has, with what annotations of modules say of it."""
+        common = self.common(entity)
+        if entity.around:
+            modules = [self._modules[id(item)] for item in entity.around]
+            common["annotations"] = traits.with_defaults(
+                common["annotations"], modules, derived
+            )
+        return common
+
     def doc(
         self, item: tree.Item | tree.Enumerator | tree.Parameter | None, unit: Unit
     ) -> str:
@@ -175,7 +191,7 @@ class Lowering:
         )
 
     def _struct(self, entity: Entity, node: tree.Struct) -> Declaration | None:
-        common = self.common(entity)
+        common = self._with_defaults(entity, derived=node.base is not None)
         annotations = common["annotations"]
         hashed = traits.hashes_ids(annotations)
         members = self._members(node.body, entity.unit, hashed)
@@ -206,7 +222,7 @@ class Lowering:
         switch = self._types.of_node(node.switch, entity.unit)
         if switch is None or not self._types.can_switch(switch):
             return None
-        common = self.common(entity)
+        common = self._with_defaults(entity)
         hashed = traits.hashes_ids(common["annotations"])
         cases = []
         whole = True

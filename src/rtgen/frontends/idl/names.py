@@ -146,7 +146,7 @@ class Resolver(Naming):
                 self._include(event)
 
     def _inner(self, entity: Entity, ids: str) -> Scope:
-        scope = Scope(entity, entity.scope, ids)
+        scope = Scope(entity, entity.scope, ids, around=entity.around)
         entity.inner = scope
         return scope
 
@@ -197,14 +197,17 @@ class Resolver(Naming):
             entity = self._new(scope, node.name, Kind.MODULE, node, listed=False)
             self._inner(entity, "")
         assert entity.inner is not None
-        before = entity.inner.ids
+        before = entity.inner.ids, entity.inner.around
+        if item.annotations:
+            self.tables.modules.append((item, self._unit))
+        entity.inner.around = scope.around + ((item,) if item.annotations else ())
         entity.inner.ids = (
             below(scope.ids, entity.name)
             if entity.prefix is None
             else below(entity.prefix, "/".join(entity.path))
         )
         self._body(entity, node.body)
-        entity.inner.ids = before
+        entity.inner.ids, entity.inner.around = before
 
     def _forward(self, node: tree.Forward, scope: Scope, item: tree.Item) -> None:
         existing = scope.names.get(self._key(node.name.text))

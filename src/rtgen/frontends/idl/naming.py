@@ -75,6 +75,7 @@ class Naming(ABC):
             node,
         )
         entity.item = item
+        entity.around = scope.around
         existing = self._lookup.declare(
             scope, entity, name.end - name.start > len(name.text)
         )
@@ -110,6 +111,7 @@ class Naming(ABC):
             existing.unit = entity.unit
             existing.start, existing.end = entity.start, entity.end
             existing.item = entity.item
+            existing.around = entity.around
             existing.order = entity.order
             self.tables.declared.remove(existing)
             self.tables.declared.append(existing)

@@ -81,6 +81,7 @@ class Entity:
     owner: Entity | None = None
     annotations: tuple[tree.Annotation, ...] = ()
     item: tree.Item | None = None
+    around: tuple[tree.Item, ...] = ()
 
     @property
     def scoped(self) -> str:
@@ -112,7 +113,8 @@ class Use:
 class Scope:
     """The names of a scope, by the keys of the look-up: lower-case forms, as a rule.
 
-    `ids` is the path of repository ids.
+    `ids` is the path of repository ids; `around` are the openings of modules with annotations that
+    what is declared now stands in, the innermost last.
     """
 
     entity: Entity | None
@@ -122,6 +124,7 @@ class Scope:
     introduced: dict[str, Use] = field(default_factory=dict)
     bases: list[Scope] = field(default_factory=list)
     imported: list[Scope] = field(default_factory=list)
+    around: tuple[tree.Item, ...] = ()
 
     @property
     def path(self) -> ScopedName:

@@ -36,7 +36,8 @@ class Tables:
     """What name resolution finds out about a translation unit.
 
     `references` has None for names that were reported, and a Primitive for IDL 4's integers;
-    `annotations` are those that `@annotation` declares, each with its members.
+    `annotations` are those that `@annotation` declares, each with its members; `modules` are the
+    openings of modules that have annotations.
     """
 
     top: Scope
@@ -47,3 +48,4 @@ class Tables:
     declared: list[Entity] = field(default_factory=list)
     annotations: dict[str, tuple[str, ...]] = field(default_factory=dict)
     units: list[Unit] = field(default_factory=list)
+    modules: list[tuple[tree.Item, Unit]] = field(default_factory=list)

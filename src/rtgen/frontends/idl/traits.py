@@ -1,4 +1,7 @@
-"""What annotations say of a type and its members: extensibility, member ids (DDS-XTypes 1.3)."""
+"""What annotations say of a type and its members: extensibility, member ids (DDS-XTypes 1.3).
+
+On a module they are the defaults of the structs and unions in it (7.3.1.2).
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,10 @@ from rtgen.model import Annotation, Extensibility
 
 _MEMBER_ID = 0x0FFFFFFF
 _EXTENSIBILITIES = frozenset(e.value for e in Extensibility)
+_GROUPS = dict.fromkeys(("extensibility", *_EXTENSIBILITIES), "extensibility")
+_GROUPS |= {"nested": "nested", "topic": "nested", "default_nested": "nested"}
+_GROUPS |= {name: name for name in ("autoid", "data_representation")}
+"""The annotations of which one on a type goes before those of its modules, by what they tell."""
 
 
 def extensibility(annotations: Sequence[Annotation]) -> Extensibility:
@@ -22,6 +29,27 @@ def extensibility(annotations: Sequence[Annotation]) -> Extensibility:
         if name in _EXTENSIBILITIES:
             return Extensibility(name)
     return Extensibility.FINAL
+
+
+def with_defaults(
+    own: Sequence[Annotation], modules: Sequence[Sequence[Annotation]], derived: bool
+) -> tuple[Annotation, ...]:
+    """The annotations of a struct or union, then what those of its modules, the outermost first,
+    say where it says nothing itself. A derived struct is extensible as its base is.
+    """
+    told = {_GROUPS.get(annotation.name) for annotation in own}
+    if derived:
+        told.add("extensibility")
+    found = list(own)
+    for around in reversed(modules):
+        new = [a for a in around if _GROUPS.get(a.name) not in (None, *told)]
+        told |= {_GROUPS[annotation.name] for annotation in new}
+        for annotation in new:
+            is_default = annotation.name == "default_nested"
+            found.append(
+                Annotation("nested", annotation.arguments) if is_default else annotation
+            )
+    return tuple(found)
 
 
 def of_type(annotations: Sequence[Annotation]) -> dict[str, Any]:
