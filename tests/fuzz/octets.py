@@ -169,7 +169,7 @@ def types(module: ModuleType) -> Iterator[type[Any]]:
     """The types and codecs that a generated module defines."""
     for value in vars(module).values():
         own = getattr(value, "__module__", "") == module.__name__
-        if own and isinstance(value, type) and hasattr(value, "from_cdr"):
+        if own and callable(getattr(value, "from_cdr", None)):
             yield value
 
 

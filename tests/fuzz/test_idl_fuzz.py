@@ -31,7 +31,6 @@ from rtgen.diagnostics import Severity, Span, has_errors
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import load
 from rtgen.frontends.idl.rules import syntax
-from rtgen.model import Model
 
 PIECES = [
     *(*KEYWORDS, *CONTEXTUAL, *MARKS, *NAMES, *NUMBERS, *TEXTS, *ANNOTATIONS),
@@ -84,7 +83,8 @@ def read(folder: Path, data: bytes) -> FrontendResult:
     path = folder / "input.idl"
     path.write_bytes(data)
     result = load([path], root=folder)
-    findings(result, moved=b"line" in data or b"# 12" in data)
+    moved = b"line" in data or b"# 12" in data
+    findings(result.diagnostics, result.sources, moved=moved)
     return result
 
 
@@ -247,7 +247,4 @@ def test_a_finding_that_is_nowhere_is_noticed(span: Span | None) -> None:
     finding = syntax.MISSING_SEMICOLON.at(span, "a ';' is missing here")
     assert finding.severity is Severity.ERROR
     with pytest.raises(ViolationError):
-        findings(
-            FrontendResult(Model(), (finding,), {"input.idl": "struct\n"}, ()),
-            moved=False,
-        )
+        findings([finding], {"input.idl": "struct\n"}, moved=False)
