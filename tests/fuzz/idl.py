@@ -57,7 +57,10 @@ def main() -> int:
         report = Report()
         with tempfile.TemporaryDirectory() as folder:
             data = arguments.replay.read_bytes()
-            attempt(factory(Path(folder)), -1, data, report, Watch(SECONDS / 2))
+            # The case 0 has all the checks that others have now and then.
+            attempt(
+                IdlTarget(Path(folder), mutant), 0, data, report, Watch(SECONDS / 2)
+            )
     else:
         numbers = range(arguments.first, arguments.first + arguments.count)
         keeper = _Keeper(factory, arguments.failures)

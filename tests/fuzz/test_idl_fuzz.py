@@ -66,6 +66,10 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
         "struct S { @id(1)\n vector<long> a; };",
         ("IDL0121",),
     ),
+    "constant_called_final": (
+        "const wchar Final = L'.'; @extensibility(FINAL) struct S { long a; };",
+        (),
+    ),
     "lone_underscore": ("enum E { _, A }; struct S { long __; };", ("IDL0207",) * 2),
     "id_that_follows_is_taken": (
         "struct S { @id(2) long a; @id(1) long b; long c; };",

@@ -248,8 +248,10 @@ class Annotations:
         if wanted == TYPED:
             wanted = self._scalar(type_)
         if wanted is None or isinstance(wanted, str):
-            found = self.natural(value, unit)
             words = definition.words if definition is not None else ()
+            if isinstance(value, tree.ScopedName) and str(value).upper() in words:
+                return str(value)  # even if something of that name is declared
+            found = self.natural(value, unit)
             if words and str(found).upper() not in words:
                 self._report(
                     rules.BAD_ARGUMENT.at(
