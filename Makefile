@@ -36,7 +36,7 @@ drift: $(VENV)/test.stamp
 pytest: $(VENV)/test.stamp
 	$(BIN)/pytest -n 2 --cov --cov-report=term:skip-covered
 
-# The fast tests again on each further interpreter that this machine has.
+# The fast tests again on each further interpreter that this machine has, those with peers left out.
 interpreters: $(VENV)/test.stamp
 	$(BIN)/python tests/interpreters.py
 

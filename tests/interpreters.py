@@ -12,6 +12,9 @@ from pathlib import Path
 SUPPORTED = ("3.11", "3.12", "3.13")
 ROOT = Path(__file__).resolve().parent.parent
 
+TRIED_ONCE = ("tests/interop", "tests/fuzz")
+"""Comparisons with peers and random inputs are the same on each interpreter."""
+
 
 def find(version: str) -> str | None:
     """The path of a working interpreter of that version, on the path or of pyenv, or None."""
@@ -62,6 +65,7 @@ def try_on(interpreter: str, wheel: Path, folder: Path) -> int:
         "not slow",
         "-p",
         "no:cacheprovider",
+        *(f"--ignore={name}" for name in TRIED_ONCE),
     ]
     environment = {
         **os.environ,

@@ -96,6 +96,7 @@ def test_a_package_imports_its_own_modules_relatively(
                 assert node.level <= depth if node.level else top in allowed, file
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", INCLUDE)
 def test_text_is_as_black_has_it(sets: dict[str, Path], name: str) -> None:
     mode = black.Mode(target_versions={black.TargetVersion.PY311})
