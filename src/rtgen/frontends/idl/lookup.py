@@ -14,6 +14,11 @@ from rtgen.frontends.idl.unit import Unit
 from rtgen.frontends.idl.words import CORBA_3, FOLDED, RESERVED
 
 _MOST_ELSEWHERE = 3
+_MOST_GUESSES = 200
+"""For so many unknown names a near one is looked for, since that takes time."""
+
+_NO_GUESS = "declare it before its use, or include the file that declares it"
+
 _TAGGED = (Kind.STRUCT, Kind.UNION, Kind.ENUM)
 
 _USED_OUT_TO = (Kind.INTERFACE, Kind.VALUETYPE, Kind.COMPONENT, Kind.HOME)
@@ -206,7 +211,7 @@ class Lookup:
         for use in self._unknowns:
             key = use.text, use.scope if use.inside else None
             uses.setdefault(key, []).append(use)
-        for unknown, *more in uses.values():
+        for number, (unknown, *more) in enumerate(uses.values()):
             inside = ""
             related = [
                 Related(use.span, "used here, too") for use in more[:_MOST_ELSEWHERE]
@@ -218,9 +223,12 @@ class Lookup:
             if unknown.inside:
                 entity = unknown.scope.entity
                 inside = f" in {called(entity)}" if entity else ""
+            hint = None
+            if number >= _MOST_GUESSES:
+                hint = _NO_GUESS
+            elif unknown.inside:
                 hint = self._hint_inside(unknown)
             else:
-                hint = None
                 later = self._later(unknown)
                 if later is not None:
                     place = f"{later.span.file}:{later.span.line}"
@@ -278,7 +286,7 @@ class Lookup:
             name = nearest(text, far)
             near = far[name] if name else None
         if near is None:
-            return "declare it before its use, or include the file that declares it"
+            return _NO_GUESS
         return f"did you mean {near}?"
 
     def declare(

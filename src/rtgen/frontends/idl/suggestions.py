@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 
 _MOST_COMPARED = 500
-"""Among more candidates only case is looked at, since comparing takes time."""
+"""Of more candidates those are compared that begin alike and are about as long: it takes time."""
 
 
 def nearest(word: str, candidates: Iterable[str]) -> str | None:
@@ -18,6 +18,14 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
     for choice in choices:
         if choice.lower() == folded:
             return choice
+    if len(choices) > _MOST_COMPARED:
+        slack = len(word) // 4 + 1
+        choices = [
+            choice
+            for choice in choices
+            if abs(len(choice) - len(word)) <= slack
+            and choice[:2].lower() == folded[:2]
+        ]
     if len(choices) > _MOST_COMPARED:
         return None
     found = get_close_matches(word, choices, n=1, cutoff=0.7)
