@@ -70,6 +70,10 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
         "const wchar Final = L'.'; @extensibility(FINAL) struct S { long a; };",
         (),
     ),
+    "typedef_called_like_what_it_names": (
+        "interface I; typedef sequence<I> I; interface I { I f(); };",
+        ("IDL0202",),
+    ),
     "lone_underscore": ("enum E { _, A }; struct S { long __; };", ("IDL0207",) * 2),
     "id_that_follows_is_taken": (
         "struct S { @id(2) long a; @id(1) long b; long c; };",

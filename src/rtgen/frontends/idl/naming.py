@@ -84,7 +84,7 @@ class Naming(ABC):
             if merged is not None:
                 self.tables.entities[name] = merged
                 return merged
-            entity.poisoned = True
+            entity.poisoned = entity.clashes = True
         self.tables.entities[name] = entity
         if listed:
             self.tables.declared.append(entity)

@@ -54,7 +54,8 @@ class Entity:
     """Something with a name. `node` is its definition, None while only forward-declared.
 
     `type_node` is the type behind a typedef, a member or a constant, with its `declarator`.
-    `contradicted` says that another declaration of the name is of another kind or prefix.
+    `contradicted` says that another declaration of the name is of another kind or prefix,
+    `clashes` that the name is taken, so that the entity is kept out of its scope.
     `order` counts the declarations of the translation unit; `modifier` is abstract, local, custom.
     """
 
@@ -75,6 +76,7 @@ class Entity:
     modifier: str = ""
     poisoned: bool = False
     contradicted: bool = False
+    clashes: bool = False
     fixed_id: Span | None = None
     fixed_version: Span | None = None
     prefix: str | None = None
