@@ -4,6 +4,7 @@ from idl_probes.probe import alone
 
 _I = "interface I {}; "
 _S = "struct S { long a; }; "
+_T = "module T<typename X> { typedef sequence<X> Xs; }; module T<long> LongT; "
 
 PROBES = [
     alone(
@@ -13,6 +14,21 @@ PROBES = [
     alone(
         "raises of a readonly attribute",
         "exception E {}; interface I { readonly attribute long a raises(E); readonly attribute long b, c; };",
+    ),
+    alone(
+        "raises of an attribute that can be set",
+        "exception E {}; interface I { attribute long a raises(E); };",
+        "IDL0614",
+    ),
+    alone(
+        "setraises of a readonly attribute",
+        "exception E {}; interface I { readonly attribute long a setraises(E); };",
+        "IDL0614",
+    ),
+    alone(
+        "getraises of a readonly attribute",
+        "exception E {}; interface I { readonly attribute long a getraises(E); };",
+        "IDL0614",
     ),
     alone(
         "getraises of a struct",
@@ -196,6 +212,46 @@ PROBES = [
         "module T<typename X> { typedef sequence<X> Xs; }; module T<long> LongT;",
         "IDL0302",
         "IDL0302",
+    ),
+    alone(
+        "type of a template module in a struct",
+        _T + "struct S { LongT::Xs a; }; struct R { S b; }; struct Q { long a; };",
+        *("IDL0302", "IDL0302", "IDL0309", "IDL0309"),
+        Q="struct Q; a: long",
+    ),
+    alone(
+        "type of a template module in a typedef",
+        _T + "typedef LongT::Xs L; typedef sequence<L> Ls;",
+        *("IDL0302", "IDL0302", "IDL0309", "IDL0309"),
+    ),
+    alone(
+        "type of a template module in an interface",
+        _T
+        + "interface I { void f(in LongT::Xs a); void g(); attribute LongT::Xs h; };",
+        *("IDL0302", "IDL0302", "IDL0309", "IDL0309"),
+        I="interface I; g(): void",
+    ),
+    alone(
+        "base, exception and constant of a template module",
+        _T
+        + "interface I : LongT::J {}; interface K { void f() raises(LongT::E); }; const long A = LongT::N;",
+        *("IDL0302", "IDL0302", "IDL0309", "IDL0309", "IDL0309"),
+        K="interface K; f(): void",
+    ),
+    alone(
+        "type of a template module at a port",
+        _T + "component C { provides LongT::J j; consumes LongT::S s; };",
+        *("IDL0302", "IDL0302", "IDL0309", "IDL0309"),
+    ),
+    alone(
+        "port type as a type",
+        "porttype P { provides Object o; }; struct S { P a; };",
+        *("IDL0302", "IDL0309"),
+    ),
+    alone(
+        "left out beside an error",
+        _T + "struct S { LongT::Xs a; Nothing b; };",
+        *("IDL0302", "IDL0302", "IDL0200"),
     ),
     alone(
         "qualified template module in use",

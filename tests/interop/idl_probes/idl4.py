@@ -53,6 +53,50 @@ PROBES = [
         '@final @nested() struct S { @id(3) long a; @unit(value="m") double b; @range(min=1, max=2) long c; };',
         S="struct S; a: long; b: double; c: long",
     ),
+    alone("default literal", "enum E { A, @default_literal B };", E="enum E; A; B"),
+    alone(
+        "default literal twice",
+        "enum E { @default_literal A, @default_literal B };",
+        "IDL0809",
+    ),
+    alone("annotation twice", "struct S { @key @key long a; };", "IDL0809"),
+    alone("two ids", "struct S { @id(1) @id(2) long a; };", "IDL0809"),
+    alone(
+        "verbatim twice",
+        '@verbatim(text="a") @verbatim(language="c", text="b") struct S { long a; };',
+        S="struct S; a: long",
+    ),
+    alone("verbatim of nothing", "@verbatim struct S { long a; };", "IDL0802"),
+    alone(
+        "verbatim without text",
+        '@verbatim(language="comment") struct S { long a; };',
+        "IDL0802",
+    ),
+    alone(
+        "position of a member",
+        "struct S { @position(1) long a; };",
+        "IDL0801",
+        S="struct S; a: long",
+    ),
+    alone("position of an enumerator", "enum E { @position(1) A };", "IDL0801"),
+    alone("value of a bit", "bitmask M { @value(1) A };", "IDL0801"),
+    alone("position of a bit field", "bitset B { @position(1) bitfield<3> a; };"),
+    alone("key of a bit field", "bitset B { @key bitfield<3> a; };", "IDL0801"),
+    # Keys as DDS had them before annotations
+    alone(
+        "key as a comment",
+        "struct S {\n @optional long a; //@key\n @optional long b; //@Key\n @optional long c ;// @key //@ID 3\n @optional long d, e; //@key\n};",
+        *["IDL0803"] * 5,
+    ),
+    alone(
+        "comments that are no key",
+        "struct S {\n @optional long a; // @key of it\n //@key\n @optional long b; //@keys\n /* @key */ @optional long c; //key\n @optional long d;\n //@key\n};",
+    ),
+    alone(
+        "key as a comment and an annotation",
+        "struct S {\n @key long a; //@key\n @optional long b; //@key\n};",
+        "IDL0803",
+    ),
     alone("scoped annotation", "@ext::thing struct S { long a; };", "IDL0800"),
     alone(
         "blank in an annotation",

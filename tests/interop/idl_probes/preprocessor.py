@@ -176,6 +176,40 @@ PROBES = [
     refused("bad condition", "#if 1 +\n#endif\n" + _S, "IDL0015"),
     refused("empty condition", "#if\n#endif\n" + _S, "IDL0015"),
     refused("division by zero in if", "#if 1 / 0\n#endif\n" + _S, "IDL0015"),
+    same(
+        "empty argument of ##",
+        "#define J(a, b) typedef unsigned a##b a##N;\nJ(, long)\nJ(short, )\n" + _S,
+    ),
+    better(
+        "variadic macro",
+        "#define BODY(name, ...) struct name { __VA_ARGS__ };\n#define REST(...) __VA_ARGS__\n"
+        "BODY(R, REST(sequence<long, 3>) a; long b;)\n" + _S,
+        R="struct R; a: sequence<long,3>; b: long",
+    ),
+    better(
+        "variadic macro without arguments",
+        "#define BODY(name, ...) struct name { long a; __VA_ARGS__ };\nBODY(R)\n" + _S,
+        R="struct R; a: long",
+    ),
+    same(
+        "comma before no arguments",
+        "#define LIST(n, rest...) typedef sequence<n, ## rest> n##s;\nLIST(long)\nLIST(short, 3)\n"
+        + _S,
+        gives={
+            "longs": "typedef longs = sequence<long>",
+            "shorts": "typedef shorts = sequence<short,3>",
+        },
+    ),
+    refused(
+        "use of a malformed macro",
+        "#define T(3) long\n#define U ## short\nstruct R { T(1) a; U b; };\n" + _S,
+        *("IDL0016", "IDL0016"),
+    ),
+    refused(
+        "variadic parameter in the middle",
+        "#define T(..., a) long\nstruct R { T(1, 2) a; };\n" + _S,
+        "IDL0016",
+    ),
     refused("define without a name", "#define\n" + _S, "IDL0016"),
     refused("define of a number", "#define 3 4\n" + _S, "IDL0016"),
     stricter("ifdef without a name", "#ifdef\n#endif\n" + _S, "IDL0015"),

@@ -90,6 +90,17 @@ def test_docs(comment: str, expected: str, tmp_path: Path) -> None:
     assert result.model.find(("A",)).doc == expected
 
 
+def test_a_comment_can_make_a_key_as_before_annotations(tmp_path: Path) -> None:
+    text = "struct S {\n    long a; //@key\n    long b; //@Key\n    long c; //@keys\n};"
+    struct = read(tmp_path, text).model.declarations[0]
+    assert isinstance(struct, Struct)
+    assert [(m.name, m.key, m.doc) for m in struct.members] == [
+        ("a", True, "@key"),
+        ("b", True, "@Key"),
+        ("c", False, "@keys"),
+    ]
+
+
 def test_docs_of_members(tmp_path: Path) -> None:
     result = read(
         tmp_path, "struct S {\n  /// One.\n  long a; ///< Two.\n  long b; // Three.\n};"

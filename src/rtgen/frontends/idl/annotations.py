@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from decimal import Decimal
 from types import MappingProxyType
 
-from rtgen.diagnostics import Diagnostic
+from rtgen.diagnostics import Diagnostic, Related
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.rules import annotations as rules
 from rtgen.frontends.idl.scopes import Entity, Kind
@@ -38,19 +38,19 @@ Wanted = Type | str
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """An annotation: its arguments, the places where it means something, what it needs.
+    """An annotation: its arguments, the places where it means something, the one that it needs.
 
     `words` are those that an argument which is one can be; empty for any.
     """
 
     arguments: Mapping[str, Wanted] = field(default_factory=dict)
     places: frozenset[str] = frozenset()
-    required: bool = False
+    required: str = ""
     words: tuple[str, ...] = ()
 
 
 def _define(
-    places: str, *, required: bool = False, words: str = "", **arguments: Wanted
+    places: str, *, required: str = "", words: str = "", **arguments: Wanted
 ) -> Definition:
     return Definition(
         MappingProxyType(arguments),
@@ -62,23 +62,23 @@ def _define(
 
 _ANYWHERE = (
     "module struct exception union enum bitset bitmask typedef constant interface valuetype member"
-    " case enumerator parameter operation attribute component port configuration"
+    " case enumerator bit_value bitfield parameter operation attribute component port configuration"
 )
 _TYPES = "struct union enum bitset bitmask valuetype exception typedef interface"
-_FIELDS = "member case typedef port configuration attribute parameter constant"
+_FIELDS = "member case bitfield typedef port configuration attribute parameter constant"
 
 DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
     {
         # OMG IDL 4.2, 8.3
-        "id": _define("member case", required=True, value=INTEGER),
+        "id": _define("member case", required="value", value=INTEGER),
         "autoid": _define(_TYPES + " module", words="SEQUENTIAL HASH", value=WORD),
         "hashid": _define("member case", value=TEXT),
         "optional": _define("member", value=FLAG),
-        "position": _define("enumerator member", required=True, value=INTEGER),
-        "value": _define("enumerator", required=True, value=INTEGER),
+        "position": _define("bit_value bitfield", required="value", value=INTEGER),
+        "value": _define("enumerator", required="value", value=INTEGER),
         "extensibility": _define(
             _TYPES + " module",
-            required=True,
+            required="value",
             words="FINAL APPENDABLE MUTABLE",
             value=WORD,
         ),
@@ -89,17 +89,19 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
         "must_understand": _define("member case", value=FLAG),
         "default_literal": _define("enumerator"),
         "default": _define(
-            "member configuration case typedef attribute", required=True, value=TYPED
+            "member configuration case typedef attribute", required="value", value=TYPED
         ),
         "range": _define(_FIELDS, min=TYPED, max=TYPED),
-        "min": _define(_FIELDS, required=True, value=TYPED),
-        "max": _define(_FIELDS, required=True, value=TYPED),
-        "unit": _define(_FIELDS, required=True, value=TEXT),
-        "bit_bound": _define("enum bitmask", required=True, value=INTEGER),
+        "min": _define(_FIELDS, required="value", value=TYPED),
+        "max": _define(_FIELDS, required="value", value=TYPED),
+        "unit": _define(_FIELDS, required="value", value=TEXT),
+        "bit_bound": _define("enum bitmask", required="value", value=INTEGER),
         "external": _define("member case", value=FLAG),
         "nested": _define(_TYPES, value=FLAG),
         "default_nested": _define("module", value=FLAG),
-        "verbatim": _define(_ANYWHERE, language=TEXT, placement=WORD, text=TEXT),
+        "verbatim": _define(
+            _ANYWHERE, required="text", language=TEXT, placement=WORD, text=TEXT
+        ),
         "service": _define("interface", platform=TEXT),
         "oneway": _define("operation", value=FLAG),
         "ami": _define("interface operation", value=FLAG),
@@ -130,14 +132,16 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
             created=TEXT,
             updated=TEXT,
         ),
-        "name": _define("port configuration component", required=True, value=TEXT),
-        "port": _define("port", required=True, value=TEXT),
-        "instance": _define("port", required=True, value=TEXT),
-        "widget": _define("configuration", required=True, value=TEXT),
-        "constraint": _define("configuration", required=True, value=TEXT),
+        "name": _define("port configuration component", required="value", value=TEXT),
+        "port": _define("port", required="value", value=TEXT),
+        "instance": _define("port", required="value", value=TEXT),
+        "widget": _define("configuration", required="value", value=TEXT),
+        "constraint": _define("configuration", required="value", value=TEXT),
     }
 )
 """Every annotation that is known; `@name` and the like only where components are."""
+
+_REPEATABLE = ("verbatim", "data_representation")
 
 PLACES = {
     Kind.STRUCT: "struct",
@@ -170,7 +174,25 @@ class Annotations:
         type_: Type | None = None,
     ) -> tuple[Annotation, ...]:
         """The annotations of something; `type_` is its type, for `@default` and the like."""
-        return tuple(self._one(a, place, unit, type_) for a in annotations)
+        nodes = tuple(annotations)
+        if len(nodes) > 1:
+            self._repeated(nodes, unit)
+        return tuple(self._one(a, place, unit, type_) for a in nodes)
+
+    def _repeated(self, nodes: tuple[tree.Annotation, ...], unit: Unit) -> None:
+        seen: dict[str, tree.Annotation] = {}
+        for node in nodes:
+            first = seen.setdefault(node.name, node)
+            if first is not node and node.name not in _REPEATABLE:
+                before = unit.span(first.start, first.end)
+                self._report(
+                    rules.REPEATED.at(
+                        unit.span(node.start, node.end),
+                        f"@{node.name} is given twice",
+                        related=[Related(before, "the first time")],
+                        hint="keep one of them",
+                    )
+                )
 
     def _one(
         self, node: tree.Annotation, place: str, unit: Unit, type_: Type | None
@@ -205,9 +227,11 @@ class Annotations:
                 self._report(rules.BAD_ARGUMENT.at(again, message, hint=hint))
             elif value is not None:
                 arguments.append((key, value))
-        if definition is not None and definition.required and not node.arguments:
-            hint = f"write @{node.name}({', '.join(definition.arguments).upper()})"
-            message = f"@{node.name} needs an argument"
+        if definition is not None and not _complete(node, definition):
+            needed = definition.required
+            alone = needed == "value"
+            hint = f"write @{node.name}({'VALUE' if alone else f'{needed}=...'})"
+            message = f"@{node.name} needs {'an argument' if alone else needed}"
             self._report(rules.BAD_ARGUMENT.at(span, message, hint=hint))
         return Annotation(node.name, tuple(arguments))
 
@@ -299,6 +323,16 @@ class Annotations:
                 return flag
         type_ = NUMBER if _has_point(value) else INTEGER
         return constants.evaluate(value, type_, unit, "argument")
+
+
+def _complete(node: tree.Annotation, definition: Definition) -> bool:
+    """Whether the argument that is needed is there, or a wrong one in its place."""
+    given = [a.name.text if a.name else "value" for a in node.arguments]
+    return (
+        not definition.required
+        or definition.required in given
+        or not definition.arguments.keys() >= set(given)
+    )
 
 
 def _shortest(value: float) -> float:

@@ -407,7 +407,7 @@ class Builder:
 
     def raises(self, children: Children) -> tree.Names:
         keyword, _, *names, closing = children
-        return tree.Names(tuple(names), _start(keyword), _end(closing))
+        return tree.Names(str(keyword), tuple(names), _start(keyword), _end(closing))
 
     def context(self, children: Children) -> tuple[tree.Text, ...]:
         return tuple(children[1:-1])

@@ -14,6 +14,7 @@ from rtgen.frontends.idl.unit import Unit
 
 _DOCUMENTING = ("/**", "/*!", "///", "//!")
 _TRAILING = ("/**<", "/*!<", "///<", "//!<")
+_KEY = re.compile(r"//[ \t]*@[Kk]ey[ \t]*(?://.*)?")
 _OF_A_FILE = re.compile(r"[\\@]file\b")
 _MARK = re.compile(r"//[/!]?<? ?")
 _STAR = re.compile(r"^[ \t]*\*(?!/) ?", re.MULTILINE)
@@ -33,6 +34,15 @@ class Docs:
             return ""
         parts = (self._above(start), self._behind(end))
         return "\n\n".join(part for part in parts if part)
+
+    def say_key(self, end: int) -> bool:
+        """Whether the comment behind an entry is `//@key`, as DDS had it before annotations."""
+        index = bisect_left(self._starts, end)
+        if index == len(self._comments):
+            return False
+        comment = self._comments[index]
+        between = self._text[end : comment.start]
+        return not between.strip(" \t;") and bool(_KEY.fullmatch(comment.text.rstrip()))
 
     def _above(self, start: int) -> str:
         index = bisect_left(self._starts, start) - 1

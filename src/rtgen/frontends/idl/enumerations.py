@@ -7,7 +7,7 @@ from typing import Any
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.frontends.idl import tree
-from rtgen.frontends.idl.annotations import Annotations, integer
+from rtgen.frontends.idl.annotations import Annotations, flag, integer
 from rtgen.frontends.idl.rules import annotations as rules
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.scopes import Entity
@@ -45,7 +45,8 @@ class Enumerations:
         members: list[Enumerator] = []
         following = 0
         for member in node.members:
-            found = self._annotations.of(member.annotations, "enumerator", unit)
+            place = "bit_value" if node.mask else "enumerator"
+            found = self._annotations.of(member.annotations, place, unit)
             number = integer(found, "position" if node.mask else "value")
             span = unit.span(member.name.start, member.name.end)
             value = following if number is None else number
@@ -61,6 +62,7 @@ class Enumerations:
                 )
             )
             following = value + 1
+        self._default_is_one(members)
         if not good:
             return None
         if node.mask:
@@ -110,6 +112,18 @@ class Enumerations:
             self._report(rules.BAD_BIT_BOUND.at(entity.span, message, hint=hint))
             return _DEFAULT_BOUND
         return bound
+
+    def _default_is_one(self, members: list[Enumerator]) -> None:
+        defaults = [m for m in members if flag(m.annotations, "default_literal")]
+        for member in defaults[1:]:
+            self._report(
+                rules.REPEATED.at(
+                    member.span,
+                    "@default_literal is given twice in one enum",
+                    related=[Related(defaults[0].span, "the first time")],
+                    hint="keep one of them",
+                )
+            )
 
     def _number_fits(
         self, value: int, before: list[Enumerator], span: Span, bound: int, mask: bool

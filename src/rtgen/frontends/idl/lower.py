@@ -174,7 +174,8 @@ class Lowering:
         type_ = self._types.of_entity(entity)
         if type_ is None or entity.poisoned:
             return None
-        if not item.annotations and not hashed:
+        commented = "@" in doc and self._docs[unit].say_key(item.end)
+        if not item.annotations and not hashed and not commented:
             return Member(span=entity.span, doc=doc, name=entity.name, type=type_)
         found = self._annotations.of(item.annotations, "member", unit, type_)
         return Member(
@@ -184,7 +185,7 @@ class Lowering:
             name=entity.name,
             type=type_,
             optional=flag(found, "optional"),
-            key=flag(found, "key"),
+            key=flag(found, "key") or commented,
             id=traits.member_id(entity.name, found, hashed),
             must_understand=flag(found, "must_understand"),
             external=flag(found, "external"),
@@ -302,7 +303,7 @@ class Lowering:
             return None
         common: dict[str, Any] = {
             "doc": self.doc(item, unit),
-            "annotations": self._annotations.of(item.annotations, "member", unit),
+            "annotations": self._annotations.of(item.annotations, "bitfield", unit),
             "bits": bits,
             "type": type_,
         }

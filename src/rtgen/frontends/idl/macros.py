@@ -1,4 +1,8 @@
-"""Macros: definitions and their expansion (ISO C 1998, 16.3), on tokens with hide sets."""
+"""Macros: definitions and their expansion (ISO C 1999, 6.10.3), on tokens with hide sets.
+
+As GNU's preprocessor has it, the arguments of `...` may have a name, may be left out, and
+`, ## __VA_ARGS__` is nothing then.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +20,9 @@ TOKEN = re.compile(
     r"|(?P<mark>\#\#|<<|>>|<=|>=|==|!=|&&|\|\||::|.)",
     re.DOTALL,
 )
+
+_REST = "__VA_ARGS__"
+_NOTHING = ""
 
 MAX_TOKENS = 100_000
 """How many tokens the expansions of one run of text may give."""
@@ -41,12 +48,24 @@ class Token:
 
 @dataclass(frozen=True, slots=True)
 class Macro:
-    """A macro; `parameters` is None for one without parentheses."""
+    """A macro; `parameters` is None for one without parentheses.
+
+    Of one that is `variadic`, the last parameter takes whatever is left, commas included.
+    """
 
     name: str
     parameters: tuple[str, ...] | None
     body: tuple[Token, ...]
     span: Span | None = field(compare=False, default=None)
+    variadic: bool = False
+
+
+class MalformedMacroError(ExpansionError):
+    """A definition that is wrong; `macro` is what comes closest to it, if it has a name."""
+
+    def __init__(self, message: str, macro: Macro | None = None) -> None:
+        super().__init__(message)
+        self.macro = macro
 
 
 class MacroTable(dict[str, Macro]):
@@ -82,33 +101,48 @@ def tokenize(text: str) -> list[Token]:
 
 
 def define(text: str, span: Span | None = None) -> Macro:
-    """The macro of `NAME body` or `NAME(a, b) body`; ExpansionError if it is none."""
+    """The macro of `NAME body` or `NAME(a, b, ...) body`; MalformedMacroError if it is none."""
     match = re.match(r"\s*([^\W\d]\w*)(\()?", text)
     if match is None:
-        raise ExpansionError("the name of the macro is missing")
+        raise MalformedMacroError("the name of the macro is missing")
     name = match[1]
-    parameters = None
+    parameters: tuple[str, ...] | None = None
+    variadic = False
+    wrong: str | None = None
     rest = text[match.end() :]
     if match[2]:
         inside, closed, rest = rest.partition(")")
+        parameters, variadic, wrong = _parameters(inside, name)
         if not closed:
-            raise ExpansionError(f"the parameter list of {name} is not closed")
-        parameters = (
-            tuple(p.strip() for p in inside.split(",")) if inside.strip() else ()
-        )
-        for parameter in parameters:
-            if not re.fullmatch(r"[^\W\d]\w*", parameter):
-                raise ExpansionError(f"'{parameter}' cannot be a parameter of {name}")
-        if len(set(parameters)) < len(parameters):
-            raise ExpansionError(f"{name} has two parameters of one name")
-    body = tuple(
+            wrong = f"the parameter list of {name} is not closed"
+    body = [
         Token("space", " ") if token.kind == "space" else token
         for token in tokenize(rest.strip())
-    )
-    edges = {body[0].text, body[-1].text} if body else set()
-    if "##" in edges:
-        raise ExpansionError("'##' cannot stand at either end of a macro")
-    return Macro(name, parameters, body, span)
+    ]
+    while body and "##" in (body[0].text, body[-1].text):
+        wrong = wrong or "'##' cannot stand at either end of a macro"
+        body = _stripped(body[1:] if body[0].text == "##" else body[:-1])
+    macro = Macro(name, parameters, tuple(body), span, variadic)
+    if wrong is not None:
+        raise MalformedMacroError(wrong, macro)
+    return macro
+
+
+def _parameters(inside: str, name: str) -> tuple[tuple[str, ...], bool, str | None]:
+    """The parameters of a macro, whether the last is variadic, and what is wrong with them."""
+    written = [p.strip() for p in inside.split(",")] if inside.strip() else []
+    variadic = bool(written) and written[-1].endswith("...")
+    if variadic:
+        written[-1] = written[-1].removesuffix("...").rstrip() or _REST
+    wrong = None
+    for parameter in written:
+        if not re.fullmatch(r"[^\W\d]\w*", parameter):
+            wrong = f"'{parameter}' cannot be a parameter of {name}"
+            break
+    else:
+        if len(set(written)) < len(written):
+            wrong = f"{name} has two parameters of one name"
+    return tuple(written), variadic, wrong
 
 
 class Expander:
@@ -159,6 +193,7 @@ class Expander:
         if not index or pending[index - 1].text != "(":
             return None
         del pending[index - 1 :]
+        assert macro.parameters is not None
         arguments: list[list[Token]] = [[]]
         depth = 1
         while pending:
@@ -166,20 +201,25 @@ class Expander:
             depth += {"(": 1, ")": -1}.get(token.text, 0)
             if depth == 0:
                 break
-            if token.text == "," and depth == 1:
+            if (
+                token.text == ","
+                and depth == 1
+                and not (macro.variadic and len(arguments) == len(macro.parameters))
+            ):
                 arguments.append([])
             else:
                 arguments[-1].append(token)
         else:
             raise ExpansionError(f"the call of {macro.name} is not closed")
-        assert macro.parameters is not None
         if not macro.parameters and len(arguments) == 1 and not _stripped(arguments[0]):
             arguments = []
+        if macro.variadic and len(arguments) == len(macro.parameters) - 1:
+            arguments.append([])
         if len(arguments) != len(macro.parameters):
-            wanted = len(macro.parameters)
+            wanted = len(macro.parameters) - macro.variadic
             raise ExpansionError(
-                f"{macro.name} takes {wanted} argument{'' if wanted == 1 else 's'},"
-                f" not {len(arguments)}",
+                f"{macro.name} takes {wanted} argument{'' if wanted == 1 else 's'}"
+                f"{' or more' if macro.variadic else ''}, not {len(arguments)}",
             )
         stripped = map(_stripped, arguments)
         return dict(zip(macro.parameters, stripped, strict=True))
@@ -203,12 +243,23 @@ class Expander:
             elif token.text == "##":
                 assert following is not None
                 right = body[following]
-                _paste(result, arguments.get(right.text, [right]))
+                pasted = arguments.get(right.text, [right])
+                if (
+                    macro.variadic
+                    and macro.parameters
+                    and right.text == macro.parameters[-1]
+                    and _last(result) == ","
+                ):
+                    _paste_rest(result, self.expand(pasted))
+                else:
+                    _paste(result, pasted)
                 index = following
             elif token.text in arguments and token.kind == "name":
-                pasted = following is not None and body[following].text == "##"
                 argument = arguments[token.text]
-                result += argument if pasted else self.expand(argument)
+                if following is not None and body[following].text == "##":
+                    result += argument or [Token("mark", _NOTHING)]
+                else:
+                    result += self.expand(argument)
             else:
                 result.append(token)
             index += 1
@@ -239,6 +290,21 @@ def _quoted(tokens: list[Token]) -> Token:
             re.sub(r'(["\\])', r"\\\1", text) if token.kind == "text" else text
         )
     return Token("text", '"' + "".join(parts) + '"')
+
+
+def _last(tokens: list[Token]) -> str:
+    """The text of the last token that is no white space."""
+    return next((t.text for t in reversed(tokens) if t.kind != "space"), "")
+
+
+def _paste_rest(result: list[Token], rest: list[Token]) -> None:
+    """What `, ## __VA_ARGS__` gives: the comma goes where there are no arguments."""
+    while result[-1].kind == "space":
+        result.pop()
+    if rest:
+        result += rest
+    else:
+        result.pop()
 
 
 def _paste(result: list[Token], right: list[Token]) -> None:

@@ -165,6 +165,8 @@ class _Run:
             if declaration is not None:
                 made[declaration.name] = declaration
         checks.run(tables, types, made, self._report)
+        if not self._counts[Severity.ERROR]:
+            checks.left_out(tables, types, made, self._report)
         self._note_files(tables)
         for name, declaration in made.items():
             self._add(name, declaration)

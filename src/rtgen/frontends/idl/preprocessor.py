@@ -16,6 +16,7 @@ from rtgen.frontends.idl.macros import (
     ExpansionError,
     Macro,
     MacroTable,
+    MalformedMacroError,
     Token,
     define,
     tokenize,
@@ -508,11 +509,13 @@ class _File:
     def _define(self, rest: str, span: Span) -> None:
         try:
             macro = define(rest, span)
-        except ExpansionError as error:
+        except MalformedMacroError as error:
             hint = "write #define NAME TEXT, or #define NAME(A, B) TEXT"
             self._owner.report(
                 lexical.BAD_DEFINITION.at(span, error.message, hint=hint)
             )
+            if error.macro is not None and error.macro.name not in _PREDEFINED:
+                self.macros.put(error.macro.name, error.macro)
             return
         if macro.name in (*_PREDEFINED, "defined"):
             message = f"{macro.name} cannot be defined"

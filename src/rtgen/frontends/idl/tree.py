@@ -381,6 +381,7 @@ class Parameter:
 class Names:
     """A list of scoped names, as behind `raises`; its place is that of the clause."""
 
+    keyword: str
     names: tuple[ScopedName, ...]
     start: int
     end: int

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.idl.checks import (
     interfaces,
+    lacks,
     operations,
     structures,
     unions,
@@ -61,3 +62,13 @@ def run(
         for check in _CHECKS.get(entity.kind, ()):
             check(entity, context)
         structures.repository_id(entity, ids, context)
+
+
+def left_out(
+    tables: Tables,
+    types: Types,
+    made: Mapping[ScopedName, Declaration],
+    report: Callable[[Diagnostic], None],
+) -> None:
+    """Tell what a translation unit without errors declares, and the model has not."""
+    lacks.tell(tables, Context(types, made, report))

@@ -14,6 +14,12 @@ from rtgen.frontends.idl.scopes import Entity, Kind
 from rtgen.model import Direction, Primitive
 
 _CONTEXT = re.compile(r"[A-Za-z][A-Za-z0-9._]*\*?")
+_CLAUSES = {
+    (False, "raises"): "write getraises, setraises, or both",
+    (True, "getraises"): "write raises",
+    (True, "setraises"): "write raises, or leave readonly out",
+}
+"""By whether an attribute is readonly, the clauses that it cannot have, and what to write."""
 _NAMELESS = (
     tree.Sequence,
     tree.Map,
@@ -137,8 +143,14 @@ def _attribute(
 ) -> None:
     _type(node.type, entity, context, remote)
     for clause in (node.get_raises, node.set_raises):
-        if clause is not None:
-            _raises(clause, entity, context, remote)
+        if clause is None:
+            continue
+        hint = _CLAUSES.get((node.readonly, clause.keyword))
+        if hint is not None:
+            which = "that is readonly" if node.readonly else "that can be set"
+            message = f"an attribute {which} has no {clause.keyword}"
+            context.tell(rules.BAD_CLAUSE, entity.unit, clause, message, hint=hint)
+        _raises(clause, entity, context, remote)
 
 
 def _raises(clause: tree.Names, entity: Entity, context: Context, remote: bool) -> None:

@@ -138,6 +138,21 @@ component C { @default(5) @min(6) attribute long a; };
 """,
 )
 
+REPEATED = Rule(
+    "IDL0809",
+    "annotation given twice",
+    Severity.ERROR,
+    """
+An annotation stands once before what it belongs to (only `@verbatim` may be repeated), and
+`@default_literal` once in an enum.
+
+```idl
+// gives this finding
+enum Mode { @default_literal IDLE, @default_literal AUTO };
+```
+""",
+)
+
 BAD_PORT_TYPE = Rule(
     "IDL0900",
     "impossible type of a port",
@@ -245,6 +260,7 @@ RULES = (
     BAD_ENUM_VALUE,
     EXTENSIBILITY,
     DEFAULT_RANGE,
+    REPEATED,
     BAD_PORT_TYPE,
     DUPLICATE_PORT,
     BAD_PARAMETER_TYPE,

@@ -221,6 +221,25 @@ valuetype V { factory make(inout long a); };
 """,
 )
 
+BAD_CLAUSE = Rule(
+    "IDL0614",
+    "exceptions of an attribute named the wrong way",
+    Severity.ERROR,
+    """
+A readonly attribute names the exceptions of reading it behind `raises`. One that can be set names
+those of reading behind `getraises`, those of setting behind `setraises`.
+
+```idl
+exception Unset {};
+interface Lamp {
+    readonly attribute float watts raises(Unset);
+    attribute float level getraises(Unset) setraises(Unset);
+    attribute float tint raises(Unset);      // of reading, or of setting?
+};
+```
+""",
+)
+
 RULES = (
     DUPLICATE_BASE,
     ABSTRACT_BASE,
@@ -236,4 +255,5 @@ RULES = (
     ABSTRACT_STATE,
     BOXED_VALUE,
     BAD_PARAMETER,
+    BAD_CLAUSE,
 )

@@ -55,6 +55,23 @@ alias M N;
 """,
 )
 
+LEFT_OUT = Rule(
+    "IDL0309",
+    "declaration that is left out",
+    Severity.WARNING,
+    """
+The declaration, operation, attribute or port needs something of which nothing is made, such as a
+type of a template module, so nothing is made of it either.
+
+```idl
+// gives this finding
+module Lists<typename T> { typedef sequence<T> List; };
+module Lists<long> Longs;
+struct Row { Longs::List values; };
+```
+""",
+)
+
 VOID = Rule(
     "IDL0303",
     "void that is no return type",
@@ -284,6 +301,7 @@ RULES = (
     INCOMPLETE,
     BAD_BASE,
     READ_ONLY,
+    LEFT_OUT,
     VOID,
     BAD_BOUND,
     BAD_FIXED,
