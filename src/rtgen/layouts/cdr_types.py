@@ -207,8 +207,9 @@ class CdrTypes:
     def _named(self, name: ScopedName) -> Node:
         declaration = self._model.find(name)
         match declaration:
-            case Enum():
-                return Atom("I", 4, 4, Form.ENUMERATOR, name)
+            case Enum(members=members):
+                negative = any(member.value < 0 for member in members)
+                return Atom("i" if negative else "I", 4, 4, Form.ENUMERATOR, name)
             case Bitmask(bound=bound):
                 return _bits(bound, Form.FLAGS, name)
             case Bitset():

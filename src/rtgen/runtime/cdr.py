@@ -33,6 +33,7 @@ Buffer: TypeAlias = bytes | bytearray | memoryview
 """What can be decoded."""
 
 _E = TypeVar("_E", bound=IntEnum)
+_WORD = (1 << 32) - 1
 _V = TypeVar("_V")
 _Reader: TypeAlias = tuple[Callable[..., tuple[Any, ...]], int]
 
@@ -360,12 +361,14 @@ class Enumeration(_Number, IntEnum):
         return 4
 
     def to_number(self) -> int:
-        """The number of the member."""
-        return int(self)
+        """The number of the member, a negative one in two's complement of 32 bits."""
+        return int(self) & _WORD
 
     @classmethod
     def from_number(cls, number: int) -> Self:
-        """The member of that number; raises ValueError."""
+        """The member of that number, a negative one in two's complement; raises ValueError."""
+        if number >> 31 and cls._descriptor_.code == "i":
+            number -= _WORD + 1
         return cls(number)
 
 

@@ -248,7 +248,7 @@ class Reader:
         return bool(octet)
 
     def _enumerator(self, descriptor: EnumDescriptor) -> Any:
-        number = self._integer("I")
+        number = self._integer(descriptor.code)
         if number not in [n for _, n in descriptor.members]:
             raise Fault(f"{number} is not a member of {descriptor.name}")
         made = class_of(descriptor)

@@ -112,10 +112,10 @@ class Writer:
                 self._string(value, wide, bound)
             case FixedDescriptor(digits, scale):
                 self._put(fixed_octets(value, digits, scale), 1)
-            case EnumDescriptor(members=members):
+            case EnumDescriptor(members=members, code=code):
                 if value not in [number for _, number in members]:
                     raise Fault(f"{value!r} is not a member of {descriptor.name}")
-                self._number("I", value)
+                self._number(code, value)
             case FlagsDescriptor(bound=bound):
                 if not isinstance(value, int) or not 0 <= value < 1 << bound:
                     raise Fault(f"{value!r} is not a value of {descriptor.name}")

@@ -127,6 +127,11 @@ class EnumDescriptor(_Named):
     members: tuple[tuple[str, int], ...]
     bound: int = 32
 
+    @property
+    def code(self) -> str:
+        """The `struct` code of classic CDR: signed for an enum that has negative numbers."""
+        return "i" if any(number < 0 for _, number in self.members) else "I"
+
 
 @dataclass(frozen=True, slots=True)
 class FlagsDescriptor(_Named):

@@ -233,7 +233,7 @@ class _Writer:
     def _label(self, switch: Descriptor, label: Any, used: set[int]) -> None:
         """A label; that of the default is a discriminator which no other branch has."""
         if isinstance(switch, EnumDescriptor):
-            code, number, step = "I", 0, 1
+            code, number, step = switch.code, 0, 1
         elif isinstance(switch, PrimitiveDescriptor) and switch.name in _LABELS:
             code, number, step = _LABELS[switch.name]
         else:
@@ -423,7 +423,7 @@ class TypeCodeReader:
 
     def _label(self, switch: Descriptor) -> int | str | bool:
         if isinstance(switch, EnumDescriptor):
-            return self._number("I")
+            return self._number(switch.code)
         if not isinstance(switch, PrimitiveDescriptor) or switch.name not in _LABELS:
             raise Fault(f"a type code of a union that switches on {switch}")
         if switch.name == "wchar":

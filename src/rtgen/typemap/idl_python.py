@@ -334,6 +334,7 @@ class PythonNames:
         self._model = model
         self._modules = implementation_modules(model)
         self._classes: dict[ScopedName, str] = {}
+        self._holdings: dict[ScopedName, dict[str, Declaration]] = {}
         for module in dict.fromkeys(self._modules.values()):
             self._name_classes(module)
 
@@ -457,6 +458,44 @@ class PythonNames:
         """
         return sorted(declaration.bases, key=self._places.__getitem__, reverse=True)
 
+    def contested(self, declaration: Interface) -> dict[str, Declaration]:
+        """The attributes that bases give differently, and what declares the one that counts."""
+        if len(declaration.bases) < 2:
+            return {}
+        given: dict[str, Declaration] = {}
+        contested: dict[str, Declaration] = {}
+        held = self._held(declaration.name)
+        for base in self.bases(declaration):
+            for attribute, inner in self._held(base).items():
+                if given.setdefault(attribute, inner) is not inner:
+                    contested[attribute] = held[attribute]
+        return contested
+
+    def hides(self, declaration: Interface) -> bool:
+        """Whether an attribute stands for something else than in a base."""
+        held = self._held(declaration.name)
+        return any(
+            held[attribute] is not inner
+            for base in declaration.bases
+            for attribute, inner in self._held(base).items()
+        )
+
+    def _held(self, name: ScopedName) -> dict[str, Declaration]:
+        """What is declared in an interface and its bases, by its attribute."""
+        if name not in self._holdings:
+            declaration = self._model.find(name)
+            assert isinstance(declaration, Interface)
+            held: dict[str, Declaration] = {}
+            for base in reversed(self.bases(declaration)):
+                held |= self._held(base)
+            for inner in self.inside(name):
+                held[self._attribute(inner.name)] = inner
+                if isinstance(inner, Enum):
+                    for member in inner.members:
+                        held[self._attribute((*name, member.name))] = inner
+            self._holdings[name] = held
+        return self._holdings[name]
+
     def _state(self, name: ScopedName) -> Iterator[str]:
         """The Python names of the state of a valuetype and its bases."""
         declaration = self._model.find(name)
@@ -479,6 +518,7 @@ class PythonNames:
                     found.add("value")
                 case Interface():
                     found.update(self.operations(declaration).values())
+                    found.update(self.contested(declaration))
             if self.is_nested(declaration.name):
                 found.add(self._attribute(declaration.name))
         return frozenset(found)

@@ -219,6 +219,21 @@ PROBES = [
     alone("position twice", "bitmask M { @position(3) A, @position(3) B };", "IDL0805"),
     alone("position beyond 32", "bitmask M { @position(32) A };", "IDL0805"),
     alone("value", "enum E { @value(3) A, B, @value(10) C };", E="enum E; A; B; C"),
+    alone(
+        "negative values",
+        "enum E { @value(-3) A, B, @value(10) C };",
+        E="enum E; A; B; C",
+    ),
+    alone(
+        "negative value beyond the bound",
+        "@bit_bound(8) enum E { @value(-129) A };",
+        "IDL0806",
+    ),
+    alone(
+        "large value beside a negative one",
+        "@bit_bound(8) enum E { @value(-1) A, @value(200) B };",
+        "IDL0806",
+    ),
     alone("value twice", "enum E { @value(1) A, @value(1) B };", "IDL0806"),
     alone(
         "value beyond the bound",

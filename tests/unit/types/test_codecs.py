@@ -26,6 +26,7 @@ from rtgen.runtime.descriptors import (
     StructDescriptor,
     difference,
 )
+from rtgen.runtime.values import AnyValue
 
 CASE = Path(__file__).with_name("constructs.idl")
 
@@ -451,3 +452,46 @@ def test_differences_are_shown() -> None:
     assert "! " in shown
     assert "sequence<I> x" in shown
     assert "sequence<I> y" in shown
+
+
+def test_negative_enumerators_are_in_twos_complement(tmp_path: Path) -> None:
+    package = emitted.emit_text(
+        tmp_path,
+        """
+        enum Outcome { @value(-3) LOST, @value(-1) LATE, @value(4) GOOD };
+        @bit_bound(8) enum Small { @value(-2) LOW, HIGH };
+        union Report switch (Outcome) {
+            case LOST: long since;
+            case GOOD: string text;
+        };
+        struct Sample {
+            @key Outcome first;
+            sequence<Outcome> all;
+            Small tiny;
+            Report last;
+            any other;
+        };
+        """,
+    )
+    outcome, report = package.Outcome, package.Report
+    assert outcome.LOST.to_cdr() == bytes.fromhex("fdffffff")
+    assert outcome.from_cdr(b"\xff\xff\xff\xfd", little_endian=False) is outcome.LOST
+    with pytest.raises(CdrError):
+        outcome.from_cdr(bytes.fromhex("fcffffff"))
+    for described in (AnyValue(outcome, outcome.LATE), AnyValue(report, report())):
+        sample = package.Sample(
+            outcome.LATE,
+            [outcome.GOOD, outcome.LOST],
+            package.Small.LOW,
+            report(outcome.LOST, 7),
+            described,
+        )
+        for little in (True, False):
+            octets = sample.to_cdr(little)
+            again = package.Sample.from_cdr(octets, little)
+            assert again.to_cdr(little) == octets
+            assert (again.first, again.all) == (sample.first, sample.all)
+            assert (again.tiny, again.last) == (sample.tiny, sample.last)
+    assert report(outcome.LOST, 7).to_xcdr2(False).hex() == "fffffffd00000007"
+    assert package.Small.LOW.to_xcdr2() == b"\xfe"
+    assert package.Small.from_xcdr2(b"\xff") is package.Small.HIGH

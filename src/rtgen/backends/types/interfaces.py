@@ -62,8 +62,10 @@ class Interfaces:
             calls.model, scope.reference, scope.spell, servants=True
         )
 
-    def text(self, declaration: Interface, nested: list[str]) -> str:
-        """The three classes."""
+    def text(
+        self, declaration: Interface, nested: list[str], contested: dict[str, str]
+    ) -> str:
+        """The three classes; `contested` are statements for what bases have differently."""
         py = self._py
         name = py.reference(declaration.name)
         stub, skeleton = py.Stub, py.Skeleton
@@ -82,7 +84,8 @@ class Interfaces:
             docstring=docstring(doc, 4),
             calls=self._calls_module(declaration),
             descriptor=self._describe.interface(declaration),
-            nested=nested,
+            nested=nested + [line for line in contested.values() if line not in nested],
+            contested=list(contested.values()),
             attributes=[self._attribute(a, called) for a in declaration.attributes],
             operations=[self._operation(o, called) for o in declaration.operations],
             stub=py.companion(declaration.name, "Stub"),

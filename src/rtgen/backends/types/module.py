@@ -69,6 +69,12 @@ class Block:
     small: bool = False
 
 
+_HIDING = """\
+# pyright: reportAssignmentType=false, reportIncompatibleVariableOverride=false
+"""
+"""For a module whose interfaces declare a type of their own where a base has one of that name."""
+
+
 class TypesModule:
     """Builds one module."""
 
@@ -121,6 +127,11 @@ class TypesModule:
                 parts.append("\n" if before.small and block.small else "\n\n\n")
             parts.append(block.text.strip("\n"))
         body = "".join(parts)
+        if any(
+            isinstance(declaration, Interface) and self._names.hides(declaration)
+            for declaration in self._names.declarations(self._module)
+        ):
+            header += _HIDING
         text = render(
             "types/module.py.j2",
             header=header,
@@ -148,7 +159,8 @@ class TypesModule:
                 self._waiting.append(declaration)
             case Interface():
                 nested = self._nested(declaration)
-                yield Block(self._interfaces.text(declaration, nested))
+                contested = self._contested(declaration)
+                yield Block(self._interfaces.text(declaration, nested, contested))
             case Valuetype():
                 nested = self._nested(declaration)
                 yield Block(self._valuetypes.text(declaration, nested))
@@ -264,6 +276,36 @@ class TypesModule:
                 for member, attribute in self._names.enumerators(inner).items():
                     outside = self._names.attribute((*inner.name[:-1], member))
                     lines.append(f"{outside} = {local}.{attribute}")
+        return lines
+
+    def _contested(self, declaration: Interface) -> dict[str, str]:
+        """The statement for each attribute of which bases have different ones."""
+        py = self.scope
+        lines = {}
+        for attribute, inner in self._names.contested(declaration).items():
+            value = py.reference(inner.name)
+            if isinstance(inner, Enum) and attribute != self._names.attribute(
+                inner.name
+            ):
+                members = self._names.enumerators(inner)
+                names = {
+                    self._names.attribute((*inner.name[:-1], member)): member
+                    for member in members
+                }
+                value += f".{members[names[attribute]]}"
+                lines[attribute] = f"{attribute}: {py.Any} = {value}"
+            elif isinstance(inner, Const):
+                lines[attribute] = f"{attribute}: {py.Any} = {value}"
+            else:
+                lines[attribute] = f"{attribute}: {py.TypeAlias} = {value}"
+            if (
+                isinstance(inner, Typedef)
+                and inner.name not in self._late
+                and self._has_codec(inner)
+            ):
+                codec = self._names.public_companion(inner.name, "Codec")
+                value = py.companion(inner.name, "Codec")
+                lines[codec] = f"{codec}: {py.TypeAlias} = {value}"
         return lines
 
     def _nested_codec(self, alias: Typedef) -> list[str]:

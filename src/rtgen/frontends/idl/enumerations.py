@@ -129,11 +129,6 @@ class Enumerations:
         self, value: int, before: list[Enumerator], span: Span, bound: int, mask: bool
     ) -> bool:
         rule: Rule = rules.BAD_BIT_BOUND if mask else rules.BAD_ENUM_VALUE
-        if not mask and not -(1 << (bound - 1)) <= value < 1 << bound:
-            message = f"the value {value} does not fit into {bound} bits"
-            hint = f"@bit_bound gives the number of bits, here {bound}"
-            self._report(rule.at(span, message, hint=hint))
-            return False
         if mask and not 0 <= value < bound:
             self._report(
                 rule.at(
@@ -155,9 +150,12 @@ class Enumerations:
                         )
                     )
                     return False
-        elif not 0 <= value < 2 ** bound or (before and value <= before[-1].value):
-            lowest = before[-1].value + 1 if before else 0
-            message = f"the value {value} is not from {lowest} to {2**bound - 1}"
+            return True
+        signed = value < 0 or (before and before[0].value < 0)
+        lowest = before[-1].value + 1 if before else -(1 << (bound - 1))
+        largest = (1 << (bound - 1 if signed else bound)) - 1
+        if not lowest <= value <= largest:
+            message = f"the value {value} is not from {lowest} to {largest}"
             related = (
                 [Related(before[-1].span, f"{before[-1].name} is {before[-1].value}")]
                 if before

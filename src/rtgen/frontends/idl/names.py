@@ -80,7 +80,11 @@ class Resolver(Naming):
                     continue
                 message = f"{called(entity)} is declared, but never defined"
                 hint = "define it, or remove the declaration"
-                self._report(rule.at(entity.span, message, hint=hint))
+                finding = rule.at(entity.span, message, hint=hint)
+                if hard:
+                    self._report(finding)
+                else:
+                    self.tables.undefined[entity.path] = finding
         return self.tables
 
     def _run_unit(self, unit: Unit) -> None:

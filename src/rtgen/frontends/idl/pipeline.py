@@ -84,6 +84,8 @@ class _Run:
         self._preprocessor = Preprocessor(self._library, self._report)
         self._trees: dict[Unit, tuple[Item, ...]] = {}
         self._declarations: dict[ScopedName, Declaration] = {}
+        self._undefined: dict[Diagnostic, ScopedName] = {}
+        self._defined: set[ScopedName] = set()
         self._files: dict[str, SourceFile] = {}
         self._main: set[str] = set()
         self._shown = shown
@@ -111,6 +113,9 @@ class _Run:
         self._main = {source.name for source in sources}
         for source in sources:
             self._translate(source, macros)
+        for finding, name in self._undefined.items():
+            if name not in self._defined:
+                self._report(finding)
         return FrontendResult(
             model=Model(
                 tuple(self._files.values()), tuple(self._declarations.values())
@@ -167,6 +172,8 @@ class _Run:
         checks.run(tables, types, made, self._report)
         if not self._counts[Severity.ERROR]:
             checks.left_out(tables, types, made, self._report)
+        self._undefined |= {found: name for name, found in tables.undefined.items()}
+        self._defined.update(e.path for e in tables.declared if e.node is not None)
         self._note_files(tables)
         for name, declaration in made.items():
             self._add(name, declaration)

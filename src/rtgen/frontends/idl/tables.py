@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.scopes import Entity, Scope
 from rtgen.frontends.idl.unit import Unit
-from rtgen.model import Primitive
+from rtgen.model import Primitive, ScopedName
 
 MAX_DEPTH = 256
 """How deeply scopes, types and expressions may nest."""
@@ -37,7 +38,8 @@ class Tables:
 
     `references` has None for names that were reported, and a Primitive for IDL 4's integers;
     `annotations` are those that `@annotation` declares, each with its members; `modules` are the
-    openings of modules that have annotations.
+    openings of modules that have annotations; `undefined` has a finding for each interface that
+    is declared only, which another file may define.
     """
 
     top: Scope
@@ -49,3 +51,4 @@ class Tables:
     annotations: dict[str, tuple[str, ...]] = field(default_factory=dict)
     units: list[Unit] = field(default_factory=list)
     modules: list[tuple[tree.Item, Unit]] = field(default_factory=list)
+    undefined: dict[ScopedName, Diagnostic] = field(default_factory=dict)

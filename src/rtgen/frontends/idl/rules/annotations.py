@@ -101,7 +101,8 @@ BAD_ENUM_VALUE = Rule(
     "impossible value of an enumerator",
     Severity.ERROR,
     """
-Values given by `@value` grow from enumerator to enumerator, and fit into 32 bits.
+Values given by `@value` grow from enumerator to enumerator, and fit into the bits of the enum: 32,
+or what `@bit_bound` says. An enum with negative values has one bit less for the others.
 
 ```idl
 // gives this finding
