@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rtgen.runtime.cdr_reader import Reader
-from rtgen.runtime.descriptors import Descriptor
+from rtgen.runtime.descriptors import Descriptor, StringDescriptor
 
 
 class _Padding(Reader):
@@ -20,9 +20,17 @@ class _Padding(Reader):
         return octets
 
 
-def padding(descriptor: Descriptor, octets: bytes, little_endian: bool) -> list[int]:
-    """The offsets of the padding in a body."""
+def padding(
+    descriptor: Descriptor,
+    octets: bytes,
+    little_endian: bool,
+    *,
+    identified: bool = False,
+) -> list[int]:
+    """The offsets of the padding in a body, with a repository id in front if `identified`."""
     scan = _Padding(octets, little_endian)
+    if identified:
+        scan.value(StringDescriptor())
     scan.value(descriptor)
     scan.end()
     return scan.places

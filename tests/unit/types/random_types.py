@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import random
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from decimal import Decimal
 from typing import Any
 
+from rtgen.runtime.cdr_values import ObjectReference
 from rtgen.runtime.descriptors import (
     NULL,
     AliasDescriptor,
@@ -38,6 +39,13 @@ BITS = {"short": 16, "long": 32, "long long": 64, "octet": 8}
 BITS |= {f"unsigned {name}": bits for name, bits in BITS.items() if bits > 8}
 _BASIC = (*BITS, "float", "double", "boolean", "char", "string", "wstring")
 _SWITCHES = (*(name for name in BITS if name != "octet"), "char", "boolean")
+_NAMED_SWITCHES = {
+    "Wide": "wchar",
+    "Narrow": "char",
+    "Truth": "boolean",
+    "Number": "short",
+}
+_LONG = (64, 255)
 _DYNAMIC = ("any", "CORBA::TypeCode", "Object", "ValueBase", "::{module}::Thing")
 _EDGES = (
     0.0,
@@ -55,11 +63,11 @@ _DEEPEST = 3
 class Definitions:
     """Draws the text of a module."""
 
-    def __init__(self, seed: int, module: str) -> None:
-        self._random = random.Random(seed)
+    def __init__(self, draw: random.Random, module: str) -> None:
+        self._random = draw
         self._module = module
         self._names: list[str] = []
-        self._enums: list[str] = []
+        self._enums: dict[str, list[str]] = {}
         self._values: list[str] = []
         self._count = 0
 
@@ -77,6 +85,7 @@ class Definitions:
             (1, self._box),
         ]
         lines = ["interface Thing {};", "abstract interface Maybe {};"]
+        lines += [f"typedef {kind} {name};" for name, kind in _NAMED_SWITCHES.items()]
         lines += [self._enum(), self._struct(), self._valuetype(), self._box()]
         while self._count < size:
             chosen = self._random.choices(
@@ -147,7 +156,7 @@ class Definitions:
         name = self._name("E")
         items = [f"e{self._count}_{i}" for i in range(self._random.randint(1, 5))]
         self._names.append(name)
-        self._enums.append(name)
+        self._enums[name] = items
         return f"enum {name} {{ {', '.join(items)} }};"
 
     def _typedef(self) -> str:
@@ -205,35 +214,47 @@ class Definitions:
     def _union(self) -> str:
         draw = self._random
         name = self._name("U")
-        switch = draw.choice((*_SWITCHES, "enum"))
-        enum = draw.choice(self._enums)
-        labels = self._labels(switch, enum)
+        switch = draw.choice((*_SWITCHES, "enum", "enum", "inline", "named"))
+        enum = draw.choice(list(self._enums))
+        kind = written = switch
+        match switch:
+            case "enum":
+                written, labels = self._known(enum), list(self._enums[enum])
+            case "inline":
+                labels = [f"i{self._count}_{i}" for i in range(draw.randint(1, 4))]
+                written = f"enum {name}Kind {{ {', '.join(labels)} }}"
+            case "named":
+                alias = draw.choice(list(_NAMED_SWITCHES))
+                written, kind = self._known(alias), _NAMED_SWITCHES[alias]
+                labels = self._labels(kind)
+            case _:
+                labels = self._labels(kind)
+        every = len(labels) if kind in ("enum", "inline", "boolean") else None
         draw.shuffle(labels)
         labels = labels[: draw.randint(1, 5)]
+        may_have_default = every is None or len(labels) < every
         cases = []
         while labels:
             count = draw.choice((1, 1, 2))
             own, labels = labels[:count], labels[count:]
             cases.append("".join(f"case {label}: " for label in own))
-        if switch not in ("boolean", "enum") and draw.random() < 0.5:
+        if may_have_default and draw.random() < 0.5:
             cases[-1] = (cases[-1] if draw.random() < 0.5 else "") + "default: "
         branches = [
             f"{labels_}{self._declared(f'm{i}', self._type())}; "
             for i, labels_ in enumerate(cases)
         ]
-        named = self._known(enum) if switch == "enum" else switch
-        text = f"union {name} switch ({named}) {{ {''.join(branches)}}};"
+        text = f"union {name} switch ({written}) {{ {''.join(branches)}}};"
         self._names.append(name)
         return text
 
-    def _labels(self, switch: str, enum: str) -> list[str]:
-        if switch == "enum":
-            number = int(enum[1:])
-            return [f"e{number}_0"]
+    def _labels(self, switch: str) -> list[str]:
         if switch == "boolean":
             return ["TRUE", "FALSE"]
         if switch == "char":
             return [r"'a'", r"'\0'", r"'\377'", r"'\n'", r"'z'", r"'\x80'"]
+        if switch == "wchar":
+            return ["L'a'", r"L'\u6f22'", r"L'\xff'", "L'z'"]
         bits = BITS[switch]
         if switch.startswith("unsigned"):
             return [str(n) for n in (0, 1, 2, 7, (1 << bits) - 1, 1 << bits - 1)]
@@ -243,15 +264,22 @@ class Definitions:
 
 
 class Values:
-    """Draws values of descriptors. `anys` are the types that an `any` may hold.
+    """Draws values of descriptors. `anys` are the types that an `any` may hold, `references` the
+    object references that there are, beside nil.
 
     Without `state` all values of valuetypes are null. The number of parts is bounded.
     """
 
     def __init__(
-        self, draw: random.Random, anys: list[Descriptor], *, state: bool = True
+        self,
+        draw: random.Random,
+        anys: list[Descriptor],
+        *,
+        state: bool = True,
+        references: Sequence[ObjectReference] = (),
     ) -> None:
         self._random = draw
+        self._references = (None, *references)
         self._state = state
         self._anys = anys
         self._shared: dict[str, list[Any]] = {}
@@ -275,7 +303,11 @@ class Values:
                 return class_of(descriptor)(draw.choice(members)[1])
             case SequenceDescriptor(element, bound):
                 most = 0 if depth > _DEEPEST else min(bound or 3, 3)
-                return self._items(element, draw.randint(0, most), depth)
+                count = draw.randint(0, most)
+                items = self._items(element, count, depth)
+                if bound is None and count and draw.random() < 0.03:
+                    return self._repeated(element, items)
+                return items
             case ArrayDescriptor(element, dimensions):
                 return self._array(element, dimensions, depth)
             case StructDescriptor() | ExceptionDescriptor():
@@ -284,7 +316,7 @@ class Values:
             case UnionDescriptor():
                 return self._union(descriptor, depth)
             case InterfaceDescriptor():
-                return None
+                return draw.choice(self._references)
             case ValueDescriptor():
                 return self._valued(descriptor, depth)
             case BoxDescriptor(target=target):
@@ -331,6 +363,8 @@ class Values:
             case "ValueBase":
                 values = [t for t in self._anys if isinstance(t, ValueDescriptor)]
                 return self._valued(draw.choice(values), depth)
+            case "Object":
+                return draw.choice(self._references)
         return None
 
     def _text(self, wide: bool, most: int) -> str:
@@ -350,6 +384,15 @@ class Values:
             case PrimitiveDescriptor("unsigned long long"):
                 # omniORBpy raises for larger ones in a sequence.
                 return [item & (1 << 63) - 1 for item in items]
+        return items
+
+    def _repeated(self, element: Descriptor, items: Any) -> Any:
+        """Many items, where they are no objects that may be shared."""
+        match plain(element):
+            case PrimitiveDescriptor(name) if name not in ("any", "ValueBase"):
+                return items * self._random.choice(_LONG)
+            case StringDescriptor() | EnumDescriptor():
+                return items * self._random.choice(_LONG)
         return items
 
     def _array(

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import random
+from collections.abc import Sequence
 from contextlib import suppress
 from typing import Any
 
@@ -27,6 +28,7 @@ MODULES = 4
 TYPES = 40
 EXAMPLES = int(os.environ.get("RTGEN_CDR_EXAMPLES", "2000")) // MODULES
 MOST_CUTS = 12
+SMALL = 48
 
 
 class Types:
@@ -56,7 +58,7 @@ def types(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Types:
     seed = 100 + request.param
-    text = Definitions(seed, f"Drawn{seed}").text(TYPES)
+    text = Definitions(random.Random(seed), f"Drawn{seed}").text(TYPES)
     return Types(emitted.emit_text(tmp_path_factory.mktemp("random"), text))
 
 
@@ -87,8 +89,10 @@ def test_octets_cut_short_or_changed(types: Types) -> None:
         descriptor = types.described[number % len(types.described)]
         class_ = types.classes[descriptor.repository_id]
         octets = encoded(descriptor, Values(draw, types.anys).value(descriptor), True)
-        places = range(len(octets))
-        for place in draw.sample(places, min(len(octets), MOST_CUTS)):
+        places: Sequence[int] = range(len(octets))
+        if len(octets) > SMALL:
+            places = draw.sample(places, MOST_CUTS)
+        for place in places:
             with pytest.raises(CdrError):
                 class_.from_cdr(octets[:place])
             changed = bytearray(octets)
@@ -98,4 +102,5 @@ def test_octets_cut_short_or_changed(types: Types) -> None:
 
 
 def test_the_same_seed_gives_the_same_text() -> None:
-    assert Definitions(5, "M").text(30) == Definitions(5, "M").text(30)
+    first, second = (Definitions(random.Random(5), "M").text(30) for _ in range(2))
+    assert first == second
