@@ -74,6 +74,10 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
         "interface I; typedef sequence<I> I; interface I { I f(); };",
         ("IDL0202",),
     ),
+    "type_called_finder": (
+        "interface finder {}; valuetype V { finder f(out long a); };",
+        ("IDL0208",),
+    ),
     "lone_underscore": ("enum E { _, A }; struct S { long __; };", ("IDL0207",) * 2),
     "id_that_follows_is_taken": (
         "struct S { @id(2) long a; @id(1) long b; long c; };",

@@ -38,6 +38,7 @@ _END_OF_DECLARATION = re.compile(r"\s*;|[ \t]*\w+\s*;")
 _TEMPLATE_WORDS = frozenset(
     ("sequence", "string", "wstring", "fixed", "map", "bitfield")
 )
+_OPENED = {"<": 1, ">": -1, ">>": -2}
 _CLOSER = "\x01"
 _DECLARED = re.compile(r"\b([^\W\d]\w*)(?=\s*(?:[;,{:(\[=}]|switch\b))")
 _ENUMERATORS = re.compile(r"\benum\b[^{}]*\{([^{}]*)")
@@ -283,6 +284,7 @@ def _mark_closers(text: str) -> str:
     It is a shift if, without it, enough `>` follow in the declaration to close what is open.
     """
     tokens = [(match[0], match.start()) for match in _TEMPLATES.finditer(text)]
+    lowest = _lowest(tokens)
     closers = []
     open_templates = 0
     previous = ""
@@ -294,9 +296,7 @@ def _mark_closers(text: str) -> str:
         elif mark in (";", "{", "}"):
             open_templates = 0
         elif (
-            mark == ">>"
-            and open_templates >= 2
-            and not _closed(tokens, index, open_templates)
+            mark == ">>" and open_templates >= 2 and open_templates + lowest[index] > 0
         ):
             closers.append(offset)
             open_templates -= 2
@@ -310,12 +310,12 @@ def _mark_closers(text: str) -> str:
     return "".join(parts)
 
 
-def _closed(tokens: list[tuple[str, int]], index: int, needed: int) -> bool:
-    """Whether the tokens behind `index` close that many templates without it."""
-    for mark, _ in tokens[index + 1 : index + 1000]:
-        if mark in (";", "{", "}"):
-            break
-        needed += (mark == "<") - mark.count(">") * (mark in (">", ">>"))
-        if needed <= 0:
-            return True
-    return False
+def _lowest(tokens: list[tuple[str, int]]) -> list[int]:
+    """For each token, how many open templates the rest of its declaration leaves at the fewest."""
+    lowest = [0] * len(tokens)
+    low = 0
+    for index in range(len(tokens) - 1, -1, -1):
+        lowest[index] = low
+        mark = tokens[index][0]
+        low = 0 if mark in (";", "{", "}") else min(_OPENED.get(mark, 0) + low, 0)
+    return lowest
