@@ -205,8 +205,8 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "overflow": ("const long A = 4294967295 + 1 - 5;", ("IDL0501",)),
     "infinite": (
-        "const double A = 1e400; const float B = 1e39;",
-        ("IDL0501", "IDL0501"),
+        "const double A = 1e400; const float B = 1e30 * 1e30;",
+        ("IDL0509", "IDL0501"),
     ),
     "zero": (
         "const long A = 1 / 0; const double B = 1.0 / 0.0;",

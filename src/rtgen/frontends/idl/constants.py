@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import struct
+import sys
 from collections.abc import Callable
 from decimal import ROUND_DOWN, Context, Decimal
 from enum import StrEnum
-from math import isinf
+from math import copysign, inf, isfinite
 from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Diagnostic, Related, Rule
@@ -69,6 +70,7 @@ _BOUND_HINT = (
 _EXACT = Context(prec=62, rounding=ROUND_DOWN)
 _DIGITS_31 = Context(prec=31, rounding=ROUND_DOWN)
 _LARGEST_FLOAT = 3.4028234663852886e38
+_LARGEST_DOUBLE = sys.float_info.max
 
 
 class Sort(StrEnum):
@@ -488,10 +490,10 @@ class Constants:
             low, high = self._bounds()
             if not low <= value <= high:
                 self._overflow(node, value)
-        elif isinstance(value, float) and isinf(value):
-            self._fail(
-                rules.OUT_OF_RANGE, node, "the value is beyond the range of a double"
-            )
+        elif isinstance(value, float):
+            if not isfinite(value) and isinstance(node, tree.Chain):
+                message = "the value is beyond the range of a double"
+                self._fail(rules.OUT_OF_RANGE, node, message)
         elif isinstance(value, Decimal):
             if value and value.adjusted() >= 31:
                 message = "the value has more than 31 digits before its point"
@@ -536,15 +538,20 @@ class Constants:
         return value
 
     def _fit_float(self, value: float, kind: Primitive, node: tree.Expression) -> float:
-        largest = _LARGEST_FLOAT if kind is Primitive.FLOAT else float("inf")
-        if isinf(value) or abs(value) > largest:
+        largest = _LARGEST_FLOAT if kind is Primitive.FLOAT else _LARGEST_DOUBLE
+        if abs(value) > largest:
             hint = (
                 "write double for a larger range"
                 if kind is Primitive.FLOAT
                 else "the largest double is about 1.8e308"
             )
-            message = f"the value is beyond the range of a {kind}"
-            self._fail(rules.OUT_OF_RANGE, node, message, hint)
+            if _is_literal(node):
+                message = f"the value is beyond the range of a {kind}: it is infinite"
+                self._tell(rules.INFINITE, node, message, hint)
+            else:
+                message = f"the value is beyond the range of a {kind}"
+                self._fail(rules.OUT_OF_RANGE, node, message, hint)
+            value = copysign(inf, value)
         if kind is Primitive.LONG_DOUBLE:
             message = "the constant is kept as a double"
             hint = "write double if that is precise enough"
@@ -569,6 +576,14 @@ class Constants:
             self._tell(rules.PRECISION, node, message, f"write {cut}d")
             return cut
         return value
+
+
+def _is_literal(node: tree.Expression) -> bool:
+    """Whether it is one number, be it with a sign or in parentheses."""
+    match node:
+        case tree.Unary(operand=inner) | tree.Group(inner=inner):
+            return _is_literal(inner)
+    return isinstance(node, tree.Number)
 
 
 def fixed_type_of(value: Decimal) -> FixedType:

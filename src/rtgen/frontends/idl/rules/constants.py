@@ -144,6 +144,20 @@ const long A = -7 % 2;
 """,
 )
 
+INFINITE = Rule(
+    "IDL0509",
+    "number so large that it is infinite",
+    Severity.WARNING,
+    """
+A literal beyond the range of its type becomes infinite, as with other IDL compilers.
+
+```idl
+// gives this finding
+const double A = 1e999;
+```
+""",
+)
+
 RULES = (
     WRONG_KIND,
     OUT_OF_RANGE,
@@ -154,4 +168,5 @@ RULES = (
     WRONG_ENUM,
     INTEGER_AS_FLOAT,
     NEGATIVE_REMAINDER,
+    INFINITE,
 )
