@@ -28,7 +28,6 @@ PROBES = [
     alone(
         "getraises of a readonly attribute",
         "exception E {}; interface I { readonly attribute long a getraises(E); };",
-        "IDL0614",
     ),
     alone(
         "getraises of a struct",

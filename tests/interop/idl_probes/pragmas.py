@@ -208,13 +208,19 @@ PROBES = [
         + _S
         + " };",
     ),
-    same("any other pragma", "#pragma hdrstop\n#pragma a b c\n" + _S),
+    same("any other pragma", "#pragma hdrstop\n#pragma a b c\n" + _S, "IDL0705"),
     same(
         "pragmas everywhere",
         "module M {\n#pragma a\nstruct S {\n#pragma b\nlong a;\n#pragma c\n};\ninterface I {\n#pragma d\nvoid f();\n};\n};",
+        *["IDL0705"] * 4,
     ),
-    same("pragma in an enum", "enum E { A,\n#pragma a\nB };"),
-    same("pragma in a union", "union U switch (long) {\n#pragma a\ncase 1: long a; };"),
+    same("misspelt pragma", '#pragma perfix "p"\n' + _S, "IDL0705"),
+    same("pragma in an enum", "enum E { A,\n#pragma a\nB };", "IDL0705"),
+    same(
+        "pragma in a union",
+        "union U switch (long) {\n#pragma a\ncase 1: long a; };",
+        "IDL0705",
+    ),
     same(
         "two declarations with one id",
         _S + ' struct T { long b; };\n#pragma ID T "IDL:S:1.0"\n',

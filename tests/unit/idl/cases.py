@@ -48,7 +48,7 @@ ACCEPTED: dict[str, str] = {
     "no_name_clash": "interface I { void a(in long x); void b(in long X); };",
     "value_forward": "valuetype V; valuetype V { public long a; };",
     "eventtype": "eventtype E { public long a; };",
-    "unused_pragma": "module M {\n#pragma anything at all\n};",
+    "unused_pragma": "module M {\n#pragma keylist at all\n};",
     "line_marker": '# 12 "file.idl" 1\nstruct S { long a; };',
     "wide_text": 'const wstring A = L"\\u3042";',
     "pasted": "#define J(a, b) a ## b\nstruct J(S, 1) { long a; };",

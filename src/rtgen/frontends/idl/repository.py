@@ -8,6 +8,7 @@ from collections.abc import Callable
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl.rules import repository as rules
 from rtgen.frontends.idl.scopes import Entity, Kind, Scope
+from rtgen.frontends.idl.suggestions import nearest
 from rtgen.frontends.idl.unit import Pragma
 
 _PRAGMA = re.compile(r"\s*(\w+)\s*(.*?)\s*$", re.DOTALL)
@@ -15,6 +16,9 @@ _PREFIX = re.compile(r'"([^"]*)"')
 _ID = re.compile(r'((?:::\s*)?\w+(?:\s*::\s*\w+)*)\s+"([^"]*)"')
 _VERSION = re.compile(r"((?:::\s*)?\w+(?:\s*::\s*\w+)*)\s+(\d+\.\d+)")
 _IDL_FORM = re.compile(r"IDL:[^:]*:\d+\.\d+")
+_OWN = ("prefix", "ID", "version", "once")
+_OF_OTHERS = ("keylist", "DCPS_DATA_TYPE", "DCPS_DATA_KEY", "hdrstop")
+"""Pragmas of DDS products and of C++ compilers that are often seen."""
 _WITHOUT_ID = (Kind.MEMBER, Kind.ENUMERATOR, Kind.PARAMETER, Kind.PORT)
 
 Find = Callable[[Scope, str, Span], Entity | None]
@@ -38,7 +42,7 @@ class Identities:
         self._report = report
 
     def apply(self, pragma: Pragma, scope: Scope) -> None:
-        """Apply `#pragma prefix`, `ID` or `version`; every other pragma is let pass."""
+        """Apply `#pragma prefix`, `ID` or `version`; no other pragma is an error."""
         match = _PRAGMA.match(pragma.text)
         kind, rest = (match[1], match[2]) if match else ("", "")
         if kind == "prefix":
@@ -63,6 +67,15 @@ class Identities:
                 entity = self._find(scope, found[1], pragma.span)
                 if entity is not None:
                     self._set_version(entity, found[2], pragma.span)
+        elif kind and kind not in _OF_OTHERS:
+            near = nearest(kind, (*_OWN, *_OF_OTHERS))
+            hint = (
+                f"did you mean {near}?"
+                if near
+                else "it is let pass, as it may be for another tool"
+            )
+            message = f"nothing is made of the pragma {kind}"
+            self._report(rules.UNKNOWN_PRAGMA.at(pragma.span, message, hint=hint))
 
     def _malformed(self, pragma: Pragma, form: str) -> None:
         self._report(

@@ -16,7 +16,6 @@ from rtgen.model import Direction, Primitive
 _CONTEXT = re.compile(r"[A-Za-z][A-Za-z0-9._]*\*?")
 _CLAUSES = {
     (False, "raises"): "write getraises, setraises, or both",
-    (True, "getraises"): "write raises",
     (True, "setraises"): "write raises, or leave readonly out",
 }
 """By whether an attribute is readonly, the clauses that it cannot have, and what to write."""

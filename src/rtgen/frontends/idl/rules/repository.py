@@ -84,4 +84,18 @@ struct S { long a; }; struct T { long a; };
 """,
 )
 
-RULES = (BAD_PRAGMA, NO_ID, ODD_ID, CONFLICT, SAME_ID)
+UNKNOWN_PRAGMA = Rule(
+    "IDL0705",
+    "unknown pragma",
+    Severity.NOTE,
+    """
+The pragma is none of CORBA's. It may be for another tool, or misspelt.
+
+```idl
+// gives this finding
+#pragma perfix "omg.org"
+```
+""",
+)
+
+RULES = (BAD_PRAGMA, NO_ID, ODD_ID, CONFLICT, SAME_ID, UNKNOWN_PRAGMA)
