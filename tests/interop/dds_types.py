@@ -472,8 +472,8 @@ def _cyclone_label(switch: Type, label: Any) -> str:
 class Values:
     """Draws neutral values of types, small ones mostly."""
 
-    def __init__(self, seed: int) -> None:
-        self._random = random.Random(seed)
+    def __init__(self, draw: random.Random) -> None:
+        self._random = draw
 
     def of(self, type_: Type, depth: int = 0, owner: Struct | None = None) -> Any:
         """A value; of a type in itself there are ever fewer as it gets deeper."""
