@@ -159,7 +159,7 @@ def _version(library: str) -> str:
 
 def _hash_of(path: Path) -> str | None:
     try:
-        return sha256(path.read_bytes()).hexdigest()
+        return sha256(path.read_bytes()).hexdigest() if path.is_file() else None
     except OSError:
         return None
 

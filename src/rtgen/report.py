@@ -21,6 +21,7 @@ _TAB = 4
 _WINDOW = 100
 _COLOURS = {Severity.ERROR: "1;31", Severity.WARNING: "1;33", Severity.NOTE: "1;36"}
 _BEFORE = 40
+_LONGEST_TEXT = 33_554_432
 _SARIF_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 
 
@@ -112,12 +113,13 @@ class _Texts:
     def _text(self, file: str) -> str:
         if file in self._sources:
             return self._sources[file]
+        path = Path(file)
         try:
-            with Path(file).open(
-                encoding="utf-8", errors="replace", newline=""
-            ) as stream:
-                return stream.read()
-        except OSError:
+            if not path.is_file():
+                return ""
+            with path.open(encoding="utf-8", errors="replace", newline="") as stream:
+                return stream.read(_LONGEST_TEXT)
+        except (OSError, ValueError):
             return ""
 
 

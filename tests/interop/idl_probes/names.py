@@ -3,6 +3,16 @@
 from idl_probes.probe import better, refused, same, stricter
 
 PROBES = [
+    refused(
+        "an operation where a type is wanted, in another case",
+        "interface I { void point(); void g(in Point p); };",
+        "IDL0201",
+    ),
+    refused(
+        "names that an unknown base may have",
+        "interface A : B { void f(in X p); };\ninterface C : A { void g(in X p, in A::Y q); };",
+        "IDL0200",
+    ),
     # Scopes
     same(
         "one name in many scopes",

@@ -5,6 +5,16 @@ from idl_probes.probe import better, refused, same, stricter
 _S = "struct S { long a; };"
 
 PROBES = [
+    same(
+        "version of a forward declaration",
+        "interface F;\n#pragma version F 2.3\ninterface F { void g(); };\ninterface F;",
+    ),
+    refused(
+        "ID of a forward declaration, then another prefix",
+        'interface F;\n#pragma ID F "IDL:x:1.0"\n#pragma prefix "q"\ninterface F {};',
+        "IDL0214",
+    ),
+    refused("ID in another case", _S + '\n#pragma ID s "IDL:x:1.0"\n', "IDL0201"),
     same("default id", _S + " module M { " + _S + " module N { " + _S + " }; };"),
     same(
         "ids of all kinds",

@@ -130,6 +130,15 @@ PROBES = [
     ),
     same("choice in if", "#if 0 ? 0 : 1\n" + _S + "\n#endif"),
     same(
+        "what is not chosen cannot be wrong",
+        "#if (1 ? 2 : 1 / 0) && (1 || 1 % 0)\n" + _S + "\n#endif",
+    ),
+    same(
+        "defined by a macro",
+        "#define X\n#define HAS_X defined(X)\n#define HAS_Y defined Y\n"
+        "#if HAS_X && !HAS_Y\n" + _S + "\n#endif",
+    ),
+    same(
         "hexadecimal and suffixes in if",
         "#if 0x10 == 16L && 010 == 8\n" + _S + "\n#endif",
     ),
@@ -226,6 +235,8 @@ PROBES = [
     ),
     refused("line without a number", "#line x\n" + _S, "IDL0022"),
     same("__OMNIIDL__", "#ifdef __OMNIIDL__\n" + _S + "\n#endif"),
+    same("value of __OMNIIDL__", "const long A = __OMNIIDL__;"),
+    same("__STDC__", "#if __STDC_VERSION__ > 0\nconst long A = __STDC__;\n#endif"),
     same("__LINE__", "\n\nconst long A = __LINE__;"),
     same("__FILE__", "const string A = __FILE__;"),
     same(

@@ -47,6 +47,7 @@ def evaluate(text: str, macros: Mapping[str, Macro]) -> bool:
     """Whether the expression is not 0; raises ExpansionError for one that is none."""
     tokens = _defined([t for t in tokenize(text) if t.kind != "space"], macros)
     tokens = [t for t in Expander(macros).expand(tokens) if t.kind != "space"]
+    tokens = _defined(tokens, macros)
     if not tokens:
         raise ExpansionError("the expression is missing")
     parser = _Parser(tokens)
@@ -91,9 +92,7 @@ class _Parser:
         while self.tokens and _LEVEL.get(self.tokens[-1].text, -1) >= lowest:
             operator = self.tokens.pop().text
             decided = (operator == "&&" and not value) or (operator == "||" and value)
-            self._dead += bool(decided)
-            right = self.expression(_LEVEL[operator] + 1)
-            self._dead -= bool(decided)
+            right = self._operand(not decided, _LEVEL[operator] + 1)
             value = self._apply(operator, value, right)
         if lowest == 0 and self.tokens and self.tokens[-1].text == "?":
             value = self._choice(value)
@@ -102,11 +101,18 @@ class _Parser:
 
     def _choice(self, condition: int) -> int:
         self.tokens.pop()
-        chosen = self.expression()
+        chosen = self._operand(bool(condition))
         if not self.tokens or self.tokens.pop().text != ":":
             raise ExpansionError("'?' needs a ':'")
-        other = self.expression()
+        other = self._operand(not condition)
         return chosen if condition else other
+
+    def _operand(self, matters: bool, lowest: int = 0) -> int:
+        """An operand; one that does not matter is read, but cannot be wrong."""
+        self._dead += not matters
+        value = self.expression(lowest)
+        self._dead -= not matters
+        return value
 
     def _apply(self, operator: str, left: int, right: int) -> int:
         if operator in ("/", "%"):

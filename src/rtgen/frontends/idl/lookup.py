@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.rules import names as rules
-from rtgen.frontends.idl.scopes import Entity, Kind, Scope, Use
+from rtgen.frontends.idl.scopes import TYPES, Entity, Kind, Scope, Use
 from rtgen.frontends.idl.suggestions import nearest
 from rtgen.frontends.idl.unit import Unit
 from rtgen.frontends.idl.words import CORBA_3, FOLDED, RESERVED
@@ -21,6 +21,7 @@ _NO_GUESS = "declare it before its use, or include the file that declares it"
 
 _TAGGED = (Kind.STRUCT, Kind.UNION, Kind.ENUM)
 
+_NAMEABLE = TYPES | {Kind.MODULE, Kind.EXCEPTION, Kind.CONST, Kind.ENUMERATOR}
 _USED_OUT_TO = (Kind.INTERFACE, Kind.VALUETYPE, Kind.COMPONENT, Kind.HOME)
 _ARTICLE = {"a": "an", "e": "an", "i": "an", "o": "an"}
 
@@ -184,20 +185,28 @@ class Lookup:
             return None
         entity = found[0]
         if entity.name != part.text and not optional:
-            self._report(
-                rules.WRONG_CASE.at(
-                    unit.span(part.start, part.end),
-                    f"{part.text} is declared as {entity.name}",
-                    related=[Related(entity.span, "declared here")],
-                    hint=f"write {entity.name}",
-                )
-            )
+            self.wrong_case(part.text, entity, unit.span(part.start, part.end))
+            return entity if entity.kind in _NAMEABLE else None
         return entity
+
+    def wrong_case(self, text: str, entity: Entity, span: Span) -> None:
+        """Report a name that is spelt in another case than its declaration."""
+        self._report(
+            rules.WRONG_CASE.at(
+                span,
+                f"{text} is declared as {entity.name}",
+                related=[Related(entity.span, "declared here")],
+                hint=f"write {entity.name}",
+            )
+        )
 
     def _unknown(
         self, part: tree.Name, unit: Unit, scope: Scope, whole: tree.ScopedName | None
     ) -> None:
         if self.doubtful or part.text.lower() in self.lost:
+            return
+        places = scope.outward() if whole and not whole.absolute else [scope]
+        if any(place.doubtful for place in places):
             return
         span = unit.span(part.start, part.end)
         self._unknowns.append(_Unknown(part.text, span, scope, whole is None, unit))

@@ -7,7 +7,7 @@ As GNU's preprocessor has it, the arguments of `...` may have a name, may be lef
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from rtgen.diagnostics import Span
@@ -122,7 +122,7 @@ def define(text: str, span: Span | None = None) -> Macro:
     while body and "##" in (body[0].text, body[-1].text):
         wrong = wrong or "'##' cannot stand at either end of a macro"
         body = _stripped(body[1:] if body[0].text == "##" else body[:-1])
-    macro = Macro(name, parameters, tuple(body), span, variadic)
+    macro = Macro(name, parameters, tuple(_shielded(body)), span, variadic)
     if wrong is not None:
         raise MalformedMacroError(wrong, macro)
     return macro
@@ -143,6 +143,16 @@ def _parameters(inside: str, name: str) -> tuple[tuple[str, ...], bool, str | No
         if len(set(written)) < len(written):
             wrong = f"{name} has two parameters of one name"
     return tuple(written), variadic, wrong
+
+
+def _shielded(body: Iterable[Token]) -> Iterator[Token]:
+    """What stands behind `defined` is asked for, not expanded."""
+    asked = False
+    for token in body:
+        if asked and token.kind == "name":
+            token = Token(token.kind, token.text, frozenset((token.text,)))
+        asked = token.text == "defined" or (asked and token.text in " (")
+        yield token
 
 
 class Expander:

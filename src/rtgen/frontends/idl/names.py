@@ -255,8 +255,7 @@ class Resolver(Naming):
         entity.complete = False
         if base is not None:
             found = self._base(base, entity, (entity.kind,))
-            if found is not None and found.inner is not None:
-                inner.bases.append(found.inner)
+            self._inherit(inner, found)
         self._body(entity, node.body)
         entity.complete = True
         self._to_end(entity)
@@ -266,6 +265,13 @@ class Resolver(Naming):
         if self.tables.declared and self.tables.declared[-1] is not entity:
             self.tables.declared.remove(entity)
             self.tables.declared.append(entity)
+
+    @staticmethod
+    def _inherit(inner: Scope, base: Entity | None) -> None:
+        if base is not None and base.inner is not None:
+            inner.bases.append(base.inner)
+        else:
+            inner.lacking = True
 
     def _base(
         self, name: tree.ScopedName, entity: Entity, kinds: tuple[Kind, ...]
@@ -475,8 +481,7 @@ class Resolver(Naming):
         assert entity.inner is not None
         for name in names:
             found = self._base(name, entity, kinds)
-            if found is not None and found.inner is not None:
-                entity.inner.bases.append(found.inner)
+            self._inherit(entity.inner, found)
 
     def _open(
         self, scope: Scope, name: tree.Name, kind: Kind, node: Any, item: tree.Item

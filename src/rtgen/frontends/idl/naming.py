@@ -74,6 +74,7 @@ class Naming(ABC):
             repository_id(scope.ids, name.text),
             node,
         )
+        entity.default_id = entity.repository_id
         entity.item = item
         entity.around = scope.around
         existing = self._lookup.declare(
@@ -103,7 +104,7 @@ class Naming(ABC):
             else:
                 self._lookup.clash(entity, existing)
             return None
-        if existing.repository_id != entity.repository_id and not existing.fixed_id:
+        if existing.default_id != entity.default_id:
             message = f"{entity.name} is declared with another prefix before"
             self._mismatch(entity, existing, message)
         if entity.node is not None:
@@ -154,10 +155,15 @@ class Naming(ABC):
             if found:
                 entity = found[0]
                 break
+        way = [entity]
         for name in names[1:]:
             inner = entity.inner if entity else None
             found = inner.find(self._key(name)) if inner else []
             entity = found[0] if found else None
+            way.append(entity)
+        for name, passed in zip(names, way, strict=True):
+            if entity is not None and passed is not None and passed.name != name:
+                self._lookup.wrong_case(name, passed, span)
         if entity is None and names[-1].lower() not in self._lookup.lost:
             self._report(
                 rules.UNKNOWN_NAME.at(

@@ -41,6 +41,8 @@ class Neighbours:
             left = _MOST_BYTES
             for path in sorted(folder.glob("*.idl"))[:_MOST_FILES]:
                 try:
+                    if not path.is_file():
+                        continue
                     with path.open("rb") as stream:
                         data = stream.read(left)
                 except OSError:

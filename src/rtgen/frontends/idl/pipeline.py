@@ -135,11 +135,13 @@ class _Run:
             self._report(lexical.UNREADABLE.at(Span(shown, 1, 1, 1, 1), message))
             return None
         if source is None:
-            message = (
-                f"{shown} is a folder" if path.is_dir() else f"{shown} does not exist"
+            there = path.exists()
+            state = "is no regular file" if there else "does not exist"
+            message = f"{shown} {'is a folder' if path.is_dir() else state}"
+            found = nearest(
+                path.name, (p.name for p in path.parent.glob("*.idl") if p.is_file())
             )
-            found = nearest(path.name, (p.name for p in path.parent.glob("*.idl")))
-            hint = f"did you mean {found}?" if found and not path.is_dir() else None
+            hint = f"did you mean {found}?" if found and not there else None
             span = Span(shown, 1, 1, 1, 1)
             self._report(lexical.MISSING_FILE.at(span, message, hint=hint))
         return source

@@ -53,6 +53,13 @@ _KNOWN = (
 )
 _ONCE = "#once "
 _PREDEFINED = ("__FILE__", "__LINE__")
+_ASKED_FOR = {
+    "__OMNIIDL__": "0x2630",
+    "__RTGEN__": "1",
+    "__STDC__": "1",
+    "__STDC_VERSION__": "199409L",
+}
+"""Macros that files ask for; all but `__RTGEN__` are as omniidl 4.2.5 has them."""
 
 
 @dataclass(slots=True)
@@ -85,11 +92,11 @@ class _Prepared:
 
 
 def predefined(values: Mapping[str, str]) -> dict[str, Macro]:
-    """The macro table at the start of a translation unit: `__OMNIIDL__`, `__RTGEN__`, `values`.
+    """The macro table at the start of a translation unit: those that files ask for, `values`.
 
     Raises ExpansionError for a name that is no identifier.
     """
-    table = {"__OMNIIDL__": "1", "__RTGEN__": "1", **values}
+    table = {**_ASKED_FOR, **values}
     macros = {}
     for name, value in table.items():
         if not re.fullmatch(r"[A-Za-z_]\w*", name):

@@ -56,6 +56,7 @@ class Entity:
     `type_node` is the type behind a typedef, a member or a constant, with its `declarator`.
     `contradicted` says that another declaration of the name is of another kind or prefix,
     `clashes` that the name is taken, so that the entity is kept out of its scope.
+    `default_id` is the repository id but for `#pragma ID` and `version`.
     `order` counts the declarations of the translation unit; `modifier` is abstract, local, custom.
     """
 
@@ -84,6 +85,7 @@ class Entity:
     annotations: tuple[tree.Annotation, ...] = ()
     item: tree.Item | None = None
     around: tuple[tree.Item, ...] = ()
+    default_id: str = ""
 
     @property
     def scoped(self) -> str:
@@ -116,7 +118,7 @@ class Scope:
     """The names of a scope, by the keys of the look-up: lower-case forms, as a rule.
 
     `ids` is the path of repository ids; `around` are the openings of modules with annotations that
-    what is declared now stands in, the innermost last.
+    what is declared now stands in, the innermost last; `lacking` says that a base is not known.
     """
 
     entity: Entity | None
@@ -127,6 +129,7 @@ class Scope:
     bases: list[Scope] = field(default_factory=list)
     imported: list[Scope] = field(default_factory=list)
     around: tuple[tree.Item, ...] = ()
+    lacking: bool = False
 
     @property
     def path(self) -> ScopedName:
@@ -169,6 +172,11 @@ class Scope:
             else:
                 pending.extend(reversed(scope.bases))
         return list(found)
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether a name that is not here may be inherited from what is not known."""
+        return self.lacking or any(base.lacking for base in self.all_bases())
 
     def all_bases(self) -> list[Scope]:
         """Every base, direct or not, once, nearest first."""
