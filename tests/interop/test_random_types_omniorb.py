@@ -112,9 +112,14 @@ class Types:
     """A module of ours that the process has, too."""
 
     def __init__(
-        self, peer: Peer, references: tuple[ObjectReference, ...], package: Any
+        self,
+        peer: Peer,
+        references: tuple[ObjectReference, ...],
+        text: str,
+        package: Any,
     ) -> None:
         self.peer = peer
+        self.text = text
         self.references = references
         kinds = (StructDescriptor, UnionDescriptor, EnumDescriptor, AliasDescriptor)
         kinds += (ExceptionDescriptor, ValueDescriptor, BoxDescriptor)
@@ -276,13 +281,14 @@ def compiled(
     theirs = folder / "theirs"
     theirs.mkdir(parents=True)
     file = folder / f"random{number}.idl"
-    file.write_text(Definitions(draw, name).text(size), encoding="utf-8")
+    text = Definitions(draw, name).text(size)
+    file.write_text(text, encoding="utf-8")
     command = [omniidl, "-bpython", f"-C{theirs}", str(file)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     package = emitted.emit(folder, [file])
     peer.load(Load(str(folder), package.__name__, str(theirs), name))
-    return Types(peer, references, package)
+    return Types(peer, references, text, package)
 
 
 @pytest.fixture(scope="module", params=range(MODULES))
@@ -329,8 +335,12 @@ def test_types(
     draw: random.Random,
 ) -> None:
     types = compiled(peer, references, omniidl, tmp_path, draw, SMALL)
-    for descriptor in types.all:
-        types.compare_type_code(descriptor, True)
-    for number in range(SMALL_VALUES):
-        descriptor = types.compared[number % len(types.compared)]
-        types.compare(random.Random(number), descriptor)
+    try:
+        for descriptor in types.all:
+            types.compare_type_code(descriptor, True)
+        for number in range(SMALL_VALUES):
+            descriptor = types.compared[number % len(types.compared)]
+            types.compare(random.Random(number), descriptor)
+    except Exception as error:
+        error.add_note(types.text)
+        raise
