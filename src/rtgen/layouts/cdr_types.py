@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TypeAlias
 
 from rtgen.layouts.cdr import (
@@ -30,12 +30,15 @@ from rtgen.model import (
     ArrayType,
     Bitmask,
     Bitset,
+    Case,
+    Declaration,
     Enum,
     ExceptionDecl,
     Extensibility,
     FixedType,
     Interface,
     MapType,
+    Member,
     Model,
     NamedType,
     Primitive,
@@ -108,6 +111,7 @@ class CdrTypes:
         self._nodes: dict[ScopedName, Node] = {}
         uses = _uses(model)
         self._recursive = frozenset(n for n in uses if n in _reachable(uses, n))
+        self._places = {d.name: i for i, d in enumerate(model.declarations)}
         self._dynamic = _holders(model, uses, self._holds_dynamic)
         self._headed = _holders(model, uses, self._holds_headers)
 
@@ -121,6 +125,22 @@ class CdrTypes:
         Raises NotMarshalledError.
         """
         return name in self._recursive or isinstance(self._named(name), Call)
+
+    def is_unset(self, holder: Declaration, entry: Member | Case) -> bool:
+        """Whether a member is None until it is set.
+
+        An `@external` member can be of a type that is recursive, or is defined later only.
+        """
+        type_ = self._model.unalias(entry.type)
+        return (
+            entry.external
+            and isinstance(type_, NamedType)
+            and isinstance(self._model.find(type_.name), Struct | Union)
+            and (
+                type_.name in self._recursive
+                or self._places[type_.name] >= self._places[holder.name]
+            )
+        )
 
     def is_dynamic(self, type_: Type) -> bool:
         """Whether values of the type hold what is marshalled along its descriptor."""
@@ -142,9 +162,15 @@ class CdrTypes:
 
     def _holds_headers(self, declaration: Struct | Union) -> bool:
         extensibility = self._representations.extensibility(declaration)
-        return extensibility is Extensibility.MUTABLE or (
-            isinstance(declaration, Struct)
-            and any(member.optional for member in declaration.members)
+        entries: Sequence[Member | Case] = (
+            declaration.members
+            if isinstance(declaration, Struct)
+            else declaration.cases
+        )
+        return extensibility is Extensibility.MUTABLE or any(
+            (isinstance(entry, Member) and entry.optional)
+            or self.is_unset(declaration, entry)
+            for entry in entries
         )
 
     def _is_dynamic_leaf(self, type_: Type) -> bool:

@@ -234,6 +234,17 @@ PROBES = [
         "@bit_bound(8) enum E { @value(-1) A, @value(200) B };",
         "IDL0806",
     ),
+    alone(
+        "external of an incomplete type",
+        "struct N; struct A { @external N n_; }; struct N { long a; };",
+        A="struct A; n_: N",
+        N="struct N; a: long",
+    ),
+    alone(
+        "not external of an incomplete type",
+        "struct N; struct A { @external(FALSE) N n_; }; struct N { long a; };",
+        "IDL0300",
+    ),
     alone("value twice", "enum E { @value(1) A, @value(1) B };", "IDL0806"),
     alone(
         "value beyond the bound",

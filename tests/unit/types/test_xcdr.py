@@ -431,3 +431,36 @@ def test_the_command_line_and_the_project_file_choose(
     assert "return to_xcdr2(A, " in made.read_text()
     assert 'extensibility="mutable"' in made.read_text()
     assert run(["check"]) == 0
+
+
+def test_external_members_may_be_recursive(tmp_path: Path) -> None:
+    package = emitted.emit_text(
+        tmp_path,
+        """
+        struct Node;
+        union Tree;
+        @appendable struct Mark;
+        struct Chain { long first; @external Node rest; };
+        struct Node { @external Tree branches; @external Mark its; string text; };
+        union Tree switch (long) {
+            case 0: @external Node inner;
+            case 1: long leaf;
+        };
+        @appendable struct Mark { double x; };
+        @mutable struct Ring { long a; @external Ring next; };
+        """,
+    )
+    chain, node, tree = package.Chain, package.Node, package.Tree
+    leaf = node(tree(1, 5), package.Mark(2.0), "leaf")
+    whole = chain(3, node(tree(0, leaf), package.Mark(1.0), "root"))
+    for method in ("cdr", "xcdr1", "xcdr2"):
+        octets = getattr(whole, f"to_{method}")()
+        assert getattr(chain, f"from_{method}")(octets) == whole
+        for unset in (chain(), node(), tree(), package.Ring()):
+            assert unset._snapshot_() == unset
+            with pytest.raises(CdrError, match="NoneType"):
+                getattr(unset, f"to_{method}")()
+    ring = package.Ring()
+    ring.next = ring
+    with pytest.raises(CdrError, match="contains itself"):
+        ring.to_xcdr2()

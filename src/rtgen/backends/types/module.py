@@ -184,7 +184,9 @@ class TypesModule:
         composite = self._is_called(declaration) and not holds.headers
         version = self._version(declaration, holds)
         fields = [
-            Statement(f"{names[m.name]}: {self._field(m)}", docstring(m.doc, 4))
+            Statement(
+                f"{names[m.name]}: {self._field(declaration, m)}", docstring(m.doc, 4)
+            )
             for m in declaration.members
         ]
         if version and not composite:
@@ -247,8 +249,8 @@ class TypesModule:
             name = declaration.base if isinstance(declaration, Struct) else None
         return False
 
-    def _field(self, member: Member) -> str:
-        if member.optional:
+    def _field(self, holder: Struct | ExceptionDecl, member: Member) -> str:
+        if member.optional or self._types.is_unset(holder, member):
             annotation = self._mapping.annotation(member.type)
             return annotation.removesuffix(" | None") + " | None = None"
         return self._valuetypes.field(member.type)
@@ -378,7 +380,9 @@ class TypesModule:
         layouts = Layouts(name)
         mapping = self._mapping
         first = declaration.cases[0]
+        unset = self._types.is_unset(declaration, first)
         value = self._valuetypes.field(first.type).partition(" = ")[2]
+        value = "None" if unset else value
         holds = _Holdings(self._types, declaration)
         values = self._unions.values(declaration, mapping, layouts)
         return render(

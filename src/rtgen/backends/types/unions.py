@@ -78,7 +78,9 @@ class Unions:
         parts = self._parts(union, switch, labels)
         types = list(dict.fromkeys(mapping.annotation(c.type) for c in union.cases))
         has_default = any(case.default for case in union.cases)
-        if other is not None and not has_default and "None" not in " ".join(types):
+        unset = self._types.is_unset(union, union.cases[0])
+        unset |= other is not None and not has_default
+        if unset and "None" not in " ".join(types):
             types.append("None")
         return {
             "descriptor": self._describe.union(union),

@@ -324,7 +324,7 @@ class Resolver(Naming):
         return found
 
     def _member(self, node: tree.Member, scope: Scope, item: tree.Item) -> None:
-        self._type(node.type, scope)
+        self._type(node.type, scope, external=_is_external(item))
         for declarator in node.declarators:
             self._declarator(declarator, node.type, scope, Kind.MEMBER, item)
 
@@ -362,7 +362,7 @@ class Resolver(Naming):
                 self._label(label.value, scope)
             else:
                 self._value(label.value, scope)
-        self._type(node.type, scope)
+        self._type(node.type, scope, external=_is_external(item))
         self._declarator(node.declarator, node.type, scope, Kind.MEMBER, item)
 
     def _label(self, name: tree.ScopedName, scope: Scope) -> None:
@@ -679,3 +679,8 @@ class Resolver(Naming):
                     span, "this ';' ends nothing", hint="remove it"
                 )
             )
+
+
+def _is_external(item: tree.Item) -> bool:
+    """Whether a member may be of a type that is not complete yet (DDS-XTypes 1.3, 7.3.1.2.1)."""
+    return any(a.name == "external" and not a.arguments for a in item.annotations)

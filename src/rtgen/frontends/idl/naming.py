@@ -175,11 +175,18 @@ class Naming(ABC):
         return entity
 
     def _type(
-        self, node: tree.TypeNode, scope: Scope, depth: int = 0, *, alias: bool = False
+        self,
+        node: tree.TypeNode,
+        scope: Scope,
+        depth: int = 0,
+        *,
+        alias: bool = False,
+        external: bool = False,
     ) -> None:
         """Resolve the names in a type, and declare what it declares in place.
 
-        `depth` counts the sequences and maps around it; `alias` says that it stands in a typedef.
+        `depth` counts the sequences and maps around it; `alias` says that it stands in a typedef,
+        `external` that it is the whole type of an `@external` member.
         """
         if isinstance(node, tree.BasicType):
             return
@@ -192,7 +199,7 @@ class Naming(ABC):
                 found = self._find(scope, node)
                 if isinstance(found, Entity):
                     self._check_type(found, node)
-                    if not found.complete:
+                    if not found.complete and not external:
                         self._incomplete(found, node, scope, depth, alias)
             case tree.Sequence():
                 self._type(node.element, scope, depth + 1, alias=alias)
