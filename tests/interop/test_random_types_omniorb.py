@@ -319,6 +319,7 @@ def test_a_process_that_ends_is_told_and_started_again(peer: Peer) -> None:
     assert peer.ask(Reference(REFERENCES[0]))
 
 
+@pytest.mark.slow
 @settings(DETERMINISTIC, max_examples=EXAMPLES)
 @given(number=st.integers(0, TYPES * 2), draw=st.randoms(use_true_random=False))
 def test_values(types: Types, number: int, draw: random.Random) -> None:
