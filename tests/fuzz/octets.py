@@ -169,7 +169,8 @@ def types(module: ModuleType) -> Iterator[type[Any]]:
     """The types and codecs that a generated module defines."""
     for value in vars(module).values():
         own = getattr(value, "__module__", "") == module.__name__
-        if own and callable(getattr(value, "from_cdr", None)):
+        reads = callable(getattr(value, "from_cdr", None))
+        if own and reads and isinstance(value, type):
             yield value
 
 
