@@ -425,6 +425,16 @@ MISTAKES: dict[str, tuple[str, str, str]] = {
         "IDL0109: 089 begins with 0, so it is octal, but holds an 8 or a 9",
         "write 89",
     ),
+    "unclosed comment inside a struct": (
+        "module M {\nstruct S { long a; §/* the first\n long b; };\n};",
+        "IDL0007: this comment is never closed",
+        "comments do not nest; close it with */",
+    ),
+    "missing endif inside a struct": (
+        "struct S {\n§#ifdef X\n    long a;\n};\nstruct T { S a; };",
+        "IDL0013: this conditional is never closed",
+        "add #endif at the end of the file",
+    ),
     "unclosed comment": (
         "struct S { long a; };\n§/* never",
         "IDL0007: this comment is never closed",

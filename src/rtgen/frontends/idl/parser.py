@@ -98,6 +98,9 @@ class _Run:
             self._errors += 1
 
     def _unexpected(self, found: Token) -> None:
+        if found.type == END and self._unit.cut:
+            self._close()
+            return
         from rtgen.frontends.idl.mistakes import Situation, explain
 
         accepted = self._parser.accepts()

@@ -296,6 +296,9 @@ class _File:
             self._directive(match)
             start = match.end()
         self._text(start, len(code))
+        unit = self.builder.unit
+        if self.source.unfinished or not self._active:
+            unit.cut = unit.lacking = True
         for conditional in self._open:
             self._owner.report(
                 lexical.UNCLOSED_CONDITIONAL.at(

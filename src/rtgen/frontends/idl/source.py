@@ -66,6 +66,7 @@ class Source:
         self.sha256 = sha256(data).hexdigest()
         self.text = decode(data)
         self.problems: list[Diagnostic] = []
+        self.unfinished = False
         self.comments: list[Comment] = []
         self._splices: list[int] = []
         self._removed: list[int] = [0]
@@ -117,6 +118,7 @@ class Source:
             if comment[0] != "/":
                 continue
             if comment[1] == "*" and (len(comment) < 4 or not comment.endswith("*/")):
+                self.unfinished = True
                 self.problems.append(
                     lexical.UNCLOSED_COMMENT.at(
                         self.span(match.start(), match.start() + 2),

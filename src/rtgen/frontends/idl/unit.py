@@ -61,7 +61,8 @@ class Unit:
     text of a macro is missing, so that names may be unknown for no fault of their own; `flawed`
     are the offsets of macro calls that could not be expanded; `lost` are names, in lower case,
     that declarations with syntax errors may have declared; `excused` are the offsets of `;` that
-    end nothing because of a mistake that is reported.
+    end nothing because of a mistake that is reported; `cut` says that a comment or a conditional
+    without an end has swallowed the rest.
     """
 
     source: Source
@@ -72,6 +73,7 @@ class Unit:
     comments: list[Comment] = field(default_factory=list)
     nested: list[Source] = field(default_factory=list)
     lacking: bool = False
+    cut: bool = False
     flawed: set[int] = field(default_factory=set)
     lost: set[str] = field(default_factory=set)
     excused: set[int] = field(default_factory=set)
