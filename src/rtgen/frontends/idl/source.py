@@ -89,9 +89,9 @@ class Source:
         if "\0" in self.text:
             message = "this is not a text file: it holds a NUL byte"
             place = self.text.index("\0")
-            self.problems.append(
-                lexical.BINARY.at(self.text_span(place, place + 1), message)
-            )
+            span = self.text_span(place, place + 1)
+            hint = "save it as UTF-8 if an editor shows it as text"
+            self.problems.append(lexical.BINARY.at(span, message, hint=hint))
             return ""
         message = f"the control character U+{ord(found[0]):04X} cannot stand here"
         span = self.text_span(found.start(), found.end())
