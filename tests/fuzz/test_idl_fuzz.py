@@ -78,6 +78,10 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
         "interface finder {}; valuetype V { finder f(out long a); };",
         ("IDL0208",),
     ),
+    "call_that_is_open_on_line_0": (
+        "#define A(x) x\n#line 0\n  A(\n",
+        ("IDL0018",),
+    ),
     "lone_underscore": ("enum E { _, A }; struct S { long __; };", ("IDL0207",) * 2),
     "id_that_follows_is_taken": (
         "struct S { @id(2) long a; @id(1) long b; long c; };",

@@ -592,7 +592,7 @@ class _File:
             )
             return
         following = self.source.position(self.source.text_offset(end))[0] + 1
-        self._shift = int(found[1]) - following
+        self._shift = max(int(found[1]), 1) - following
         if found[2] is not None:
             self._file = re.sub(r"\\(.)", r"\1", found[2])
 
