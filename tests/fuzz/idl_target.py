@@ -45,7 +45,9 @@ HELPERS = {
 EVERY = {"emit": 7, "again": 23, "loose": 11, "lint": 5, "import": 77, "print": 13}
 """One in so many inputs gets the check named."""
 
-_MARKER = re.compile(rb"line|#(?:/\*.*?\*/|[^\"\w])*\d", re.DOTALL)
+_MARKER = re.compile(
+    rb"line|#(?:[^\"\w/]|/(?!\*)|/\*(?:[^*]|\*(?!/))*\*/)*\d", re.DOTALL
+)
 _CODES = {rule.code: rule for rule in (*RULES, *lint_rules.RULES)}
 _ON_DEMAND = [rule.code for rule in lint_rules.ON_DEMAND]
 

@@ -184,6 +184,7 @@ def test_any_text(tmp_path: Path, text: str) -> None:
         "#define A0 1\n"
         + "".join(f"#define A{n + 1} A{n} A{n}\n" for n in range(40))
         + "A40",
+        "#define A " + "x " * 5000 + "\n" + "A " * 5000,
         "const unsigned long A = 1 << 99999999999;",
         "struct S { long { long a; };",
         'module A {\n#include "input.idl"\n',

@@ -156,16 +156,22 @@ def _shielded(body: Iterable[Token]) -> Iterator[Token]:
 
 
 class Expander:
-    """Expands token lists with the macros of a table."""
+    """Expands token lists with the macros of a table, to at most so many tokens."""
 
-    def __init__(self, macros: Mapping[str, Macro]) -> None:
+    def __init__(self, macros: Mapping[str, Macro], most: int = MAX_TOKENS) -> None:
         self._macros = macros
-        self._left = MAX_TOKENS
+        self._most = min(most, MAX_TOKENS)
+        self._left = self._most
 
     @property
     def exhausted(self) -> bool:
         """Whether so much was expanded that there seems to be no end."""
         return self._left < 0
+
+    @property
+    def used(self) -> int:
+        """How many tokens were looked at."""
+        return self._most - self._left
 
     def expand(self, tokens: list[Token]) -> list[Token]:
         """The tokens with all macro calls replaced; raises ExpansionError."""

@@ -32,6 +32,9 @@ MAX_DEPTH = 256
 MOST_WITHIN_ITSELF = 32
 """How often a file may stand within itself; more is a cycle."""
 
+MAX_EXPANSION = 500_000
+"""How many tokens the macro calls of one translation unit may give."""
+
 MAX_INCLUDES = 10_000
 """How many inclusions one translation unit may need."""
 
@@ -116,11 +119,13 @@ class Preprocessor:
         self._prepared: dict[Source, list[_Prepared]] = {}
         self._found: dict[tuple[Path | None, str], Source] = {}
         self._stack: list[Source] = []
+        self.tokens_left = MAX_EXPANSION
         self._included = 0
         self._exhausted = False
 
     def translation_unit(self, source: Source, macros: Mapping[str, Macro]) -> Unit:
         """The unit of a file that was given, with everything it includes."""
+        self.tokens_left = MAX_EXPANSION
         self._included = 0
         self._exhausted = False
         return self._prepare(source, MacroTable(macros)).unit
@@ -370,7 +375,7 @@ class _File:
         """Append what a macro call at [start, end) expands to."""
         span = self._span(start, end)
         builder = self.builder
-        expander = Expander(self._table(span))
+        expander = Expander(self._table(span), self._owner.tokens_left)
         try:
             if self._endless:
                 raise ExpansionError("the macros expand without end")
@@ -386,6 +391,7 @@ class _File:
             tokens = call[:1]
             builder.unit.lacking = True
             builder.unit.flawed.add(builder.length)
+        self._owner.tokens_left -= expander.used
         expanded = f" {''.join(token.text for token in tokens)} "
         builder.expand(expanded, self.source, start, end, self._file, self._shift)
 
