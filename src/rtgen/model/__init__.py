@@ -46,6 +46,7 @@ from rtgen.model.declarations import (
     ValueBox,
     Valuetype,
 )
+from rtgen.model.tecs import TecsUnit
 from rtgen.model.types import (
     VOID,
     ArrayType,
@@ -106,6 +107,7 @@ __all__ = [
     "Struct",
     "System",
     "SystemComponent",
+    "TecsUnit",
     "Type",
     "Typedef",
     "Union",
@@ -134,11 +136,15 @@ class SourceFile:
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """Everything that was read: files (included before includer) and declarations in order."""
+    """Everything that was read: files (included before includer) and declarations in order.
+
+    Each main CDL file is a unit of its own in `tecs`; `rtgen.model.tecs` has what it holds.
+    """
 
     files: tuple[SourceFile, ...] = ()
     declarations: tuple[Declaration, ...] = ()
     systems: tuple[System, ...] = ()
+    tecs: tuple[TecsUnit, ...] = ()
     _by_name: dict[ScopedName, Declaration] = field(
         init=False, repr=False, compare=False, default_factory=dict
     )

@@ -1,0 +1,586 @@
+"""TECS component descriptions (CDL), resolved: signatures, celltypes, cells and their joins.
+
+Types are C's as far as CDL has them. What tecsgen decides by the *written* type (`ER`) stays
+visible: a use of a typedef is a `CTypedefType`, and `resolve` looks through it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TypeAlias
+
+from rtgen.diagnostics import Span
+from rtgen.model.types import ScopedName
+
+
+class Scalar(StrEnum):
+    """C's basic types as CDL and C headers name them; the value is the canonical spelling."""
+
+    VOID = "void"
+    BOOL = "bool_t"
+    CHAR = "char_t"
+    SCHAR = "schar_t"
+    UCHAR = "uchar_t"
+    INT8 = "int8_t"
+    INT16 = "int16_t"
+    INT32 = "int32_t"
+    INT64 = "int64_t"
+    INT128 = "int128_t"
+    UINT8 = "uint8_t"
+    UINT16 = "uint16_t"
+    UINT32 = "uint32_t"
+    UINT64 = "uint64_t"
+    UINT128 = "uint128_t"
+    SHORT = "short"
+    USHORT = "unsigned short"
+    INT = "int"
+    UINT = "unsigned int"
+    LONG = "long"
+    ULONG = "unsigned long"
+    LONG_LONG = "long long"
+    ULONG_LONG = "unsigned long long"
+    INTPTR = "intptr_t"
+    UINTPTR = "uintptr_t"
+    FLOAT32 = "float32_t"
+    DOUBLE64 = "double64_t"
+
+
+@dataclass(frozen=True, slots=True)
+class CScalarType:
+    """A basic type with its qualifiers."""
+
+    kind: Scalar
+    const: bool = False
+    volatile: bool = False
+
+    def __str__(self) -> str:
+        return _qualified(self.kind.value, self.const, self.volatile)
+
+
+@dataclass(frozen=True, slots=True)
+class CTypedefType:
+    """A use of a typedef: `name` as declared (C headers: one part), `target` what it stands for."""
+
+    name: ScopedName
+    target: CType
+    const: bool = False
+    volatile: bool = False
+
+    def __str__(self) -> str:
+        return _qualified("::".join(self.name), self.const, self.volatile)
+
+
+@dataclass(frozen=True, slots=True)
+class CStructType:
+    """A use of `struct tag`; the tag is the key of a `TecsStruct`."""
+
+    tag: ScopedName
+    const: bool = False
+    volatile: bool = False
+
+    def __str__(self) -> str:
+        return _qualified("struct " + "::".join(self.tag), self.const, self.volatile)
+
+
+@dataclass(frozen=True, slots=True)
+class CEnumType:
+    """A use of `enum tag` (`enum8` ... by `bits`); real tecsgen cannot transfer one."""
+
+    tag: ScopedName
+    bits: int | None = None
+    const: bool = False
+    volatile: bool = False
+
+    def __str__(self) -> str:
+        keyword = f"enum{self.bits or ''}"
+        text = f"{keyword} {'::'.join(self.tag)}"
+        return _qualified(text, self.const, self.volatile)
+
+
+@dataclass(frozen=True, slots=True)
+class CPointerType:
+    """`target *`; the qualifiers are those after the star."""
+
+    target: CType
+    const: bool = False
+    volatile: bool = False
+
+    def __str__(self) -> str:
+        behind = " const" * self.const + " volatile" * self.volatile
+        return f"{self.target}*{behind}"
+
+
+@dataclass(frozen=True, slots=True)
+class CArrayType:
+    """`element[size]`; `size` is None for `[]`."""
+
+    element: CType
+    size: int | None
+
+    def __str__(self) -> str:
+        # C writes the outer dimension first: int32_t[2][3] is an array of two int32_t[3].
+        dimensions = ""
+        type_: CType = self
+        while isinstance(type_, CArrayType):
+            dimensions += "[]" if type_.size is None else f"[{type_.size}]"
+            type_ = type_.element
+        return f"{type_}{dimensions}"
+
+
+@dataclass(frozen=True, slots=True)
+class CFunctionType:
+    """A function; behind a pointer only, and never transferable."""
+
+    returns: CType
+    parameters: tuple[CType, ...]
+
+    def __str__(self) -> str:
+        return f"{self.returns}({', '.join(str(p) for p in self.parameters) or 'void'})"
+
+
+@dataclass(frozen=True, slots=True)
+class DescriptorType:
+    """`Descriptor(signature)`, a join that is made at run time."""
+
+    signature: ScopedName
+
+    def __str__(self) -> str:
+        return f"Descriptor( {'::'.join(self.signature)} )"
+
+
+CType: TypeAlias = (
+    CScalarType
+    | CTypedefType
+    | CStructType
+    | CEnumType
+    | CPointerType
+    | CArrayType
+    | CFunctionType
+    | DescriptorType
+)
+
+
+def resolve(type_: CType) -> CType:
+    """The type behind typedefs; never a `CTypedefType`. Qualifiers of the typedef are dropped."""
+    while isinstance(type_, CTypedefType):
+        type_ = type_.target
+    return type_
+
+
+def _qualified(text: str, const: bool, volatile: bool) -> str:
+    return "const " * const + "volatile " * volatile + text
+
+
+# Expressions that stay open until a call (size_is, count_is, string) or until C sees them.
+
+
+@dataclass(frozen=True, slots=True)
+class Literal:
+    """A number, truth value or text; constants are evaluated to one."""
+
+    value: bool | int | float | str
+
+    def __str__(self) -> str:
+        if isinstance(self.value, bool):
+            return "true" if self.value else "false"
+        return f'"{self.value}"' if isinstance(self.value, str) else str(self.value)
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """The value of a parameter, member or attribute of that name."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return self.name
+
+
+@dataclass(frozen=True, slots=True)
+class UnaryExpression:
+    """`operator` is one of `* & + - ~ !`."""
+
+    operator: str
+    operand: Expression
+
+    def __str__(self) -> str:
+        return f"{self.operator}{self.operand}"
+
+
+@dataclass(frozen=True, slots=True)
+class BinaryExpression:
+    """`operator` is one of C's binary operators, `[]` for a subscript, `.` for a member."""
+
+    operator: str
+    left: Expression
+    right: Expression
+
+    def __str__(self) -> str:
+        if self.operator == "[]":
+            return f"{self.left}[{self.right}]"
+        if self.operator == ".":
+            return f"{self.left}.{self.right}"
+        return f"({self.left} {self.operator} {self.right})"
+
+
+@dataclass(frozen=True, slots=True)
+class ConditionalExpression:
+    """`condition ? yes : no`."""
+
+    condition: Expression
+    yes: Expression
+    no: Expression
+
+    def __str__(self) -> str:
+        return f"({self.condition} ? {self.yes} : {self.no})"
+
+
+@dataclass(frozen=True, slots=True)
+class CastExpression:
+    """`(type)operand`."""
+
+    type: CType
+    operand: Expression
+
+    def __str__(self) -> str:
+        return f"({self.type}){self.operand}"
+
+
+@dataclass(frozen=True, slots=True)
+class CExpression:
+    """`C_EXP("text")`, for the C compiler alone."""
+
+    text: str
+
+    def __str__(self) -> str:
+        return f'C_EXP("{self.text}")'
+
+
+@dataclass(frozen=True, slots=True)
+class AggregateExpression:
+    """`{ a, b, {c} }`."""
+
+    items: tuple[Expression, ...]
+
+    def __str__(self) -> str:
+        return "{ " + ", ".join(str(item) for item in self.items) + " }"
+
+
+Expression: TypeAlias = (
+    Literal
+    | Reference
+    | UnaryExpression
+    | BinaryExpression
+    | ConditionalExpression
+    | CastExpression
+    | CExpression
+    | AggregateExpression
+)
+
+
+class TecsDirection(StrEnum):
+    """The direction specifier of a parameter."""
+
+    IN = "in"
+    OUT = "out"
+    INOUT = "inout"
+    SEND = "send"
+    RECEIVE = "receive"
+
+    @property
+    def inward(self) -> bool:
+        """Whether the value travels with the request."""
+        return self in (TecsDirection.IN, TecsDirection.INOUT, TecsDirection.SEND)
+
+    @property
+    def outward(self) -> bool:
+        """Whether the value travels with the reply."""
+        return self in (TecsDirection.OUT, TecsDirection.INOUT, TecsDirection.RECEIVE)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sizes:
+    """The bracket of a parameter or struct member as far as sizes go.
+
+    `string` is None without the specifier; `unsized_string` tells `string` without an argument.
+    `max_size` is the second argument of `size_is`, a constant.
+    """
+
+    size_is: Expression | None = None
+    max_size: int | None = None
+    count_is: Expression | None = None
+    string: Expression | None = None
+    unsized_string: bool = False
+    nullable: bool = False
+
+    @property
+    def is_string(self) -> bool:
+        """Whether there is a `string` specifier."""
+        return self.string is not None or self.unsized_string
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TecsParameter:
+    """A parameter of a function. `allocator` is the signature of send and receive."""
+
+    name: str
+    type: CType
+    direction: TecsDirection
+    sizes: Sizes = Sizes()
+    allocator: ScopedName | None = None
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TecsFunction:
+    """A function of a signature; `id` counts from 1 in the order of the text."""
+
+    id: int
+    name: str
+    returns: CType
+    parameters: tuple[TecsParameter, ...] = ()
+    oneway: bool = False
+    span: Span
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TecsDeclaration:
+    """What every named thing of CDL has: its name from the root down, its file, its place."""
+
+    name: ScopedName
+    file: str
+    span: Span
+    doc: str = ""
+
+    @property
+    def scoped(self) -> str:
+        """The name as CDL writes it, without a leading `::`."""
+        return "::".join(self.name)
+
+    @property
+    def global_name(self) -> str:
+        """The name in C."""
+        return "_".join(self.name)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TecsMember:
+    """A member of a struct."""
+
+    name: str
+    type: CType
+    sizes: Sizes = Sizes()
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TecsStruct(TecsDeclaration):
+    """A struct by its tag; `from_c` tells that a C header declares it."""
+
+    members: tuple[TecsMember, ...]
+    from_c: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TecsTypedef(TecsDeclaration):
+    """A typedef; `from_c` tells that a C header or the prelude declares it."""
+
+    type: CType
+    from_c: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TecsEnum(TecsDeclaration):
+    """An enum with its values."""
+
+    members: tuple[tuple[str, int], ...]
+    bits: int | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TecsConst(TecsDeclaration):
+    """A constant; `value` is None for a pointer constant that only C can evaluate."""
+
+    type: CType
+    value: bool | int | float | str | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Signature(TecsDeclaration):
+    """A set of functions. `context` is `task`, `non-task` or `any`."""
+
+    functions: tuple[TecsFunction, ...]
+    context: str = "task"
+    callback: bool = False
+    deviate: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TecsPort:
+    """A call port or entry port (`kind` is `call` or `entry`).
+
+    `size` of an array is None for `[]`; `required` tells that `require` made the port.
+    """
+
+    name: str
+    kind: str
+    signature: ScopedName
+    array: bool = False
+    size: int | None = None
+    optional: bool = False
+    omit: bool = False
+    dynamic: bool = False
+    ref_desc: bool = False
+    inline: bool = False
+    required: bool = False
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TecsVariable:
+    """An attribute or variable of a celltype, with its initialiser."""
+
+    name: str
+    type: CType
+    initial: Expression | None = None
+    size_is: Expression | None = None
+    omit: bool = False
+    choice: tuple[str, ...] = ()
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Celltype(TecsDeclaration):
+    """A celltype."""
+
+    ports: tuple[TecsPort, ...] = ()
+    attributes: tuple[TecsVariable, ...] = ()
+    variables: tuple[TecsVariable, ...] = ()
+    singleton: bool = False
+    active: bool = False
+    idx_is_id: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class TextPiece:
+    """A stretch of a joined string: it starts at `offset` of the text, and came from `span`.
+
+    The span is that of the text between the quotes, on one line of the source.
+    """
+
+    offset: int
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class PluginArgument:
+    """The argument string of a plug-in, adjacent literals joined, escapes as written."""
+
+    text: str
+    pieces: tuple[TextPiece, ...]
+
+    def span_of(self, start: int, end: int) -> Span:
+        """The place of `text[start:end]` in the source; of its first piece where it has several."""
+        piece = self.pieces[0]
+        for candidate in self.pieces:
+            if candidate.offset <= start:
+                piece = candidate
+        span = piece.span
+        first = span.column + start - piece.offset
+        last = min(span.column + end - piece.offset, span.end_column)
+        return Span(span.file, span.line, first, span.line, max(last, first))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Through:
+    """One plug-in on the way of a join. `origin` tells where it was written.
+
+    `origin` is `through`, `out_through`, `to_through` or `in_through`; `region` the region that
+    it belongs to, for the last three.
+    """
+
+    plugin: str
+    argument: PluginArgument
+    span: Span
+    origin: str = "through"
+    region: ScopedName = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Join:
+    """A resolved join of a call port to an entry port; `through` in the order from the caller.
+
+    `index` is the subscript of the call port, None if it is no array.
+    """
+
+    port: str
+    index: int | None
+    target: ScopedName
+    target_port: str
+    target_index: int | None
+    signature: ScopedName
+    through: tuple[Through, ...] = ()
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell(TecsDeclaration):
+    """A cell. `name` includes its regions; `attributes` are the values that the cell gives."""
+
+    celltype: ScopedName
+    region: ScopedName = ()
+    joins: tuple[Join, ...] = ()
+    attributes: tuple[tuple[str, Expression], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Composite(TecsDeclaration):
+    """A composite celltype: its outer ports and attributes, and the cells inside."""
+
+    ports: tuple[TecsPort, ...] = ()
+    attributes: tuple[TecsVariable, ...] = ()
+    cells: tuple[Cell, ...] = ()
+    singleton: bool = False
+    active: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Region(TecsDeclaration):
+    """A region; `linkunit` and `node` start an executable of their own."""
+
+    linkunit: bool = False
+    node: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class TecsUnit:
+    """What one main CDL file and its imports declare, imports before importers.
+
+    `file` is the displayed path of the main file, `key` the one for generated text.
+    """
+
+    file: str
+    key: str
+    declarations: tuple[TecsDeclaration, ...]
+
+    def find(self, name: ScopedName, kind: type[TecsDeclaration]) -> TecsDeclaration:
+        """The declaration of that name and kind; KeyError where there is none.
+
+        Struct tags have a name space of their own, so the kind is part of the question.
+        """
+        for declaration in self.declarations:
+            if declaration.name == name and isinstance(declaration, kind):
+                return declaration
+        raise KeyError(name)
+
+    def joins_through(self, plugin: str) -> tuple[tuple[Cell, Join], ...]:
+        """The joins that go through a plug-in of that name, in the order of the text."""
+        return tuple(
+            (cell, join)
+            for cell in self.declarations
+            if isinstance(cell, Cell)
+            for join in cell.joins
+            if any(through.plugin == plugin for through in join.through)
+        )
