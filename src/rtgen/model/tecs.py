@@ -493,12 +493,23 @@ class PluginArgument:
         return Span(span.file, span.line, first, span.line, max(last, first))
 
 
+@dataclass(frozen=True, slots=True)
+class PluginOption:
+    """`name = value` of a plug-in's argument; in `value` quotes, escapes and `$...$` are resolved."""
+
+    name: str
+    value: str
+    span: Span
+    value_span: Span
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Through:
     """One plug-in on the way of a join. `origin` tells where it was written.
 
     `origin` is `through`, `out_through`, `to_through` or `in_through`; `region` the region that
-    it belongs to, for the last three.
+    it belongs to, for the last three. `options` are those of the argument, for our plug-in alone:
+    tecsgen's read their arguments in their own ways.
     """
 
     plugin: str
@@ -506,6 +517,7 @@ class Through:
     span: Span
     origin: str = "through"
     region: ScopedName = ()
+    options: tuple[PluginOption, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

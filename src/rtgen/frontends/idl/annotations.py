@@ -12,9 +12,9 @@ from rtgen.diagnostics import Diagnostic, Related
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.rules import annotations as rules
 from rtgen.frontends.idl.scopes import Entity, Kind
-from rtgen.frontends.idl.suggestions import nearest
 from rtgen.frontends.idl.typetable import PRIMITIVES, Types
 from rtgen.frontends.idl.unit import Unit
+from rtgen.frontends.suggestions import nearest
 from rtgen.model import (
     Annotation,
     ConstantValue,

@@ -9,9 +9,9 @@ from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.rules import names as rules
 from rtgen.frontends.idl.scopes import TYPES, Entity, Kind, Scope, Use
-from rtgen.frontends.idl.suggestions import nearest
 from rtgen.frontends.idl.unit import Unit
 from rtgen.frontends.idl.words import CORBA_3, FOLDED, RESERVED
+from rtgen.frontends.suggestions import nearest
 
 _MOST_ELSEWHERE = 3
 _MOST_GUESSES = 200

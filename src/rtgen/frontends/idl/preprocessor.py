@@ -23,8 +23,8 @@ from rtgen.frontends.idl.macros import (
 )
 from rtgen.frontends.idl.rules import lexical
 from rtgen.frontends.idl.source import Library, Source
-from rtgen.frontends.idl.suggestions import nearest
 from rtgen.frontends.idl.unit import Boundary, Inclusion, Pragma, TextBuilder, Unit
+from rtgen.frontends.suggestions import nearest
 
 MAX_DEPTH = 256
 """How deeply includes may nest."""

@@ -8,8 +8,8 @@ from rtgen.diagnostics import Related
 from rtgen.frontends.idl.mistakes import bodies, foreign, places
 from rtgen.frontends.idl.mistakes.situation import DEFINERS, Mistake, Situation, Word
 from rtgen.frontends.idl.rules import syntax
-from rtgen.frontends.idl.suggestions import nearest
 from rtgen.frontends.idl.words import CORBA_3, RESERVED, TERMINALS
+from rtgen.frontends.suggestions import nearest
 
 _NUMBERS = frozenset(("short", "long", "float", "double", "char", "int", "unsigned"))
 _TEMPLATES = ("sequence", "string", "wstring", "fixed", "map")
