@@ -495,7 +495,7 @@ class PluginArgument:
 
 @dataclass(frozen=True, slots=True)
 class PluginOption:
-    """`name = value` of a plug-in's argument; in `value` quotes, escapes and `$...$` are resolved."""
+    """`name = value` of a plug-in's argument: `value` without quotes, escapes and `$...$`."""
 
     name: str
     value: str
