@@ -1,0 +1,1 @@
+"""CDL, the component description language of TECS: files to a unit of the model."""

@@ -1,0 +1,118 @@
+"""Plug-ins by name: ours, those that tecsgen ships, and what else was meant."""
+
+from __future__ import annotations
+
+OURS = frozenset({"RTCPlugin", "RTCPlug-in"})
+"""The names of our plug-in; the second is the spelling of the paper."""
+
+OWN_NAME = "RTCPlugin"
+
+THROUGH = frozenset(
+    {
+        "HRP2RPCPlugin",
+        "HRP2SVCPlugin",
+        "HRPRPCPlugin",
+        "HRPSVCThroughPlugin",
+        "OpaqueRPCPlugin",
+        "RPCPlugin",
+        "RepeatJoinPlugin",
+        "SharedOpaqueRPCPlugin",
+        "SharedRPCPlugin",
+        "ThroughPlugin",
+        "TracePlugin",
+    }
+)
+"""Plug-ins of joins and regions that tecsgen ships."""
+
+GENERATE = frozenset(
+    {
+        "ATK1AlarmPlugin",
+        "ATK1DelayTaskPlugin",
+        "ATK1EventPlugin",
+        "ATK1ISRPlugin",
+        "ATK1KernelPlugin",
+        "ATK1ResourcePlugin",
+        "ATK1TaskPlugin",
+        "C2TECSBridgePlugin",
+        "CIfGenCellPlugin",
+        "CIfGenCelltypePlugin",
+        "CIfGenPlugin",
+        "CellPlugin",
+        "CelltypePlugin",
+        "CompositePlugin",
+        "CppIfGenCellPlugin",
+        "CppIfGenCelltypePlugin",
+        "CppIfGenPlugin",
+        "FMPHandlerPlugin",
+        "FMPObjectPlugin",
+        "FMPPlugin",
+        "HRMPKernelObjectPlugin",
+        "HRP2AlarmHandlerPlugin",
+        "HRP2CyclicHandlerPlugin",
+        "HRP2DataqueuePlugin",
+        "HRP2EventflagPlugin",
+        "HRP2FixedSizeMemoryPoolPlugin",
+        "HRP2HandlerPlugin",
+        "HRP2KernelObjectPlugin",
+        "HRP2ObjectPlugin",
+        "HRP2PriorityDataqueuePlugin",
+        "HRP2SemaphorePlugin",
+        "HRP2TaskPlugin",
+        "HRPHandlerPlugin",
+        "HRPKernelObjectPlugin",
+        "HRPObjectPlugin",
+        "HRPSVCBodyCellPlugin",
+        "HRPSVCSignaturePlugin",
+        "HRPTaskPlugin",
+        "MBedHTTPPlugin",
+        "Mruby2CBridgePlugin",
+        "MrubyBridgeCellPlugin",
+        "MrubyBridgeCelltypePlugin",
+        "MrubyBridgeCompositePlugin",
+        "MrubyBridgePlugin",
+        "MrubyBridgeSignaturePlugin",
+        "MrubyInfoBridgeCellPlugin",
+        "MrubyInfoBridgePlugin",
+        "MrubyInfoBridgeSignaturePlugin",
+        "MultiPlugin",
+        "NotifierPlugin",
+        "OpaqueMarshalerPlugin",
+        "RepeatCellPlugin",
+        "SignaturePlugin",
+        "TECS2CBridgePlugin",
+        "TECSInfoCompoPlugin",
+        "TECSInfoPlugin",
+    }
+)
+"""Plug-ins of signatures, celltypes and cells that tecsgen ships."""
+
+DOMAIN = frozenset(
+    {
+        "ClassPlugin",
+        "DomainPlugin",
+        "FMPClassPlugin",
+        "HRMPClassPlugin",
+        "HRMPDomainPlugin",
+        "HRMPPlugin",
+        "HRP2Plugin",
+        "HRPPlugin",
+    }
+)
+"""Plug-ins of regions that are domains or classes."""
+
+TECSGEN = THROUGH | GENERATE | DOMAIN
+
+
+def class_name(name: str) -> str:
+    """The name of a plug-in as tecsgen looks for it: with a capital at its start."""
+    return name[:1].upper() + name[1:]
+
+
+def is_ours(name: str) -> bool:
+    """Whether a name, as written, is that of our plug-in."""
+    return class_name(name) in OURS
+
+
+def is_known(name: str) -> bool:
+    """Whether a name, as written, is our plug-in's or one that tecsgen ships."""
+    return is_ours(name) or class_name(name) in TECSGEN
