@@ -1,0 +1,292 @@
+"""What generated codecs are made with: their base class, texts, checks of sizes, C arithmetic.
+
+The interface of a generated codec, `<Name>Codec`, for each function `f`:
+
+`encode_f_request(...)`
+    The whole request, SOP to EOP. Arguments are the inward parameters in order; for a nullable
+    `out` parameter a bool at its place: whether the caller wants it.
+`read_f_request(more)`
+    The tuple of those arguments, from what follows SOP and function id. The EOP is checked.
+`encode_f_reply(kept..., returned, outs...)`
+    The whole reply; without `returned` for a void function. `kept` are those arguments of the
+    request that the reply's layout depends on: a size, whether a nullable parameter was there.
+    They bear the parameter's name; `given_p` where the reply has a value of `p` of its own.
+`f_first`
+    How many bytes of a reply can be asked for before anything of it is known.
+`read_f_reply(first, more, kept...)`
+    `(returned, outs)`: returned is None for a void function, outs a tuple, or None where
+    the server left them out: the type is `ER` or `ER_INT`, the main code `E_RPC`.
+
+A oneway function has no reply. Encoding raises ArgumentError, reading ProtocolError and what
+`more` raises: `more(n)` gives exactly n bytes or raises ChannelError.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Mapping, Sequence, Sized
+from types import MappingProxyType
+from typing import ClassVar, Final, Literal, TypeAlias, TypeVar
+
+from rtgen.runtime.opaque_rpc.errors import (
+    E_MAGIC,
+    E_NOMEM,
+    E_PAR,
+    E_RPC,
+    ArgumentError,
+    ProtocolError,
+)
+from rtgen.runtime.opaque_rpc.tdr import (
+    NETWORK,
+    SOP_REPLY,
+    SOP_REQUEST,
+    Items,
+    Tdr,
+)
+
+_T = TypeVar("_T")
+_S = TypeVar("_S", bound=Sized)
+
+More: TypeAlias = Callable[[int], bytes]
+"""Gives exactly so many bytes of the message, or raises ChannelError."""
+
+ReplyOrder: TypeAlias = Literal["tecsgen", "paper"]
+"""`tecsgen` sends the return value before the outs, `paper` after them."""
+
+REQUEST_LIMIT: Final = 4096
+"""Bytes that arrays and texts of one request may need in a server, unless told otherwise."""
+
+REPLY_LIMIT: Final = 1 << 24
+"""The same for a reply in a client."""
+
+FAILURES: Final = (
+    struct.error,
+    ArithmeticError,
+    AttributeError,
+    LookupError,
+    TypeError,
+    ValueError,
+)
+"""What a value of the wrong type, range or length may raise when it is encoded."""
+
+
+class Codec:
+    """Base of the codecs of a signature, for one TDR.
+
+    `limit` is how many bytes arrays and texts may need in a request that is read, `reply_limit`
+    in a reply. `encoding` is that of texts of 8-bit units.
+    """
+
+    name: ClassVar[str]
+    """The signature in CDL."""
+    ids: ClassVar[Mapping[str, int]]
+    """The id of each function."""
+
+    def __init__(
+        self,
+        tdr: Tdr = NETWORK,
+        *,
+        reply: ReplyOrder = "tecsgen",
+        encoding: str = "latin-1",
+        limit: int = REQUEST_LIMIT,
+        reply_limit: int = REPLY_LIMIT,
+    ) -> None:
+        if reply not in ("tecsgen", "paper"):
+            raise ValueError(f"{reply!r} is no order of a reply: tecsgen or paper")
+        self.tdr: Final = tdr
+        self.encoding: Final = encoding
+        self.limit: Final = limit
+        self.reply_limit: Final = reply_limit
+        self.request_sop: Final = tdr.int16(SOP_REQUEST)
+        self.reply_sop: Final = tdr.int16(SOP_REPLY)
+        self.heads: Final[Mapping[bytes, int]] = MappingProxyType(
+            {self.request_sop + tdr.int16(id_): id_ for id_ in self.ids.values()}
+        )
+        self._paper: Final = reply == "paper"
+
+
+class Room:
+    """The memory that a message may still take."""
+
+    __slots__ = ("_left",)
+
+    def __init__(self, size: int) -> None:
+        self._left = size
+
+    def take(self, count: int, width: int, most: int | None = None) -> int:
+        """The size in bytes of so many elements, taken off the room.
+
+        Raises ProtocolError: E_PAR if the count is negative or over `most`, E_NOMEM if there is
+        not that much room.
+        """
+        if count < 0:
+            raise ProtocolError(E_PAR, f"a size of {count}")
+        if most is not None and count > most:
+            raise ProtocolError(E_PAR, f"a size of {count}, at most {most} allowed")
+        size = count * width
+        if size > self._left:
+            raise ProtocolError(E_NOMEM, f"{size} bytes, {self._left} are left")
+        self._left -= size
+        return size
+
+
+class Text:
+    """Strings of 8-bit units."""
+
+    def __init__(self, tdr: Tdr, encoding: str) -> None:
+        self._order = tdr.byte_order
+        self._encoding = encoding
+
+    def units(self, text: str, most: int | None = None) -> bytes:
+        """What follows the length: the units and a zero.
+
+        With `most`, the size of the buffer, C peers send one zero more if there is room, and none
+        if the text fills it. Raises ValueError if the text is longer or has a NUL inside.
+        """
+        data = text.encode(self._encoding)
+        if 0 in data:
+            raise ValueError("a NUL inside a text")
+        if most is None:
+            return data + b"\0"
+        return (data + b"\0\0")[: _sent(len(data), most)]
+
+    def whole(self, text: str, most: int | None = None) -> bytes:
+        """The same after its length."""
+        data = self.units(text, most)
+        return len(data).to_bytes(4, self._order) + data
+
+    def text(self, data: bytes) -> str:
+        """The text up to the first zero; what is none in the encoding becomes U+FFFD."""
+        return data.partition(b"\0")[0].decode(self._encoding, "replace")
+
+    def read(self, more: More, room: Room, most: int | None = None) -> str:
+        """A text after its length; raises ProtocolError."""
+        count = int.from_bytes(more(4), self._order, signed=True)
+        return self.text(more(room.take(count, 1, most)))
+
+
+class WideText:
+    """Strings of 16, 32 or 64-bit units, as lists of numbers."""
+
+    def __init__(self, tdr: Tdr, kind: str) -> None:
+        self._order = tdr.byte_order
+        self._items = Items(tdr, kind)
+        self.width: Final = self._items.width
+
+    def units(self, text: Sequence[int], most: int | None = None) -> bytes:
+        """As `Text.units`."""
+        if 0 in text:
+            raise ValueError("a zero inside a text")
+        sent = len(text) + 1 if most is None else _sent(len(text), most)
+        return self._items.pack([*text, 0, 0][:sent])
+
+    def whole(self, text: Sequence[int], most: int | None = None) -> bytes:
+        """As `Text.whole`."""
+        data = self.units(text, most)
+        return (len(data) // self.width).to_bytes(4, self._order) + data
+
+    def text(self, data: bytes) -> list[int]:
+        """The units up to the first zero."""
+        units = self._items.integers(data, len(data) // self.width)
+        return units[: units.index(0)] if 0 in units else units
+
+    def read(self, more: More, room: Room, most: int | None = None) -> list[int]:
+        """As `Text.read`."""
+        count = int.from_bytes(more(4), self._order, signed=True)
+        return self.text(more(room.take(count, self.width, most)))
+
+
+def _sent(length: int, most: int) -> int:
+    """How many units of a text of that length travel from a buffer of `most` units."""
+    if length > most:
+        raise ValueError(f"a text of {length} units, at most {most} fit")
+    return min(length + 2, most)
+
+
+def exactly(values: _S, count: int) -> _S:
+    """The values, which have to be so many; raises ValueError."""
+    if len(values) != count:
+        raise ValueError(f"{len(values)} elements, {count} are needed")
+    return values
+
+
+def leading(values: Sequence[_T], count: int, most: int) -> Sequence[_T]:
+    """The first `count` values of an array that holds at most `most`; raises ValueError."""
+    if not count <= len(values) <= max(count, most) or not 0 <= count <= most:
+        raise ValueError(f"{len(values)} elements, {count} to be sent, {most} fit")
+    return values if len(values) == count else values[:count]
+
+
+def leading_bytes(data: bytes, count: int, most: int) -> bytes:
+    """The same of an array of octets."""
+    leading(data, count, most)
+    return data[:count]
+
+
+def within(count: int, most: int) -> int:
+    """The count, which has to be 0 to `most`; raises ValueError."""
+    if not 0 <= count <= most:
+        raise ValueError(f"a size of {count}, at most {most} allowed")
+    return count
+
+
+def present(value: _T | None) -> _T:
+    """The value, which must not be NULL; raises ValueError."""
+    if value is None:
+        raise ValueError("NULL where a value is needed")
+    return value
+
+
+def quotient(left: int, right: int) -> int:
+    """C's `/`, towards zero; raises ZeroDivisionError."""
+    size = abs(left) // abs(right)
+    return size if (left < 0) == (right < 0) else -size
+
+
+def remainder(left: int, right: int) -> int:
+    """C's `%`, with the sign of the dividend; raises ZeroDivisionError."""
+    return left - right * quotient(left, right)
+
+
+def shifted_left(value: int, bits: int) -> int:
+    """C's `<<` of a value of at most 64 bits; raises ValueError."""
+    return value << within(bits, 63)
+
+
+def shifted_right(value: int, bits: int) -> int:
+    """C's `>>`; raises ValueError."""
+    return value >> within(bits, 63)
+
+
+def cast(value: float, bits: int, signed: bool) -> int:
+    """C's conversion to an integer type."""
+    low = int(value) & ((1 << bits) - 1)
+    return low - (1 << bits) if signed and low >> (bits - 1) else low
+
+
+def argument_error(
+    function: str, failure: Exception, /, **values: object
+) -> ArgumentError:
+    """What to raise when the values cannot be encoded."""
+    shown = ", ".join(f"{name}={_short(value)}" for name, value in values.items())
+    return ArgumentError(f"{function}({shown}): {failure}")
+
+
+def size_error(function: str, failure: Exception) -> ProtocolError:
+    """What to raise when the sizes of a message cannot be worked out from its values."""
+    return ProtocolError(E_PAR, f"{function}: {failure}")
+
+
+def magic_error(function: str, what: str) -> ProtocolError:
+    """What to raise when a message does not begin or end as it has to."""
+    return ProtocolError(E_MAGIC, f"{function}: {what}")
+
+
+def is_rpc_error(code: int) -> bool:
+    """Whether the main code is E_RPC: the outs are left out then."""
+    return code & 0xFF == E_RPC & 0xFF
+
+
+def _short(value: object) -> str:
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,87 @@
+"""Error codes of TECS OpaqueRPC, the kernel's and two of its own, and the exceptions with them.
+
+A code that a function returns may be composite: a main code in the low 8 bits, a sub code above.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+E_OK: Final = 0
+E_SYS: Final = -5
+E_PAR: Final = -17
+"""A size is negative or over its maximum."""
+E_ID: Final = -18
+"""There is no function of that id."""
+E_NOMEM: Final = -33
+"""A message needs more memory than there is for it."""
+E_OBJ: Final = -41
+"""The channel fails in a way that has no code of its own."""
+E_NOEXS: Final = -42
+E_TMOUT: Final = -50
+"""The peer was silent for too long."""
+E_CLS: Final = -52
+E_WBLK: Final = -57
+E_BOVR: Final = -58
+"""The stream ended before the message did."""
+E_RPC: Final = -68
+"""The call failed on the way; the sub code tells why."""
+E_RESET: Final = -101
+E_MAGIC: Final = -102
+"""A message does not begin or end as it has to."""
+
+
+def ERCD(main: int, sub: int) -> int:
+    """The composite of a main and a sub code, as a C int."""
+    return (sub << 8) | (main & 0xFF)
+
+
+def MERCD(code: int) -> int:
+    """The main code: the low 8 bits, signed."""
+    return ((code & 0xFF) ^ 0x80) - 0x80
+
+
+def SERCD(code: int) -> int:
+    """The sub code; -1 for a code that is not composite and negative."""
+    return code >> 8
+
+
+class RpcError(Exception):
+    """A call failed on the way to the server or back.
+
+    `sub` is the reason's code (`E_MAGIC`, `E_TMOUT`, ...); `code` is `ERCD(E_RPC, sub)`, what a
+    function that returns `ER` or `ER_INT` returns then.
+    """
+
+    def __init__(self, sub: int, reason: str) -> None:
+        super().__init__(sub, reason)
+        self.sub = sub
+        self.reason = reason
+
+    @property
+    def code(self) -> int:
+        """The composite error code."""
+        return ERCD(E_RPC, MERCD(self.sub))
+
+    def __str__(self) -> str:
+        name = _NAMES.get(self.sub, str(self.sub))
+        return f"{self.reason} ({name})"
+
+
+class ProtocolError(RpcError):
+    """The bytes that came are no message of the signature, or ask for more than is allowed."""
+
+
+class ChannelError(RpcError):
+    """The channel does not give or take bytes: refused, closed, cut off, timed out."""
+
+
+class ArgumentError(ValueError):
+    """A value cannot be sent: out of the range of its type, of another length, or NULL."""
+
+
+_NAMES = {
+    value: name
+    for name, value in list(globals().items())
+    if name.startswith("E_") and isinstance(value, int)
+}

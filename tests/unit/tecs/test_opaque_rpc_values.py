@@ -1,0 +1,152 @@
+"""Basic values, error codes and texts on the wire, as `opaque-rpc-wire` has them."""
+
+from __future__ import annotations
+
+import pytest
+
+from rtgen.runtime.opaque_rpc import (
+    E_BOVR,
+    E_MAGIC,
+    E_NOMEM,
+    E_PAR,
+    E_RPC,
+    ERCD,
+    MERCD,
+    NETWORK,
+    SERCD,
+    ProtocolError,
+    make_tdr,
+)
+from rtgen.runtime.opaque_rpc.codecs import (
+    Room,
+    Text,
+    WideText,
+    cast,
+    is_rpc_error,
+    leading,
+    quotient,
+    remainder,
+    shifted_left,
+)
+from rtgen.runtime.opaque_rpc.tdr import INT8, LITTLE, UINT8, Items, Order
+
+
+def test_composite_codes_are_those_that_c_clients_return() -> None:
+    assert ERCD(E_RPC, E_MAGIC) == -25924
+    assert ERCD(E_RPC, E_BOVR) == -14660
+    assert (MERCD(-25924), SERCD(-25924)) == (E_RPC, E_MAGIC)
+    assert (MERCD(E_RPC), SERCD(E_RPC)) == (E_RPC, -1)
+    assert ProtocolError(E_MAGIC, "bad SOP").code == -25924
+
+
+@pytest.mark.parametrize(
+    ("code", "expected"),
+    [(188, True), (-68, True), (-4420, True), (-67, False), (-17, False), (0, False)],
+)
+def test_the_low_byte_tells_that_outs_are_left_out(code: int, expected: bool) -> None:
+    assert is_rpc_error(code) is expected
+
+
+@pytest.mark.parametrize(
+    ("order", "widths"),
+    [("network", (2, 4, 4, 4)), ("little", (2, 4, 8, 8)), ("big", (2, 4, 8, 8))],
+)
+def test_widths_of_c_types(order: Order, widths: tuple[int, ...]) -> None:
+    tdr = make_tdr(order)
+    assert tuple(tdr.struct(kind).size for kind in "knlp") == widths
+    assert tuple(tdr.struct(kind).size for kind in "KNLP") == widths
+
+
+def test_widths_can_be_told() -> None:
+    tdr = make_tdr("network", short_bits=32, int_bits=16, long_bits=64, intptr_bits=16)
+    assert tdr.struct("knlp").format == ">ihqh"
+    assert tdr.struct("2KN3LP").format == ">2IH3QH"
+    with pytest.raises(ValueError, match="24 bits"):
+        make_tdr("little", long_bits=24)
+
+
+def test_128_bits_have_their_words_swapped_in_network_order_only() -> None:
+    value = 0x0102030405060708_1112131415161718
+    low_first = "11121314151617180102030405060708"
+    high_first = "01020304050607081112131415161718"
+    assert NETWORK.wide(value, True).hex() == low_first
+    assert make_tdr(low_word_first=False).wide(value, True).hex() == high_first
+    assert make_tdr("big").wide(value, True).hex() == high_first
+    assert LITTLE.wide(value, True) == bytes.fromhex(high_first)[::-1]
+    for tdr in (NETWORK, LITTLE):
+        assert tdr.from_wide(tdr.wide(-5, True), True) == -5
+        assert Items(tdr, "w").integers(Items(tdr, "w").pack([-1, 7]), 2) == [-1, 7]
+
+
+def test_octets_are_taken_with_either_sign() -> None:
+    assert (INT8[-1], INT8[255], INT8[-128], INT8[127]) == (-1, -1, -128, 127)
+    assert (UINT8[-1], UINT8[255], UINT8[-128], UINT8[0]) == (255, 255, 128, 0)
+    assert 256 not in UINT8
+    assert -129 not in INT8
+
+
+@pytest.mark.parametrize(
+    ("text", "most", "units"),
+    [
+        ("tecs", 16, "746563730000"),
+        ("a" * 15, 16, "61" * 15 + "00"),
+        ("a" * 16, 16, "61" * 16),
+        ("a" * 14, 16, "61" * 14 + "0000"),
+        ("", 1, "00"),
+        ("", 16, "0000"),
+        ("tecs", None, "7465637300"),
+        ("", None, "00"),
+    ],
+)
+def test_units_of_a_text(text: str, most: int | None, units: str) -> None:
+    assert Text(NETWORK, "latin-1").units(text, most).hex() == units
+    wide = WideText(NETWORK, "H")
+    assert wide.units([ord(letter) for letter in text], most)[1::2].hex() == units
+
+
+def test_texts_that_cannot_be_sent() -> None:
+    text = Text(NETWORK, "latin-1")
+    for wrong, most in (("a" * 17, 16), ("a\0b", None), ("\u3042", None)):
+        with pytest.raises(ValueError, match=r"."):
+            text.units(wrong, most)
+
+
+def test_a_text_ends_at_the_first_zero_or_without_one() -> None:
+    text = Text(NETWORK, "utf-8")
+    assert [text.text(d) for d in (b"ab\0\x22", b"ab", b"")] == ["ab", "ab", ""]
+    assert text.text(b"\xe3\x81") == "\ufffd"
+    assert WideText(LITTLE, "i").text(bytes.fromhex("ffffffff0000000001")) == [-1]
+
+
+def test_sizes_are_checked_before_anything_is_read() -> None:
+    room = Room(10)
+    assert room.take(3, 2, 3) == 6
+    for count, most, code in ((-1, None, E_PAR), (2, 1, E_PAR), (5, None, E_NOMEM)):
+        with pytest.raises(ProtocolError) as caught:
+            room.take(count, 1, most)
+        assert caught.value.sub == code
+    assert room.take(4, 1) == 4
+
+
+def test_arithmetic_is_that_of_c() -> None:
+    assert [quotient(a, b) for a, b in ((7, 2), (-7, 2), (7, -2), (-7, -2))] == [
+        3,
+        -3,
+        -3,
+        3,
+    ]
+    assert [remainder(a, b) for a, b in ((7, 2), (-7, 2), (7, -2))] == [1, -1, 1]
+    assert [cast(300, 8, False), cast(200, 8, True), cast(-1, 16, False)] == [
+        44,
+        -56,
+        65535,
+    ]
+    with pytest.raises(ValueError, match="at most 63"):
+        shifted_left(1, 1 << 40)
+
+
+def test_a_longer_array_is_cut_to_its_count_only_where_it_fits() -> None:
+    assert leading([1, 2, 3], 2, 3) == [1, 2]
+    for values, count, most in (([1, 2, 3], 2, 2), ([1], 2, 3), ([1, 2], 2, 1)):
+        with pytest.raises(ValueError, match="elements"):
+            leading(values, count, most)
