@@ -2,27 +2,10 @@
 
 from __future__ import annotations
 
+from rtgen.typemap.idl_words import CORBA_3, FOLDED, RESERVED
 
-def _words(text: str) -> frozenset[str]:
-    return frozenset(text.split())
+__all__ = ["CORBA_3", "FOLDED", "RESERVED", "SHOWN", "TERMINALS", "WORDS", "shown"]
 
-
-RESERVED = _words("""
-    abstract any attribute boolean case char const context custom default double enum exception
-    factory FALSE fixed float in inout interface local long module native Object octet oneway
-    out private public raises readonly sequence short string struct supports switch TRUE
-    truncatable typedef union unsigned ValueBase valuetype void wchar wstring
-    """)
-"""CORBA 2.6, 3.2.4, table 3-6."""
-
-FOLDED = {word.lower(): word for word in RESERVED}
-"""Reserved words by their lower-case form: no identifier may differ from one in case only."""
-
-CORBA_3 = _words("""
-    component consumes emits eventtype finder getraises home import manages multiple primarykey
-    provides publishes setraises typeid typeprefix uses
-    """)
-"""CORBA 3.0, 3.2.4: usable as identifiers here, though not in a CORBA 3 compiler."""
 
 TERMINALS = {
     **{word: word.upper() for word in RESERVED},

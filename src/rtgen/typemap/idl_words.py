@@ -1,0 +1,32 @@
+"""The reserved words of IDL."""
+
+from __future__ import annotations
+
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+RESERVED = _words("""
+    abstract any attribute boolean case char const context custom default double enum exception
+    factory FALSE fixed float in inout interface local long module native Object octet oneway
+    out private public raises readonly sequence short string struct supports switch TRUE
+    truncatable typedef union unsigned ValueBase valuetype void wchar wstring
+    """)
+"""CORBA 2.6, 3.2.4, table 3-6."""
+
+CORBA_3 = _words("""
+    component consumes emits eventtype finder getraises home import manages multiple primarykey
+    provides publishes setraises typeid typeprefix uses
+    """)
+"""CORBA 3.0, 3.2.4: usable as identifiers in CORBA 2.6, though not in a CORBA 3 compiler."""
+
+FOLDED = {word.lower(): word for word in RESERVED}
+"""Reserved words by their lower-case form: no identifier may differ from one in case only."""
+
+_ESCAPED = frozenset(FOLDED).union(CORBA_3)
+
+
+def escaped(name: str) -> str:
+    """The identifier as a definition writes it, `_` before what a compiler takes for a keyword."""
+    return f"_{name}" if name.lower() in _ESCAPED else name
