@@ -1,5 +1,6 @@
 """TECS OpaqueRPC: what generated codecs, proxies and unmarshallers import."""
 
+from rtgen.runtime.opaque_rpc.channel import Channel, ExchangeChannel
 from rtgen.runtime.opaque_rpc.codecs import (
     REPLY_LIMIT,
     REQUEST_LIMIT,
@@ -30,6 +31,19 @@ from rtgen.runtime.opaque_rpc.errors import (
     ProtocolError,
     RpcError,
 )
+from rtgen.runtime.opaque_rpc.messages import (
+    Handler,
+    Handlers,
+    MessageReader,
+    PacketServer,
+    SharedUnmarshaller,
+    Unmarshaller,
+    serve_message,
+)
+from rtgen.runtime.opaque_rpc.serial import SerialChannel, SerialServer
+from rtgen.runtime.opaque_rpc.shared_channel import SharedChannel
+from rtgen.runtime.opaque_rpc.tcp_channel import TcpChannel
+from rtgen.runtime.opaque_rpc.tcp_server import TcpServer
 from rtgen.runtime.opaque_rpc.tdr import BIG, LITTLE, NETWORK, Order, Tdr, make_tdr
 
 __all__ = [
@@ -56,13 +70,27 @@ __all__ = [
     "REQUEST_LIMIT",
     "SERCD",
     "ArgumentError",
+    "Channel",
     "ChannelError",
     "Codec",
+    "ExchangeChannel",
+    "Handler",
+    "Handlers",
+    "MessageReader",
     "More",
     "Order",
+    "PacketServer",
     "ProtocolError",
     "ReplyOrder",
     "RpcError",
+    "SerialChannel",
+    "SerialServer",
+    "SharedChannel",
+    "SharedUnmarshaller",
+    "TcpChannel",
+    "TcpServer",
     "Tdr",
+    "Unmarshaller",
     "make_tdr",
+    "serve_message",
 ]

@@ -1,0 +1,66 @@
+"""What a caller needs of a channel, and a channel without a connection."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+from rtgen.runtime.opaque_rpc.errors import E_BOVR, ChannelError
+
+
+class Channel(Protocol):
+    """Carries one call at a time; the operations of `OpaqueRpc.idl`.
+
+    A call is `begin`, any number of `more`, then exactly one of `end` and `reset`. When `begin`
+    raises, the channel is free already and neither may follow. All raise `ChannelError`.
+    """
+
+    def begin(self, request: bytes, first: int) -> bytes:
+        """Takes the channel, writes the request in one send; the reply's leading `first` bytes.
+
+        `first` is 0 where no reply is awaited. Nothing is ever sent twice.
+        """
+
+    def more(self, n: int) -> bytes:
+        """The next n bytes of the reply."""
+
+    def end(self) -> None:
+        """The reply was read to its end: frees the channel."""
+
+    def reset(self) -> None:
+        """The call failed: no later call will see any of this reply. Frees the channel."""
+
+
+class ExchangeChannel:
+    """A channel over a function that takes a request packet and gives the whole reply.
+
+    For servers in the same process: `ExchangeChannel(PacketServer(unmarshaller.handlers))`. The
+    function raises `ChannelError` where the reply is cut off or the link is down.
+    """
+
+    def __init__(self, exchange: Callable[[bytes], bytes]) -> None:
+        self._exchange = exchange
+        self._reply = b""
+        self._at = 0
+
+    def begin(self, request: bytes, first: int) -> bytes:
+        """See `Channel`."""
+        self._reply = self._exchange(request)
+        self._at = 0
+        return self.more(first)
+
+    def more(self, n: int) -> bytes:
+        """See `Channel`."""
+        data = self._reply[self._at : self._at + n]
+        if len(data) < n:
+            raise ChannelError(E_BOVR, f"the reply ended {n - len(data)} bytes early")
+        self._at += n
+        return data
+
+    def end(self) -> None:
+        """See `Channel`."""
+        self._reply = b""
+
+    def reset(self) -> None:
+        """See `Channel`."""
+        self._reply = b""

@@ -1,0 +1,109 @@
+"""A TCP connection with limited times, for both ends."""
+
+from __future__ import annotations
+
+import math
+import socket
+import struct
+import sys
+from time import monotonic
+
+from rtgen.runtime.opaque_rpc.messages import log
+
+TIMEOUT = 1.0
+"""Seconds that a call may take by default."""
+BLOCK = 4096
+LARGE_BLOCK = 65536
+"""How many bytes one read asks for, and at most asks for."""
+TIME_OVER = (BlockingIOError, TimeoutError)
+"""What a send or receive raises whose time is over."""
+
+_NATIVE_TIMES = sys.platform in ("linux", "darwin")
+"""Whether SO_RCVTIMEO takes a timeval; it spares the poll() that settimeout puts before a call."""
+_QUICKACK: int | None = getattr(socket, "TCP_QUICKACK", None)
+_KEEP_ALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3}
+
+
+def checked_timeout(seconds: float) -> float:
+    """The time-out as given; ValueError unless it is positive and finite."""
+    if not 0 < seconds < math.inf:
+        raise ValueError(f"a time-out is a positive number of seconds, not {seconds}")
+    return seconds
+
+
+def _prepare(connection: socket.socket) -> None:
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for name, value in _KEEP_ALIVE.items():
+        if hasattr(socket, name):
+            connection.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
+
+
+def _limit_times(connection: socket.socket, seconds: float) -> None:
+    """Lets each send and receive take no longer than that; they raise `TIME_OVER` then."""
+    if _NATIVE_TIMES:
+        whole, part = divmod(max(int(seconds * 1e6), 1), 1_000_000)
+        value = struct.pack("@ll", whole, part)
+        connection.settimeout(None)
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, value)
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, value)
+    else:
+        connection.settimeout(max(seconds, 1e-6))
+
+
+class Connection:
+    """A socket with the time limit that it is set to."""
+
+    def __init__(self, connection: socket.socket, seconds: float) -> None:
+        _prepare(connection)
+        self.socket = connection
+        self.send = connection.send
+        self.receive = connection.recv
+        self.seconds = 0.0
+        self.limit(seconds)
+
+    def limit(self, seconds: float) -> None:
+        """Limits the time of each send and receive."""
+        if seconds <= 0:
+            raise TimeoutError("time is over")
+        if seconds != self.seconds:
+            _limit_times(self.socket, seconds)
+            self.seconds = seconds
+
+    def send_all(self, data: bytes, deadline: float, sent: int = 0) -> None:
+        """Sends what is behind the first `sent` bytes."""
+        view = memoryview(data)
+        while sent < len(data):
+            self.limit(deadline - monotonic())
+            sent += self.send(view[sent:])
+
+    def acknowledge(self) -> None:
+        """Acknowledges at once what has come.
+
+        A peer that writes each scalar by itself, with Nagle's algorithm on, waits for that.
+        """
+        if _QUICKACK is not None:
+            self.socket.setsockopt(socket.IPPROTO_TCP, _QUICKACK, 1)
+
+    def is_quiet(self) -> bool:
+        """Whether the connection is open and no bytes wait to be read."""
+        self.socket.setblocking(False)
+        self.seconds = 0.0
+        try:
+            self.receive(1, socket.MSG_PEEK)
+        except BlockingIOError:
+            return True
+        except OSError as error:
+            log.debug("connection lost: %s", error)
+        return False
+
+    def shut(self) -> None:
+        """Ends the connection; a thread that waits for it wakes up, and has to close it."""
+        try:
+            self.socket.shutdown(socket.SHUT_RDWR)
+        except OSError as error:
+            log.debug("shutdown: %s", error)
+
+    def close(self) -> None:
+        """Closes the socket."""
+        self.socket.close()

@@ -1,0 +1,273 @@
+"""The server's message loop, free of sockets: takes bytes, calls handlers, gives replies."""
+
+from __future__ import annotations
+
+import logging
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from typing import Literal, Protocol, TypeAlias
+
+from rtgen.runtime.opaque_rpc.codecs import REQUEST_LIMIT, More
+from rtgen.runtime.opaque_rpc.errors import (
+    E_BOVR,
+    E_ID,
+    E_MAGIC,
+    E_NOMEM,
+    ChannelError,
+    ProtocolError,
+    RpcError,
+)
+from rtgen.runtime.opaque_rpc.tdr import SHARED_BEGIN, SHARED_END
+
+Handler: TypeAlias = Callable[[More], bytes | None]
+Handlers: TypeAlias = Mapping[bytes, Handler]
+Send: TypeAlias = Callable[[bytes], None]
+
+_HEAD = 4
+_SOP = 2
+
+log = logging.getLogger("rtgen.runtime.opaque_rpc")
+log.addHandler(logging.NullHandler())
+
+
+class Unmarshaller(Protocol):
+    """What a generated unmarshaller offers: handlers by the 4 leading bytes of their requests.
+
+    A handler reads the rest of the request, checks its end, calls the target, and gives the
+    reply, or None for a oneway function.
+    """
+
+    @property
+    def handlers(self) -> Handlers:
+        """Handlers by SOP and function id as they are on the wire."""
+
+
+class MessageReader(ABC):
+    """Bytes of requests, buffered. Of one message no more than `limit` bytes are taken."""
+
+    def __init__(self, limit: int = REQUEST_LIMIT) -> None:
+        self._data = b""
+        self._at = 0
+        self._limit = limit
+        self._last = 0
+        self._ready = 0
+        self._deadline: float | None = None
+
+    @abstractmethod
+    def _wait(self) -> bytes:
+        """The first bytes of a message, whenever they come; empty at the end of the stream."""
+
+    @abstractmethod
+    def _receive(self, size: int) -> bytes:
+        """Bytes inside a message, `size` are missing; empty at the end of the stream.
+
+        `_deadline` is None when the message has not been waited for yet. Raises ChannelError
+        (E_TMOUT) when it takes too long.
+        """
+
+    def start(self) -> bool:
+        """Waits for a message; False at the end of the stream."""
+        if self._at >= len(self._data):
+            self._data = self._wait()
+            self._at = 0
+            if not self._data:
+                return False
+        self._deadline = None
+        self._last = self._at + self._limit
+        self._ready = min(len(self._data), self._last)
+        return True
+
+    def peek(self, n: int) -> bytes:
+        """Up to n bytes that are here already."""
+        return self._data[self._at : self._at + n]
+
+    def skip(self, n: int) -> None:
+        """Leaves out n bytes of those that `peek` showed."""
+        self._at += n
+
+    def more(self, n: int) -> bytes:
+        """The next n bytes of the message.
+
+        Raises ProtocolError (E_NOMEM) before anything is read if the message is larger than the
+        limit, ChannelError (E_BOVR) at the end of the stream.
+        """
+        start = self._at
+        end = start + n
+        if end > self._ready:
+            self.fill(n)
+            start = self._at
+            end = start + n
+        self._at = end
+        return self._data[start:end]
+
+    def fill(self, n: int) -> None:
+        """Waits until `peek(n)` has n bytes; raises as `more` does."""
+        if self._at + n > self._last:
+            raise ProtocolError(
+                E_NOMEM, f"a request larger than {self._limit} bytes (PPAllocatorSize)"
+            )
+        pieces = [self._data[self._at :]]
+        missing = n - len(pieces[0])
+        while missing > 0:
+            piece = self._receive(missing)
+            if not piece:
+                raise ChannelError(E_BOVR, "the stream ended inside a request")
+            pieces.append(piece)
+            missing -= len(piece)
+        self._data = b"".join(pieces)
+        self._last -= self._at
+        self._at = 0
+        self._ready = min(len(self._data), self._last)
+
+    def discard(self) -> None:
+        """Forgets what was read ahead."""
+        self._data = b""
+        self._at = 0
+
+
+class PacketReader(MessageReader):
+    """Reads requests out of one packet."""
+
+    def __init__(self, packet: bytes, limit: int = REQUEST_LIMIT) -> None:
+        super().__init__(limit)
+        self._data = packet
+
+    def _wait(self) -> bytes:
+        return b""
+
+    def _receive(self, size: int) -> bytes:
+        return b""
+
+
+def serve_message(reader: MessageReader, handlers: Handlers) -> bytes | None:
+    """Serves the message that `reader.start()` found; its reply, None for a oneway function.
+
+    Raises ProtocolError and ChannelError; the function was not executed then.
+    """
+    handler = handlers.get(reader.peek(_HEAD))
+    if handler is None:
+        handler = _find(reader, handlers)
+    reader.skip(_HEAD)
+    return handler(reader.more)
+
+
+def _find(reader: MessageReader, handlers: Handlers) -> Handler:
+    """The handler of a message whose head is not here as a whole, or wrong.
+
+    A wrong byte is told at once, without waiting for the rest of the head.
+    """
+    while True:
+        head = reader.peek(_HEAD)
+        if not any(key.startswith(head[:_SOP]) for key in handlers):
+            raise ProtocolError(E_MAGIC, f"no start of a request: {head.hex(' ')}")
+        if len(head) == _HEAD:
+            handler = handlers.get(head)
+            if handler is None:
+                raise ProtocolError(
+                    E_ID, f"unknown function id: {head[_SOP:].hex(' ')}"
+                )
+            return handler
+        reader.fill(len(head) + 1)
+
+
+def serve_messages(reader: MessageReader, handlers: Handlers, send: Send) -> None:
+    """Serves requests until the stream ends; raises what `serve_message` raises."""
+    while reader.start():
+        reply = serve_message(reader, handlers)
+        if reply is not None:
+            send(reply)
+
+
+class SharedUnmarshaller:
+    """Several signatures on one connection (SharedOpaqueRPC), by sub-channel number.
+
+    What is no start of an exchange is passed over in steps of 2 bytes, and an error inside an
+    exchange does not end the connection (opaque-rpc-wire, section 12). `order` is that of the
+    representation, which is the native one of the peer.
+    """
+
+    def __init__(
+        self,
+        unmarshallers: Sequence[Unmarshaller],
+        order: Literal["little", "big"] = "little",
+    ) -> None:
+        self._handlers = [unmarshaller.handlers for unmarshaller in unmarshallers]
+        self._order: Literal["little", "big"] = order
+
+    @property
+    def starts(self) -> set[bytes]:
+        """The leading 2 bytes that an exchange has."""
+        return {SHARED_BEGIN.to_bytes(2, self._order)}
+
+    def serve(self, reader: MessageReader, send: Send) -> None:
+        """Serves requests until the stream ends or is broken (ChannelError)."""
+        while reader.start():
+            try:
+                self._exchange(reader, send)
+            except ProtocolError as error:
+                log.info("passed over: %s", error)
+
+    def _exchange(self, reader: MessageReader, send: Send) -> None:
+        self._expect(reader, SHARED_BEGIN)
+        number = int.from_bytes(reader.more(2), self._order, signed=True)
+        if not 0 <= number < len(self._handlers):
+            raise ProtocolError(E_ID, f"unknown sub-channel {number}")
+        reply = serve_message(reader, self._handlers[number])
+        if reply is not None:
+            send(reply)
+        self._expect(reader, SHARED_END)
+
+    def _expect(self, reader: MessageReader, magic: int) -> None:
+        found = int.from_bytes(reader.more(2), self._order)
+        if found != magic:
+            raise ProtocolError(
+                E_MAGIC, f"0x{found:04X} in place of 0x{magic:04X} of a shared channel"
+            )
+
+
+Service: TypeAlias = Unmarshaller | SharedUnmarshaller
+
+
+def starts(service: Service) -> set[bytes]:
+    """The leading 2 bytes that messages to the service have."""
+    if isinstance(service, SharedUnmarshaller):
+        return service.starts
+    return {key[:_SOP] for key in service.handlers}
+
+
+def serve(service: Service, reader: MessageReader, send: Send) -> bool:
+    """Serves a connection; whether it ended as it should.
+
+    False: an error of the peer or of the target, which is logged, and the connection is not fit
+    for further messages.
+    """
+    try:
+        if isinstance(service, SharedUnmarshaller):
+            service.serve(reader, send)
+        else:
+            serve_messages(reader, service.handlers, send)
+    except RpcError as error:
+        log.info("connection given up: %s", error)
+        return False
+    except Exception:
+        log.exception("the target failed; the call stays without a reply")
+        return False
+    return True
+
+
+class PacketServer:
+    """Serves packets in the caller's thread: the function that an `ExchangeChannel` takes.
+
+    A packet that the server would answer by closing the connection raises ChannelError.
+    """
+
+    def __init__(self, service: Service, limit: int = REQUEST_LIMIT) -> None:
+        self._service = service
+        self._limit = limit
+
+    def __call__(self, packet: bytes) -> bytes:
+        """The replies to the requests of a packet, one after the other."""
+        replies: list[bytes] = []
+        if not serve(self._service, PacketReader(packet, self._limit), replies.append):
+            raise ChannelError(E_BOVR, "the server closed the connection")
+        return b"".join(replies)

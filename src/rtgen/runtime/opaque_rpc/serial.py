@@ -1,0 +1,333 @@
+"""OpaqueRPC over a serial line: a channel for callers, and a server. Needs pyserial.
+
+A line has no connections to close. After an error either end discards what comes until the line
+is silent, then looks for the start of a message. What remains: noise that happens to be a
+complete message is taken for one, since OpaqueRPC has no check sum.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from time import monotonic
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from rtgen.runtime.opaque_rpc.codecs import REQUEST_LIMIT
+from rtgen.runtime.opaque_rpc.connection import TIMEOUT, checked_timeout
+from rtgen.runtime.opaque_rpc.errors import E_OBJ, E_TMOUT, ChannelError
+from rtgen.runtime.opaque_rpc.messages import MessageReader, Service, log, serve, starts
+from rtgen.runtime.opaque_rpc.tdr import SOP_REPLY, SOP_REQUEST
+
+if TYPE_CHECKING:
+    from serial import Serial
+
+BAUDRATE = 115200
+_BITS = 10
+"""Bits on the line for a character: start, 8 data bits, stop."""
+_SILENCE = 0.02
+_SILENT_CHARACTERS = 30
+_BLOCK = 4096
+_LOOK = 0.2
+"""How often [s] a server that waits looks whether it was closed."""
+_SHARED_HEAD = 4
+"""Where the request begins on a shared channel."""
+
+
+def silence(baudrate: int) -> float:
+    """How long [s] a line has to be silent after an error: 20 ms or 30 characters."""
+    return max(_SILENCE, _SILENT_CHARACTERS * _BITS / baudrate)
+
+
+def _reply_start(request: bytes) -> bytes:
+    """How the reply to a request begins: both are in one byte order."""
+    big = SOP_REQUEST.to_bytes(2, "big")
+    starts = (request[:2], request[_SHARED_HEAD : _SHARED_HEAD + 2])
+    return SOP_REPLY.to_bytes(2, "big" if big in starts else "little")
+
+
+class _Line:
+    """An open serial line, 8N1 without flow control, not shared with other processes."""
+
+    def __init__(self, device: str, baudrate: int) -> None:
+        try:
+            from serial import Serial
+        except ImportError as error:
+            raise ChannelError(
+                E_OBJ, "serial lines need pyserial: pip install 'rtgen[serial]'"
+            ) from error
+        self._silence = silence(baudrate)
+        try:
+            self._port: Serial = Serial(device, baudrate, exclusive=True)
+        except (OSError, ValueError) as error:
+            raise ChannelError(E_OBJ, f"{device}: {error}") from error
+
+    def read(self, size: int, seconds: float) -> bytes:
+        """What is there, at least one byte; empty when time is over."""
+        port = self._port
+        if port.timeout != seconds:
+            port.timeout = max(seconds, 0.0)
+        data: bytes = port.read(min(max(port.in_waiting, 1), size))
+        return data
+
+    def write(self, data: bytes, seconds: float) -> None:
+        """Writes all of it."""
+        if self._port.write_timeout != seconds:
+            self._port.write_timeout = seconds
+        self._port.write(data)
+
+    def drain(self, deadline: float) -> bool:
+        """Discards what comes until the line is silent; False when time is over before."""
+        while monotonic() < deadline:
+            if not self.read(_BLOCK, self._silence):
+                return True
+        return False
+
+    def discard(self) -> None:
+        """Discards what is there."""
+        self._port.reset_input_buffer()
+
+    def interrupt(self) -> None:
+        """Lets another thread's `read` return."""
+        self._port.cancel_read()
+
+    def close(self) -> None:
+        """Closes the line."""
+        self._port.close()
+
+
+class SerialChannel:
+    """A caller's end of a serial line, opened by the first call. See `Channel`.
+
+    `timeout` [s] is for a whole call. Raises RpcError (E_NOSPT) without pyserial.
+    """
+
+    def __init__(
+        self, device: str, baudrate: int = BAUDRATE, timeout: float = TIMEOUT
+    ) -> None:
+        self.device = device
+        self.baudrate = baudrate
+        self.timeout = checked_timeout(timeout)
+        self._lock = threading.Lock()
+        self._line: _Line | None = None
+        self._deadline = 0.0
+        self._rest = b""
+        self._disturbed = False
+
+    def __str__(self) -> str:
+        return self.device
+
+    def begin(self, request: bytes, first: int) -> bytes:
+        """See `Channel`. Waits for silence first if the call before failed."""
+        if not self._lock.acquire(timeout=self.timeout):
+            raise ChannelError(E_TMOUT, f"{self}: in use by another call")
+        try:
+            self._deadline = monotonic() + self.timeout
+            if self._line is None:
+                self._line = _Line(self.device, self.baudrate)
+            if not self._disturbed:
+                self._line.discard()
+            elif not self._line.drain(self._deadline):
+                raise self._time_over()
+            self._disturbed = False
+            self._line.write(request, self.timeout)
+            if not first:
+                return b""
+            self._hunt(_reply_start(request))
+            return self._take(first)
+        except BaseException as error:
+            self.reset()
+            if isinstance(error, OSError):
+                raise self._error(error) from error
+            raise
+
+    def more(self, n: int) -> bytes:
+        """See `Channel`."""
+        try:
+            return self._take(n)
+        except OSError as error:
+            raise self._error(error) from error
+
+    def write(self, data: bytes) -> None:
+        """Writes what belongs to the call under way behind its reply; raises ChannelError."""
+        try:
+            self._open().write(data, self.timeout)
+        except OSError as error:
+            raise self._error(error) from error
+
+    def end(self) -> None:
+        """See `Channel`."""
+        if self._rest:
+            log.info("%s: %d bytes beyond the reply", self, len(self._rest))
+            self._rest = b""
+            self._disturbed = True
+        self._lock.release()
+
+    def reset(self) -> None:
+        """See `Channel`: the next call waits for silence."""
+        self._rest = b""
+        self._disturbed = True
+        if self._lock.locked():
+            self._lock.release()
+
+    def close(self) -> None:
+        """Closes the line when the call under way is over, which `timeout` limits."""
+        held = self._lock.acquire(timeout=2 * self.timeout)
+        self._drop()
+        if held:
+            self._lock.release()
+
+    def _open(self) -> _Line:
+        if self._line is None:
+            raise ChannelError(E_OBJ, f"{self}: no call is under way")
+        return self._line
+
+    def _drop(self) -> None:
+        line, self._line = self._line, None
+        if line is not None:
+            line.close()
+
+    def _error(self, error: OSError) -> ChannelError:
+        """The error to raise; a line that is lost is opened anew by the next call."""
+        from serial import SerialTimeoutException
+
+        if isinstance(error, SerialTimeoutException):
+            return self._time_over()
+        self._drop()
+        return ChannelError(E_OBJ, f"{self}: {error}")
+
+    def _time_over(self) -> ChannelError:
+        return ChannelError(E_TMOUT, f"{self}: no answer within {self.timeout} s")
+
+    def _receive(self, size: int) -> bytes:
+        left = self._deadline - monotonic()
+        data = self._open().read(size, left) if left > 0 else b""
+        if not data:
+            raise self._time_over()
+        return data
+
+    def _hunt(self, sop: bytes) -> None:
+        """Passes over noise; the start of the reply then leads what is to be taken."""
+        data = b""
+        while (at := data.find(sop)) < 0:
+            data = data[-1:] + self._receive(_BLOCK)
+        self._rest = data[at:]
+
+    def _take(self, n: int) -> bytes:
+        pieces = [self._rest]
+        missing = n - len(self._rest)
+        while missing > 0:
+            pieces.append(self._receive(_BLOCK))
+            missing -= len(pieces[-1])
+        data = b"".join(pieces)
+        self._rest = data[n:]
+        return data[:n]
+
+
+class _SerialReader(MessageReader):
+    """Reads requests from a line."""
+
+    def __init__(self, line: _Line, server: SerialServer) -> None:
+        super().__init__(server.allocator_size)
+        self._line = line
+        self._server = server
+
+    def start(self) -> bool:
+        """Passes over what is no start of a request."""
+        while super().start():
+            while (head := self.peek(2)) and not self._may_start(head):
+                self.skip(1)
+            if head:
+                return True
+        return False
+
+    def _may_start(self, head: bytes) -> bool:
+        return any(start.startswith(head) for start in self._server.starts)
+
+    def _wait(self) -> bytes:
+        while not self._server.closed:
+            data = self._line.read(_BLOCK, _LOOK)
+            if data:
+                return data
+        return b""
+
+    def _receive(self, size: int) -> bytes:
+        if self._deadline is None:
+            self._deadline = monotonic() + self._server.timeout
+        left = self._deadline - monotonic()
+        data = self._line.read(_BLOCK, left) if left > 0 else b""
+        if not data:
+            raise ChannelError(
+                E_TMOUT, f"a request took longer than {self._server.timeout} s"
+            )
+        return data
+
+
+class SerialServer:
+    """Serves a serial line. Parameters as those of `TcpServer`.
+
+    After an error it discards what comes until the line is silent; there is no reply. A line that
+    is lost, such as an adapter that was pulled out, raises ChannelError from `serve_forever`.
+    """
+
+    def __init__(
+        self,
+        service: Service,
+        device: str,
+        baudrate: int = BAUDRATE,
+        timeout: float = TIMEOUT,
+        allocator_size: int = REQUEST_LIMIT,
+    ) -> None:
+        self.device = device
+        self.timeout = checked_timeout(timeout)
+        self.allocator_size = allocator_size
+        self.closed = False
+        self.starts = starts(service)
+        self._service = service
+        self._line = _Line(device, baudrate)
+        self._thread: threading.Thread | None = None
+
+    def serve_forever(self) -> None:
+        """Serves requests until another thread or a signal handler calls `close`."""
+        try:
+            while not self.closed:
+                reader = _SerialReader(self._line, self)
+                if not serve(self._service, reader, self._send):
+                    self._line.drain(math.inf)
+        except OSError as error:
+            if not self.closed:
+                raise ChannelError(E_OBJ, f"{self.device}: {error}") from error
+        finally:
+            self._line.close()
+
+    def start(self) -> None:
+        """Serves requests in a thread of its own."""
+        self._thread = threading.Thread(
+            target=self.serve_forever, name="OpaqueRPC server", daemon=True
+        )
+        self._thread.start()
+
+    def close(self) -> None:
+        """Closes the line; waits for the thread of `start`."""
+        self.closed = True
+        self._line.interrupt()
+        if self._thread not in (None, threading.current_thread()):
+            self._thread.join()
+
+    def __enter__(self) -> SerialServer:
+        self.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def _send(self, reply: bytes) -> None:
+        try:
+            self._line.write(reply, self.timeout)
+        except OSError as error:
+            raise ChannelError(E_OBJ, f"{self.device}: {error}") from error

@@ -1,0 +1,212 @@
+"""A caller's channel over TCP."""
+
+from __future__ import annotations
+
+import errno
+import os
+import socket
+import threading
+from time import monotonic, sleep
+
+from rtgen.runtime.opaque_rpc.connection import (
+    BLOCK,
+    LARGE_BLOCK,
+    TIME_OVER,
+    TIMEOUT,
+    Connection,
+    checked_timeout,
+)
+from rtgen.runtime.opaque_rpc.errors import E_BOVR, E_OBJ, E_TMOUT, ChannelError
+from rtgen.runtime.opaque_rpc.messages import log
+
+_IDLE = 0.05
+"""After so many seconds without a call a connection is looked at before it is used again."""
+_FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.1
+_LASTING = (errno.EACCES, errno.EPERM, errno.EADDRNOTAVAIL, errno.ENODEV)
+"""Why a connect fails that is not worth another try."""
+
+
+class TcpChannel:
+    """A caller's connection to a server, opened by the first call and again after an error.
+
+    `timeout` [s] is for a whole call: connecting, request and reply; and for the wait before it
+    while another call is under way. `bind` is a local address or, on Linux, the name of a network
+    interface. See `Channel`.
+    """
+
+    def __init__(
+        self, address: str, port: int, timeout: float = TIMEOUT, bind: str = ""
+    ) -> None:
+        self.address = address
+        self.port = port
+        self.timeout = checked_timeout(timeout)
+        self.bind = bind
+        self._lock = threading.Lock()
+        self._connection: Connection | None = None
+        self._used = 0.0
+        self._deadline = 0.0
+        self._rest = b""
+        self._in_pieces = False
+
+    def __str__(self) -> str:
+        return f"{self.address}:{self.port}"
+
+    def begin(self, request: bytes, first: int) -> bytes:
+        """See `Channel`. Only a connect that failed is tried again."""
+        lock = self._lock
+        if not lock.acquire(False) and not lock.acquire(timeout=self.timeout):
+            raise ChannelError(E_TMOUT, f"{self}: in use by another call")
+        try:
+            now = monotonic()
+            self._deadline = now + self.timeout
+            connection = self._connection
+            if connection is None or now - self._used > _IDLE:
+                connection = self._ready()
+            elif connection.seconds != self.timeout:
+                connection.limit(self.timeout)
+            sent = connection.send(request)
+            if sent != len(request):
+                connection.send_all(request, self._deadline, sent)
+            if not first:
+                return b""
+            if self._in_pieces:
+                connection.acknowledge()
+            data = connection.receive(first if first > BLOCK else BLOCK)
+            if len(data) == first:
+                return data
+            return self._take(connection, data or self._ended(), first)
+        except BaseException as error:
+            self.reset()
+            if isinstance(error, OSError):
+                raise self._error(error) from error
+            raise
+
+    def more(self, n: int) -> bytes:
+        """See `Channel`."""
+        rest = self._rest
+        if len(rest) >= n:
+            self._rest = rest[n:]
+            return rest[:n]
+        try:
+            return self._take(self._open(), rest, n)
+        except OSError as error:
+            raise self._error(error) from error
+
+    def write(self, data: bytes) -> None:
+        """Writes what belongs to the call under way behind its reply; raises ChannelError."""
+        try:
+            self._open().send_all(data, self._deadline)
+        except OSError as error:
+            raise self._error(error) from error
+
+    def end(self) -> None:
+        """See `Channel`. Bytes beyond the reply cost the connection, not the call."""
+        if self._rest:
+            log.info("%s: %d bytes beyond the reply", self, len(self._rest))
+            self._drop()
+        self._used = monotonic()
+        self._lock.release()
+
+    def reset(self) -> None:
+        """See `Channel`: closes the connection."""
+        self._drop()
+        if self._lock.locked():
+            self._lock.release()
+
+    def close(self) -> None:
+        """Closes the connection when the call under way is over, or by force after `timeout`.
+
+        A later call connects anew.
+        """
+        if self._lock.acquire(timeout=self.timeout):
+            self.reset()
+        elif (connection := self._connection) is not None:
+            connection.shut()
+
+    def _drop(self) -> None:
+        connection, self._connection = self._connection, None
+        self._rest = b""
+        self._in_pieces = False
+        if connection is not None:
+            connection.close()
+
+    def _open(self) -> Connection:
+        if self._connection is None:
+            raise ChannelError(E_OBJ, f"{self}: no call is under way")
+        return self._connection
+
+    def _ended(self) -> bytes:
+        raise ChannelError(E_BOVR, f"{self}: the server closed the connection")
+
+    def _error(self, error: OSError) -> ChannelError:
+        if isinstance(error, TIME_OVER):
+            return ChannelError(E_TMOUT, f"{self}: no answer within {self.timeout} s")
+        return ChannelError(E_OBJ, f"{self}: {error.strerror or error}")
+
+    def _take(self, connection: Connection, data: bytes, n: int) -> bytes:
+        """n bytes, of which `data` is here already; what came beyond waits in `_rest`."""
+        if len(data) < n:
+            self._in_pieces = True
+            pieces = [data]
+            missing = n - len(data)
+            while missing > 0:
+                connection.acknowledge()
+                connection.limit(self._deadline - monotonic())
+                piece = connection.receive(min(max(missing, BLOCK), LARGE_BLOCK))
+                pieces.append(piece or self._ended())
+                missing -= len(piece)
+            data = b"".join(pieces)
+        self._rest = data[n:]
+        return data[:n]
+
+    def _ready(self) -> Connection:
+        """The connection, looked at after a pause, or a new one."""
+        connection = self._connection
+        if connection is None or not connection.is_quiet():
+            self._drop()
+            connection = self._connection = self._connect()
+        connection.limit(self._deadline - monotonic())
+        return connection
+
+    def _connect(self) -> Connection:
+        """A new connection. Servers need a moment until they listen again, so it tries again."""
+        pause = _FIRST_PAUSE
+        while True:
+            try:
+                return self._connect_once()
+            except OSError as error:
+                if isinstance(error, socket.gaierror) or error.errno in _LASTING:
+                    raise
+                if monotonic() + pause >= self._deadline:
+                    raise
+            sleep(pause)
+            pause = min(2 * pause, _LONGEST_PAUSE)
+
+    def _connect_once(self) -> Connection:
+        family, kind, protocol, _, address = socket.getaddrinfo(
+            self.address, self.port, type=socket.SOCK_STREAM
+        )[0]
+        peer = socket.socket(family, kind, protocol)
+        try:
+            if self.bind:
+                _bind(peer, self.bind)
+            peer.settimeout(max(self._deadline - monotonic(), 1e-6))
+            peer.connect(address)
+            if peer.getsockname() == peer.getpeername():
+                # TCP connects a socket to itself if it was given the free port that it asks for.
+                raise ConnectionRefusedError(
+                    errno.ECONNREFUSED, os.strerror(errno.ECONNREFUSED)
+                )
+            return Connection(peer, self.timeout)
+        except BaseException:
+            peer.close()
+            raise
+
+
+def _bind(peer: socket.socket, place: str) -> None:
+    """Binds to a local address, or to a network interface by its name."""
+    option: int | None = getattr(socket, "SO_BINDTODEVICE", None)
+    if option is not None and place in (name for _, name in socket.if_nameindex()):
+        peer.setsockopt(socket.SOL_SOCKET, option, place.encode())
+    else:
+        peer.bind((place, 0))
