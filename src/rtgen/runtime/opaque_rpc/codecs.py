@@ -237,6 +237,11 @@ def present(value: _T | None) -> _T:
     return value
 
 
+def element(values: Sequence[_T], index: int) -> _T:
+    """C's subscript; raises ValueError where there is no such element."""
+    return values[within(index, len(values) - 1)]
+
+
 def quotient(left: int, right: int) -> int:
     """C's `/`, towards zero; raises ZeroDivisionError."""
     size = abs(left) // abs(right)
@@ -265,7 +270,7 @@ def cast(value: float, bits: int, signed: bool) -> int:
 
 
 def argument_error(
-    function: str, failure: Exception, /, **values: object
+    function: str, failure: Exception, values: Mapping[str, object]
 ) -> ArgumentError:
     """What to raise when the values cannot be encoded."""
     shown = ", ".join(f"{name}={_short(value)}" for name, value in values.items())

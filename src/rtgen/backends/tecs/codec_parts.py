@@ -1,0 +1,191 @@
+"""What the methods of a codec share: its compiled runs and helpers, names, sizes."""
+
+from __future__ import annotations
+
+import builtins
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import count as numbers
+
+from rtgen.backends.tecs.expressions import expression_text, is_simple
+from rtgen.backends.tecs.values import kinds_text
+from rtgen.layouts.tdr import (
+    Basic,
+    Counted,
+    Item,
+    Node,
+    String,
+    kinds,
+    references,
+)
+from rtgen.model.tecs import Expression
+from rtgen.typemap.python_names import identifier
+
+CODEC_NAMES = (
+    "Codec",
+    "FAILURES",
+    "Items",
+    "More",
+    "REPLY_LIMIT",
+    "REQUEST_LIMIT",
+    "ReplyOrder",
+    "Room",
+    "Text",
+    "WideText",
+    "argument_error",
+    "cast",
+    "element",
+    "exactly",
+    "is_rpc_error",
+    "leading",
+    "leading_bytes",
+    "magic_error",
+    "present",
+    "quotient",
+    "remainder",
+    "shifted_left",
+    "shifted_right",
+    "size_error",
+    "within",
+)
+"""What generated codecs may import of `rtgen.runtime.opaque_rpc.codecs`."""
+
+TDR_NAMES = (
+    "EOP_NOTHING_FOLLOWS",
+    "EOP_REPLY_FOLLOWS",
+    "INT8",
+    "NETWORK",
+    "SOP_REPLY",
+    "SOP_REQUEST",
+    "Tdr",
+    "UINT8",
+)
+"""The same of its module `tdr`."""
+
+_LOCALS = (
+    *("self", "more", "first", "returned", "room", "data", "parts", "failure"),
+    *("v", "sop", "eop", "value"),
+)
+_RESERVED = frozenset((*CODEC_NAMES, *TDR_NAMES, *_LOCALS, *dir(builtins)))
+
+
+class Attributes:
+    """The attributes of a codec: compiled runs, arrays, texts."""
+
+    def __init__(self) -> None:
+        self._runs: dict[str, str] = {}
+        self._others: dict[str, str] = {}
+
+    def run(self, letters: Iterable[tuple[str, int]]) -> str:
+        """The compiled run of these letters."""
+        text = kinds_text(letters)
+        name = self._runs.setdefault(text, f"_run{len(self._runs) + 1}")
+        return f"self.{name}"
+
+    def element(self, node: Node) -> str:
+        """The compiled run of one element of an array."""
+        return self.run(kinds(node))
+
+    def items(self, basic: Basic) -> str:
+        """The arrays of a kind of numbers."""
+        name = f"_items_{basic.kind}" if basic.kind != "?" else "_booleans"
+        self._others[name] = f'Items(tdr, "{basic.kind}")'
+        return f"self.{name}"
+
+    def text(self, node: String) -> str:
+        """The texts of a kind of units."""
+        if not node.is_wide:
+            self._others["_text"] = "Text(tdr, encoding)"
+            return "self._text"
+        self._others[f"_text_{node.kind}"] = f'WideText(tdr, "{node.kind}")'
+        return f"self._text_{node.kind}"
+
+    def statements(self) -> list[str]:
+        """Those that make them."""
+        runs = [f"self.{n} = tdr.struct({kinds})" for kinds, n in self._runs.items()]
+        others = [f"self.{n} = {value}" for n, value in sorted(self._others.items())]
+        return runs + others
+
+
+class Scope:
+    """The local names of a method."""
+
+    def __init__(self, items: Iterable[Item]) -> None:
+        self._names: dict[str, str] = {}
+        self._taken = set(_RESERVED)
+        for item in items:
+            self._names[item.name] = self.new(item.name) if item.name else "returned"
+        self._loops = numbers(1)
+
+    def new(self, name: str) -> str:
+        """A name that nothing has yet."""
+        name = identifier(name, self._taken)
+        self._taken.add(name)
+        return name
+
+    def of(self, item: Item) -> str:
+        """The name of a parameter's or member's value."""
+        return self._names[item.name]
+
+    @property
+    def loops(self) -> numbers[int]:
+        """Numbers for the variables of loops."""
+        return self._loops
+
+
+class Environment:
+    """What the sizes of a message are worked out from.
+
+    `values` are the expressions of the values by name; `given` those of the request where the
+    message is a reply.
+    """
+
+    def __init__(
+        self,
+        items: Sequence[Item],
+        values: Mapping[str, str],
+        given: Mapping[str, str] | None = None,
+    ) -> None:
+        self._items = {item.name: item for item in items}
+        self._values = values
+        self._given = given
+        self.is_guarded = False
+
+    def count(self, node: Counted) -> str:
+        """How many elements travel."""
+        return self._text(node.count, self._values)
+
+    def length(self, node: String) -> str | None:
+        """The size of the buffer as the sender has it, None without one."""
+        if node.length is None:
+            return None
+        return self._text(node.length, self._values)
+
+    def capacity(self, node: Counted | String) -> str | None:
+        """How many elements or units fit where they are read; None if nothing tells."""
+        size = node.size if isinstance(node, Counted) else node.length
+        if size is None:
+            return None
+        if self._given is None:
+            known = self._values
+        elif all(name in self._given for name in references(size)):
+            known = self._given
+        elif isinstance(node, String):
+            known = self._values
+        else:
+            return None
+        text = self._text(size, known)
+        is_count = isinstance(node, Counted) and text == self.count(node)
+        return None if is_count else text
+
+    def reserved(self, node: Counted | String) -> str:
+        """How many elements or units the caller has room for."""
+        size = node.size if isinstance(node, Counted) else node.length
+        assert size is not None
+        return self._text(size, self._values)
+
+    def _text(self, size: Expression, values: Mapping[str, str]) -> str:
+        def names(name: str) -> tuple[str, Item]:
+            return values[name], self._items[name]
+
+        self.is_guarded |= not is_simple(size, names)
+        return expression_text(size, names)

@@ -1,0 +1,118 @@
+"""Names and types in Python for what a CDL file declares."""
+
+from __future__ import annotations
+
+from rtgen.layouts.tdr import (
+    Basic,
+    Counted,
+    FixedArray,
+    Item,
+    Node,
+    Octets,
+    Record,
+    String,
+)
+from rtgen.model import ScopedName
+from rtgen.model.tecs import Scalar, Signature
+from rtgen.typemap.python_names import identifier, module_name
+
+_IN_CLASSES = ("bool", "bytes", "field", "float", "int", "list", "range", "str")
+"""Names that the body of a struct's class uses."""
+
+_FLOATS = (Scalar.FLOAT32, Scalar.DOUBLE64)
+
+
+def plain_name(signature: Signature) -> str:
+    """The name that artifacts of a signature bear: `sServer` gives `Server`."""
+    name = signature.name[-1]
+    if name[0] == "s" and name[1:2].isupper():
+        return name[1:]
+    return name
+
+
+def codec_class(signature: Signature) -> str:
+    """The class of a signature's codec."""
+    return f"{identifier(plain_name(signature))}Codec"
+
+
+def codec_module(signature: Signature) -> str:
+    """The module of a signature's codec."""
+    return f"{module_name(plain_name(signature))}_codec"
+
+
+def struct_class(tag: ScopedName) -> str:
+    """The class of a struct."""
+    return identifier("_".join(tag))
+
+
+def member_name(name: str) -> str:
+    """The attribute of a struct's member."""
+    return identifier(name, _IN_CLASSES)
+
+
+def annotation(node: Node, given: bool = False) -> str:
+    """The type of a value; `given`: of one that is only read, so that a tuple will do too."""
+    many = "Sequence" if given else "list"
+    match node:
+        case Basic(Scalar.BOOL):
+            return "bool"
+        case Basic(scalar):
+            return "float" if scalar in _FLOATS else "int"
+        case Octets():
+            return "bytes"
+        case FixedArray(element):
+            return f"{many}[{annotation(element, given)}]"
+        case Record(struct):
+            return struct_class(struct.name)
+        case Counted():
+            if node.is_octets:
+                return "bytes"
+            return f"{many}[{annotation(node.element, given)}]"
+        case String():
+            return f"{many}[int]" if node.is_wide else "str"
+    return "None"
+
+
+def item_annotation(item: Item, given: bool = False) -> str:
+    """The type of a parameter's value: None stands for NULL."""
+    text = annotation(item.node, given)
+    return f"{text} | None" if item.nullable and text != "None" else text
+
+
+def argument_annotation(item: Item) -> str:
+    """The type of what a request tells of a parameter."""
+    return "bool" if item.asked else item_annotation(item, given=True)
+
+
+def zero(node: Node) -> str:
+    """An expression for the value that is all zeros; arrays and texts of open length are empty."""
+    match node:
+        case Basic(Scalar.BOOL):
+            return "False"
+        case Basic(scalar):
+            return "0.0" if scalar in _FLOATS else "0"
+        case Octets(count=count):
+            return f"bytes({count})"
+        case FixedArray(element, count):
+            if isinstance(element, Basic | Octets):
+                return f"[{zero(element)}] * {count}"
+            return f"[{zero(element)} for _ in range({count})]"
+        case Record(struct):
+            return f"{struct_class(struct.name)}()"
+        case Counted():
+            return 'b""' if node.is_octets else "[]"
+        case String():
+            return "[]" if node.is_wide else '""'
+    return "None"
+
+
+def is_mutable(node: Node) -> bool:
+    """Whether a value can be changed in place."""
+    match node:
+        case FixedArray() | Record():
+            return True
+        case Counted():
+            return not node.is_octets
+        case String():
+            return node.is_wide
+    return False
