@@ -23,7 +23,6 @@ from rtgen.typemap.python_names import identifier
 CODEC_NAMES = (
     "Codec",
     "FAILURES",
-    "Items",
     "More",
     "REPLY_LIMIT",
     "REQUEST_LIMIT",
@@ -53,6 +52,7 @@ TDR_NAMES = (
     "EOP_NOTHING_FOLLOWS",
     "EOP_REPLY_FOLLOWS",
     "INT8",
+    "Items",
     "NETWORK",
     "SOP_REPLY",
     "SOP_REQUEST",
@@ -62,8 +62,8 @@ TDR_NAMES = (
 """The same of its module `tdr`."""
 
 _LOCALS = (
-    *("self", "more", "first", "returned", "room", "data", "parts", "failure"),
-    *("v", "sop", "eop", "value"),
+    *("self", "more", "first", "returned", "room", "parts", "failure"),
+    *("packet", "unpacked", "sop", "eop", "value"),
 )
 _RESERVED = frozenset((*CODEC_NAMES, *TDR_NAMES, *_LOCALS, *dir(builtins)))
 

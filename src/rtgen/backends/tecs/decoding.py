@@ -97,13 +97,13 @@ class Decoder:
             left = f"({targets[0]},)" if comma else ", ".join(targets)
             lines = [f"{left} = {call}"]
         else:
-            lines = [f"v = {call}"]
+            lines = [f"unpacked = {call}"]
             at = 0
             for field in run.fields:
-                value = f"v[{at}]"
+                value = f"unpacked[{at}]"
                 if field.role is Role.VALUE:
                     assert field.item is not None
-                    value = unpacked(field.item.node, "v", str(at))
+                    value = unpacked(field.item.node, "unpacked", str(at))
                     at += places(field.item.node)
                 else:
                     at += 1
@@ -146,12 +146,14 @@ class Decoder:
         count = self._named(self._counts, item, "count")
         size = self._scope.new(f"{item.name}_size")
         lines = self._counted(node, count, size)
-        lines.append(f"data = more({size}{f' + {self.run_size(run)}' if run else ''})")
-        elements = f"data[:{size}]" if run else "data"
+        lines.append(
+            f"packet = more({size}{f' + {self.run_size(run)}' if run else ''})"
+        )
+        elements = f"packet[:{size}]" if run else "packet"
         target = self._scope.of(item)
         lines.append(f"{target} = {self._elements(node, elements, count)}")
         if run:
-            lines += self._unpack(run, "unpack_from", f"data, {size}")
+            lines += self._unpack(run, "unpack_from", f"packet, {size}")
         return lines
 
     def _counted(self, node: Counted | String, count: str, size: str) -> list[str]:
@@ -189,10 +191,10 @@ class Decoder:
                 annotation(node.element), "floats"
             )
             items = self._attributes.items(node.element)
-            return f"{items}.{method}(data, {count})"
+            return f"{items}.{method}(packet, {count})"
         run = self._attributes.element(node.element)
-        value = unpacked(node.element, "v", "0")
-        return f"[{value} for v in {run}.iter_unpack({data})]"
+        value = unpacked(node.element, "unpacked", "0")
+        return f"[{value} for unpacked in {run}.iter_unpack({data})]"
 
     def _branch(self, item: Item, steps: Sequence[Step]) -> list[str]:
         name = self._scope.of(item)
