@@ -353,9 +353,8 @@ class Program:
             case "float":
                 return self.real(depth), None
             case "fixed":
-                whole = self.chance.randint(
-                    0, 10 ** min(shape.bound - shape.scale, 6) - 1
-                )
+                digits = min(max(shape.bound - shape.scale, 0), 6)
+                whole = self.chance.randint(0, 10**digits - 1)
                 return [
                     (
                         f"{whole}.{self.chance.randint(0, 9)}d"

@@ -82,6 +82,14 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
         "#define A(x) x\n#line 0\n  A(\n",
         ("IDL0018",),
     ),
+    "forward_in_a_redeclared_interface": (
+        "interface N { struct D; }; interface N { struct D { long a; }; D f(); };",
+        ("IDL0215", "IDL0202"),
+    ),
+    "use_of_a_forward_in_a_redeclared_interface": (
+        "interface N { struct D { long a; }; }; interface N { struct D; D f(); };",
+        ("IDL0202", "IDL0215"),
+    ),
     "lone_underscore": ("enum E { _, A }; struct S { long __; };", ("IDL0207",) * 2),
     "id_that_follows_is_taken": (
         "struct S { @id(2) long a; @id(1) long b; long c; };",

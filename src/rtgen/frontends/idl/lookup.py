@@ -13,7 +13,8 @@ from rtgen.frontends.idl.unit import Unit
 from rtgen.frontends.idl.words import CORBA_3, FOLDED, RESERVED
 from rtgen.frontends.suggestions import nearest
 
-_MOST_ELSEWHERE = 3
+MOST_ELSEWHERE = 3
+"""So many other places of a mistake are named."""
 _MOST_GUESSES = 200
 """For so many unknown names a near one is looked for, since that takes time."""
 
@@ -223,10 +224,10 @@ class Lookup:
         for number, (unknown, *more) in enumerate(uses.values()):
             inside = ""
             related = [
-                Related(use.span, "used here, too") for use in more[:_MOST_ELSEWHERE]
+                Related(use.span, "used here, too") for use in more[:MOST_ELSEWHERE]
             ]
-            if len(more) > _MOST_ELSEWHERE:
-                others = len(more) - _MOST_ELSEWHERE
+            if len(more) > MOST_ELSEWHERE:
+                others = len(more) - MOST_ELSEWHERE
                 label = f"used here, too, and in {others} more places"
                 related[-1] = Related(related[-1].span, label)
             if unknown.inside:
@@ -277,7 +278,7 @@ class Lookup:
         text, scope = unknown.text, unknown.scope
         elsewhere = [e for e in _everything(self._top) if e.name == text]
         if elsewhere:
-            found = [e.scoped for e in elsewhere[:_MOST_ELSEWHERE]]
+            found = [e.scoped for e in elsewhere[:MOST_ELSEWHERE]]
             return f"did you mean {' or '.join(found)}?"
         foreign = TYPES.get(text) or VALUES.get(text.lower())
         if foreign is not None:

@@ -8,7 +8,7 @@ from typing import Any
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.alike import alike
-from rtgen.frontends.idl.lookup import called, kind_of
+from rtgen.frontends.idl.lookup import MOST_ELSEWHERE, called, kind_of
 from rtgen.frontends.idl.naming import FORWARDS, Naming
 from rtgen.frontends.idl.repository import Identities, below
 from rtgen.frontends.idl.rules import annotations as annotation_rules
@@ -72,20 +72,35 @@ class Resolver(Naming):
         """Resolve the translation unit of a main file."""
         self._run_unit(unit)
         self._lookup.report_unknown()
-        for entity in list(self.tables.declared):
-            if entity.node is None and entity.kind is not Kind.COMPONENT:
-                hard = entity.kind in (Kind.STRUCT, Kind.UNION)
-                rule = rules.NEVER_DEFINED if hard else rules.NEVER_DEFINED_INTERFACE
-                if entity.name.lower() in self._lookup.lost or entity.contradicted:
-                    continue
-                message = f"{called(entity)} is declared, but never defined"
-                hint = "define it, or remove the declaration"
-                finding = rule.at(entity.span, message, hint=hint)
-                if hard:
-                    self._report(finding)
-                else:
-                    self.tables.undefined[entity.path] = finding
+        self._never_defined()
         return self.tables
+
+    def _never_defined(self) -> None:
+        """Tell what has no definition; for a struct or union, its uses are the same mistake."""
+        uses: dict[Entity, list[Related]] = {}
+        for entity, finding in self._too_early:
+            if entity.node is None and entity.kind in (Kind.STRUCT, Kind.UNION):
+                assert finding.span is not None
+                uses.setdefault(entity, []).append(Related(finding.span, "used here"))
+            else:
+                self._report(finding)
+        for entity in self.tables.declared:
+            if entity.node is not None or entity.kind is Kind.COMPONENT:
+                continue
+            if entity.name.lower() in self._lookup.lost or entity.contradicted:
+                continue
+            hard = entity.kind in (Kind.STRUCT, Kind.UNION)
+            rule = rules.NEVER_DEFINED if hard else rules.NEVER_DEFINED_INTERFACE
+            finding = rule.at(
+                entity.span,
+                f"{called(entity)} is declared, but never defined",
+                related=uses.get(entity, [])[:MOST_ELSEWHERE],
+                hint="define it, or remove the declaration",
+            )
+            if hard:
+                self._report(finding)
+            else:
+                self.tables.undefined[entity.path] = finding
 
     def _run_unit(self, unit: Unit) -> None:
         saved = getattr(self, "_unit", unit), self._event, self.tables.top.ids
@@ -310,14 +325,13 @@ class Resolver(Naming):
             self.tables.references[name] = None
             return None
         if not found.complete or found is entity:
-            self._report(
-                type_rules.INCOMPLETE.at(
-                    self._unit.span(name.start, name.end),
-                    f"{found.scoped} is not defined before this place",
-                    related=[Related(found.span, "only declared here")],
-                    hint="put its definition before",
-                )
+            finding = type_rules.INCOMPLETE.at(
+                self._unit.span(name.start, name.end),
+                f"{found.scoped} is not defined before this place",
+                related=[Related(found.span, "only declared here")],
+                hint="put its definition before",
             )
+            self._too_early.append((found, finding))
             self.tables.references[name] = None
             return None
         self.tables.references[name] = found

@@ -42,6 +42,7 @@ class Naming(ABC):
         self._report = report
         self._lookup = Lookup(self.tables.top, report, declares, ignore_case_clashes)
         self._key = self._lookup.key
+        self._too_early: list[tuple[Entity, Diagnostic]] = []
         self._unit: Unit
 
     @abstractmethod
@@ -86,6 +87,8 @@ class Naming(ABC):
                 self.tables.entities[name] = merged
                 return merged
             entity.poisoned = entity.clashes = True
+        elif scope.entity is not None and scope.entity.clashes:
+            entity.clashes = True
         self.tables.entities[name] = entity
         if listed:
             self.tables.declared.append(entity)
@@ -259,18 +262,17 @@ class Naming(ABC):
             if inside
             else f"define {behind.name} before"
         )
-        self._report(
-            type_rules.INCOMPLETE.at(
-                self._unit.span(node.start, node.end),
-                (
-                    f"{behind.scoped} cannot hold itself"
-                    if inside and behind.node is not None
-                    else f"{behind.scoped} is not complete here"
-                ),
-                related=[Related(behind.span, label)],
-                hint=hint,
-            )
+        finding = type_rules.INCOMPLETE.at(
+            self._unit.span(node.start, node.end),
+            (
+                f"{behind.scoped} cannot hold itself"
+                if inside and behind.node is not None
+                else f"{behind.scoped} is not complete here"
+            ),
+            related=[Related(behind.span, label)],
+            hint=hint,
         )
+        self._too_early.append((behind, finding))
         self.tables.references[node] = None
 
     def _open_type(self, entity: Entity) -> Entity | None:

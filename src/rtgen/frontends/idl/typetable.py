@@ -46,7 +46,9 @@ class Types:
         self._depth = 0
         self._plain: dict[ScopedName, Type | None] = {}
         self._entities: dict[ScopedName, Entity] = {}
-        for entity in sorted(tables.declared, key=lambda e: e.clashes):
+        for entity in sorted(
+            tables.declared, key=lambda e: (e.clashes, e.node is None)
+        ):
             if self._entities.setdefault(entity.path, entity) is not entity:
                 continue
             if entity.kind is Kind.TYPEDEF:

@@ -121,8 +121,8 @@ class Context:
                         continue
                     if entity.kind is Kind.INTERFACE and entity.modifier == "local":
                         return True
-                    if entity.kind in (Kind.STRUCT, Kind.UNION, Kind.EXCEPTION):
-                        assert entity.inner is not None
+                    holds = (Kind.STRUCT, Kind.UNION, Kind.EXCEPTION)
+                    if entity.kind in holds and entity.inner is not None:
                         pending += [
                             self.types.of_entity(member)
                             for member in entity.inner.names.values()
