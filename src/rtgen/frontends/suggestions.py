@@ -8,6 +8,22 @@ from difflib import get_close_matches
 _MOST_COMPARED = 500
 """Of more candidates those are compared that begin alike and are about as long: it takes time."""
 
+_MOST_GUESSES = 200
+"""For so many mistakes of one sort a near name is looked for, since that takes time."""
+
+
+class Guesses:
+    """Near names for the first mistakes of one sort, each word looked for once."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, str | None] = {}
+
+    def nearest(self, word: str, candidates: Iterable[str]) -> str | None:
+        """As the function of that name; None where there were too many mistakes before."""
+        if word not in self._known and len(self._known) < _MOST_GUESSES:
+            self._known[word] = nearest(word, candidates)
+        return self._known.get(word)
+
 
 def nearest(word: str, candidates: Iterable[str]) -> str | None:
     """The candidate most like `word`: equal but for case, else by difflib; None if none is."""

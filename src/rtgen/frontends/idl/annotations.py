@@ -14,7 +14,7 @@ from rtgen.frontends.idl.rules import annotations as rules
 from rtgen.frontends.idl.scopes import Entity, Kind
 from rtgen.frontends.idl.typetable import PRIMITIVES, Types
 from rtgen.frontends.idl.unit import Unit
-from rtgen.frontends.suggestions import nearest
+from rtgen.frontends.suggestions import Guesses, nearest
 from rtgen.model import (
     Annotation,
     ConstantValue,
@@ -165,6 +165,7 @@ class Annotations:
     def __init__(self, types: Types, report: Callable[[Diagnostic], None]) -> None:
         self._types = types
         self._report = report
+        self._guesses = Guesses()
 
     def of(
         self,
@@ -200,7 +201,7 @@ class Annotations:
         definition = DEFINITIONS.get(node.name) or self._declared(node.name)
         span = unit.span(node.start, node.end)
         if definition is None:
-            near = nearest(node.name, DEFINITIONS)
+            near = self._guesses.nearest(node.name, DEFINITIONS)
             self._report(
                 rules.UNKNOWN_ANNOTATION.at(
                     span,

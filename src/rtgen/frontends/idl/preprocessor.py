@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections import ChainMap
 from collections.abc import Callable, Mapping
@@ -24,7 +25,7 @@ from rtgen.frontends.idl.macros import (
 from rtgen.frontends.idl.rules import lexical
 from rtgen.frontends.idl.source import Library, Source
 from rtgen.frontends.idl.unit import Boundary, Inclusion, Pragma, TextBuilder, Unit
-from rtgen.frontends.suggestions import nearest
+from rtgen.frontends.suggestions import Guesses, nearest
 
 MAX_DEPTH = 256
 """How deeply includes may nest."""
@@ -118,6 +119,9 @@ class Preprocessor:
         self._report = report
         self._prepared: dict[Source, list[_Prepared]] = {}
         self._found: dict[tuple[Path | None, str], Source] = {}
+        self._missing: dict[tuple[Path | None, str], str] = {}
+        self._searched: dict[Path | None, tuple[str, list[str]]] = {}
+        self._guesses = Guesses()
         self._stack: list[Source] = []
         self.tokens_left = MAX_EXPANSION
         self._included = 0
@@ -221,46 +225,52 @@ class Preprocessor:
 
     def _find(self, beside: Path | None, name: str, span: Span) -> Source | None:
         """The file of that name: in the folder of its includer or those of -I."""
-        folders: list[tuple[Path, Path | None]] = []
-        if beside is not None:
-            folders.append((beside, None))
-        folders += [(folder, folder) for folder in self._library.include]
-        for folder, include in folders:
+        place = (beside, name)
+        if place not in self._missing:
+            folders: list[tuple[Path, Path | None]] = []
+            if beside is not None:
+                folders.append((beside, None))
+            folders += [(folder, folder) for folder in self._library.include]
             try:
-                found = self._library.open(folder / name, include)
+                for folder, include in folders:
+                    path = os.path.join(folder, name)  # noqa: PTH118 (time)
+                    found = self._library.open(path, include)
+                    if found is not None:
+                        return found
             except (OSError, ValueError) as error:
                 reason = getattr(error, "strerror", None) or error
-                self._report(
-                    lexical.UNREADABLE.at(span, f"{name} cannot be read: {reason}")
-                )
+                message = f"{name} cannot be read: {reason}"
+                self._report(lexical.UNREADABLE.at(span, message))
                 return None
-            if found is not None:
-                return found
-        searched = [folder for folder, _ in folders]
-        near = nearest(Path(name).name, _files_in(searched))
-        places = dict.fromkeys(map(self._library.displayed, searched))
-        hint = "searched: " + (", ".join(places) or "no folder (use -I)")
-        if near:
-            same = near.lower() == Path(name).name.lower()
-            hint = f"did you mean {near}?{' (only the case differs)' if same else ''} {hint}"
+            self._missing[place] = self._hint(name, beside)
         self._report(
             lexical.INCLUDE_NOT_FOUND.at(
-                span, f"the file {name} was not found", hint=hint
+                span, f"the file {name} was not found", hint=self._missing[place]
             )
         )
         return None
 
+    def _hint(self, name: str, beside: Path | None) -> str:
+        """Where a file was looked for, and one there that has nearly its name."""
+        if beside not in self._searched:
+            folders = [
+                *([beside] if beside is not None else ()),
+                *self._library.include,
+            ]
+            shown = dict.fromkeys(map(self._library.displayed, folders))
+            files = [p.name for folder in folders for p in sorted(folder.glob("*.idl"))]
+            self._searched[beside] = ", ".join(shown) or "no folder (use -I)", files
+        places, files = self._searched[beside]
+        last = Path(name).name
+        near = self._guesses.nearest(last, files)
+        if near is None:
+            return f"searched: {places}"
+        case = " (only the case differs)" if near.lower() == last.lower() else ""
+        return f"did you mean {near}?{case} searched: {places}"
+
     def report(self, diagnostic: Diagnostic) -> None:
         """Pass a finding on."""
         self._report(diagnostic)
-
-
-def _files_in(folders: list[Path]) -> list[str]:
-    names: list[str] = []
-    for folder in folders:
-        if folder.is_dir():
-            names += sorted(path.name for path in folder.glob("*.idl"))
-    return names
 
 
 class _File:

@@ -55,7 +55,7 @@ class Entity:
 
     `type_node` is the type behind a typedef, a member or a constant, with its `declarator`.
     `contradicted` says that another declaration of the name is of another kind or prefix,
-    `clashes` that its name, or that of what it is declared in, is taken: it is kept out of its scope.
+    `clashes` that its name, or that of what it stands in, is taken: it is kept out of its scope.
     `default_id` is the repository id but for `#pragma ID` and `version`.
     `order` counts the declarations of the translation unit; `modifier` is abstract, local, custom.
     """

@@ -169,7 +169,7 @@ class Source:
         return self.text_span(place, place)
 
 
-def absolute_path(path: Path) -> str:
+def absolute_path(path: Path | str) -> str:
     """The path from the root, without `..`; links are kept, so a file's includes lie beside it."""
     return os.path.normpath(Path.cwd() / path)
 
@@ -198,7 +198,7 @@ class Library:
         """Every file read, in order."""
         return [source for source in self._read.values() if source is not None]
 
-    def open(self, path: Path, folder: Path | None = None) -> Source | None:
+    def open(self, path: Path | str, folder: Path | None = None) -> Source | None:
         """The file of that path, or None where there is none.
 
         `folder` is the include folder in which it was found. Raises OSError if there is a file
@@ -209,14 +209,15 @@ class Library:
             return self._read[absolute]
         source = None
         digest = None
-        if Path(absolute).is_file():
-            with Path(absolute).open("rb") as stream:
+        file = Path(absolute)
+        if file.is_file():
+            with file.open("rb") as stream:
                 data = stream.read(MAX_BYTES + 1)
             too_large = len(data) > MAX_BYTES
             source = Source(
                 self._displayed(absolute),
-                self._key(Path(absolute), folder),
-                path,
+                self._key(file, folder),
+                Path(path),
                 b"" if too_large else data,
             )
             if too_large:
@@ -226,7 +227,7 @@ class Library:
                 ]
             digest = source.sha256
         self._read[absolute] = source
-        self._dependencies[absolute] = Dependency(Path(absolute), digest)
+        self._dependencies[absolute] = Dependency(file, digest)
         return source
 
     def displayed(self, folder: Path) -> str:
