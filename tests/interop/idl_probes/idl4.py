@@ -241,6 +241,12 @@ PROBES = [
         N="struct N; a: long",
     ),
     alone(
+        "external, in full, of an incomplete type",
+        "struct N; struct A { @external(TRUE) N n_; @external(value=TRUE) N m; };"
+        " struct N { long a; };",
+        A="struct A; n_: N; m: N",
+    ),
+    alone(
         "not external of an incomplete type",
         "struct N; struct A { @external(FALSE) N n_; }; struct N { long a; };",
         "IDL0300",

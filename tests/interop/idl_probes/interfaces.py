@@ -212,6 +212,11 @@ PROBES = [
         "valuetype A { public long x; }; valuetype B : truncatable A { public long y; };",
     ),
     same(
+        "truncatable with an abstract base",
+        "abstract valuetype A {}; valuetype B : truncatable A { public long y; };",
+        "IDL0615",
+    ),
+    same(
         "abstract bases",
         "abstract valuetype A {}; abstract valuetype B {}; valuetype C : A, B {}; abstract valuetype D : A, B {};",
     ),

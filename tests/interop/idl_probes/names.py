@@ -1,6 +1,6 @@
 """Section 3 of the language: scopes, look-up, introduction, inheritance, forward declarations."""
 
-from idl_probes.probe import better, refused, same, stricter
+from idl_probes.probe import better, refused, same
 
 PROBES = [
     refused(
@@ -133,7 +133,14 @@ PROBES = [
         "module M { typedef long T; }; struct S { M a; };",
         "IDL0210",
     ),
-    stricter("constant as a type", "const long C = 1; struct S { C a; };", "IDL0210"),
+    same("constant as a type", "const long C = 1; struct S { C a; };", "IDL0219"),
+    same(
+        "constants as types",
+        'typedef long T; enum E { A, B }; const T X = 1; const E Y = B; const string Z = "a";'
+        " struct S { X a; sequence<Y> b; Z c; }; union U switch (Y) { case A: X d; };"
+        " interface I { X f(in Y b, out Z c); attribute X d; }; typedef X V; const X W = 4;",
+        *["IDL0219"] * 11,
+    ),
     refused(
         "member as a type", "struct S { long a; }; struct T { S::a b; };", "IDL0210"
     ),

@@ -26,6 +26,7 @@ PROBES = [
     ),
     same("ids inside a struct", "struct S { struct T { enum E { A } e_; } t_; };"),
     same("prefix", '#pragma prefix "p"\n' + _S),
+    same("prefix of two texts", '#pragma prefix "a" "b/" "c"\n' + _S),
     same("prefix with dots and slashes", '#pragma prefix "a.b/c-d"\n' + _S),
     same(
         "prefix for what follows",

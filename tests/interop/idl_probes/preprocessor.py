@@ -1,9 +1,14 @@
 """Section 2 of the language, first half: directives, macros, includes, line markers."""
 
-from idl_probes.probe import alone, better, refused, same, stricter
+from idl_probes.probe import alone, better, refused, same
 
 _S = "struct S { long a; };"
 _T = "struct T { long b; };"
+_UNSIGNED = (
+    *("-1 > 0u", "-1 > 0", "0xffffffffffffffff > 0", "(1 ? -1 : 0u) > 0"),
+    *("-1 / 2u > 0", "-1 >> 1u < 0", "18446744073709551615 > 0", "(0u < 1) - 2 < 0"),
+    *("!0u - 2 < 0", "~0u > 0", "-1u > 0", "9223372036854775808 > 0", "-1 % 2u == 1"),
+)
 
 PROBES = [
     same(
@@ -221,7 +226,40 @@ PROBES = [
     ),
     refused("define without a name", "#define\n" + _S, "IDL0016"),
     refused("define of a number", "#define 3 4\n" + _S, "IDL0016"),
-    stricter("ifdef without a name", "#ifdef\n#endif\n" + _S, "IDL0015"),
+    same("ifdef without a name", "#ifdef\njunk\n#endif\n" + _S, "IDL0025"),
+    same("ifndef without a name", "#ifndef\n" + _S + "\n#endif\n", "IDL0025"),
+    same("ifdef of a number", "#ifdef 1\njunk\n#endif\n" + _S, "IDL0025"),
+    same("assert", "#assert a(b)\n#unassert a\n" + _S, *["IDL0026"] * 2),
+    same(
+        "include_next",
+        "#include <a.idl>\n",
+        files={
+            "one/a.idl": "#include_next <a.idl>\n" + _S,
+            "two/a.idl": "struct T { long a; };\n",
+        },
+        folders=("one", "two"),
+    ),
+    same(
+        "include_next in the main file", '#include_next "a.idl"\n', files={"a.idl": _S}
+    ),
+    same("digraph", "%:define A 5\n%: if A == 5\n" + _S + "\n%:endif\n"),
+    same(
+        "unsigned numbers",
+        "\n".join(
+            f"#if {condition}\nstruct S{number} {{ long a; }};\n#endif"
+            for number, condition in enumerate(_UNSIGNED)
+        )
+        + "\n"
+        + _S,
+    ),
+    same("__TIME__ is defined", "#ifdef __TIME__\n" + _S + "\n#endif"),
+    alone(
+        "__DATE__",
+        "const string D = __DATE__;",
+        "IDL0027",
+        D="const D: string = Jan  1 1970",
+    ),
+    same("long line", " " * 300_000 + _S),
     refused("unknown directive", "#inclde <x>\n" + _S, "IDL0021"),
     same("null directive", "#\n # \n#/* a */\n" + _S),
     same(

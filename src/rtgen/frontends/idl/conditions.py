@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import operator
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 from rtgen.frontends.idl.macros import Expander, ExpansionError, Macro, Token, tokenize
 
@@ -20,23 +22,27 @@ _LEVELS: tuple[tuple[str, ...], ...] = (
     ("*", "/", "%"),
 )
 _LEVEL = {operator: level for level, group in enumerate(_LEVELS) for operator in group}
+_COMPARISONS: dict[str, Callable[[int, int], bool]] = {
+    "||": lambda a, b: bool(a or b),
+    "&&": lambda a, b: bool(a and b),
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    ">": operator.gt,
+    "<=": operator.le,
+    ">=": operator.ge,
+}
+_SHIFTS: dict[str, Callable[[int, int], int]] = {
+    "<<": operator.lshift,
+    ">>": operator.rshift,
+}
 _OPERATIONS: dict[str, Callable[[int, int], int]] = {
-    "||": lambda a, b: int(bool(a) or bool(b)),
-    "&&": lambda a, b: int(bool(a) and bool(b)),
-    "|": lambda a, b: a | b,
-    "^": lambda a, b: a ^ b,
-    "&": lambda a, b: a & b,
-    "==": lambda a, b: int(a == b),
-    "!=": lambda a, b: int(a != b),
-    "<": lambda a, b: int(a < b),
-    ">": lambda a, b: int(a > b),
-    "<=": lambda a, b: int(a <= b),
-    ">=": lambda a, b: int(a >= b),
-    "<<": lambda a, b: a << b,
-    ">>": lambda a, b: a >> b,
-    "+": lambda a, b: a + b,
-    "-": lambda a, b: a - b,
-    "*": lambda a, b: a * b,
+    "|": operator.or_,
+    "^": operator.xor,
+    "&": operator.and_,
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
 }
 _INTEGER = re.compile(r"(?:0[xX][0-9a-fA-F]+|0[0-7]*|[1-9]\d*)[uUlL]{0,3}")
 _ESCAPES = {"n": 10, "t": 9, "0": 0, "r": 13, "a": 7, "b": 8, "f": 12, "v": 11}
@@ -54,7 +60,7 @@ def evaluate(text: str, macros: Mapping[str, Macro]) -> bool:
     value = parser.expression()
     if parser.tokens:
         raise ExpansionError(f"'{parser.tokens[-1].text}' cannot stand here")
-    return bool(value)
+    return bool(value.value)
 
 
 def _defined(tokens: list[Token], macros: Mapping[str, Macro]) -> list[Token]:
@@ -76,97 +82,122 @@ def _defined(tokens: list[Token], macros: Mapping[str, Macro]) -> list[Token]:
     return result
 
 
+@dataclass(frozen=True, slots=True)
+class _Number:
+    """A value of C's intmax_t, or uintmax_t if `unsigned`: 64 bits, which sums run over."""
+
+    value: int
+    unsigned: bool = False
+
+    @classmethod
+    def of(cls, value: int, unsigned: bool = False) -> _Number:
+        value &= 2**64 - 1
+        if not unsigned and value >= 2**63:
+            value -= 2**64
+        return cls(value, unsigned)
+
+
 class _Parser:
-    """Precedence climbing; values stay in the 64 bits of C's intmax_t."""
+    """Precedence climbing."""
 
     def __init__(self, tokens: list[Token]) -> None:
         self.tokens = tokens[::-1]
         self._depth = 0
         self._dead = 0
 
-    def expression(self, lowest: int = 0) -> int:
+    def expression(self, lowest: int = 0) -> _Number:
         self._depth += 1
         if self._depth > _DEEPEST:
             raise ExpansionError("the expression is nested too deeply")
-        value = self._unary()
+        left = self._unary()
         while self.tokens and _LEVEL.get(self.tokens[-1].text, -1) >= lowest:
-            operator = self.tokens.pop().text
-            decided = (operator == "&&" and not value) or (operator == "||" and value)
-            right = self._operand(not decided, _LEVEL[operator] + 1)
-            value = self._apply(operator, value, right)
+            mark = self.tokens.pop().text
+            decided = mark == ("||" if left.value else "&&")
+            right = self._operand(not decided, _LEVEL[mark] + 1)
+            left = self._apply(mark, left, right)
         if lowest == 0 and self.tokens and self.tokens[-1].text == "?":
-            value = self._choice(value)
+            left = self._choice(bool(left.value))
         self._depth -= 1
-        return value
+        return left
 
-    def _choice(self, condition: int) -> int:
+    def _choice(self, condition: bool) -> _Number:
         self.tokens.pop()
-        chosen = self._operand(bool(condition))
+        chosen = self._operand(condition)
         if not self.tokens or self.tokens.pop().text != ":":
             raise ExpansionError("'?' needs a ':'")
         other = self._operand(not condition)
-        return chosen if condition else other
+        value = chosen.value if condition else other.value
+        return _Number.of(value, chosen.unsigned or other.unsigned)
 
-    def _operand(self, matters: bool, lowest: int = 0) -> int:
+    def _operand(self, matters: bool, lowest: int = 0) -> _Number:
         """An operand; one that does not matter is read, but cannot be wrong."""
         self._dead += not matters
         value = self.expression(lowest)
         self._dead -= not matters
         return value
 
-    def _apply(self, operator: str, left: int, right: int) -> int:
-        if operator in ("/", "%"):
-            if right == 0:
+    def _apply(self, mark: str, left: _Number, right: _Number) -> _Number:
+        if mark in _SHIFTS:
+            if not 0 <= right.value < 64:
                 if self._dead:
-                    return 0
-                raise ExpansionError("division by zero")
-            quotient = (
-                abs(left) // abs(right) * (1 if (left < 0) == (right < 0) else -1)
-            )
-            return quotient if operator == "/" else left - quotient * right
-        if operator in ("<<", ">>") and not 0 <= right < 64:
+                    return _Number(0)
+                message = f"a shift by {right.value} is not between 0 and 63"
+                raise ExpansionError(message)
+            return _Number.of(_SHIFTS[mark](left.value, right.value), left.unsigned)
+        if mark in ("||", "&&"):
+            return _Number(int(_COMPARISONS[mark](left.value, right.value)))
+        unsigned = left.unsigned or right.unsigned
+        a = _Number.of(left.value, unsigned).value
+        b = _Number.of(right.value, unsigned).value
+        if mark in _COMPARISONS:
+            return _Number(int(_COMPARISONS[mark](a, b)))
+        if mark in _OPERATIONS:
+            return _Number.of(_OPERATIONS[mark](a, b), unsigned)
+        if b == 0:
             if self._dead:
-                return 0
-            raise ExpansionError(f"a shift by {right} is not between 0 and 63")
-        value = _OPERATIONS[operator](left, right) & (2**64 - 1)
-        return value - 2**64 if value >= 2**63 else value
+                return _Number(0)
+            raise ExpansionError("division by zero")
+        quotient = abs(a) // abs(b) * (1 if (a < 0) == (b < 0) else -1)
+        return _Number.of(quotient if mark == "/" else a - quotient * b, unsigned)
 
-    def _unary(self) -> int:
-        operators = []
+    def _unary(self) -> _Number:
+        marks = []
         while self.tokens and self.tokens[-1].text in ("!", "~", "-", "+"):
-            operators.append(self.tokens.pop().text)
-        value = self._primary()
-        for operator in reversed(operators):
-            match operator:
+            marks.append(self.tokens.pop().text)
+        number = self._primary()
+        for mark in reversed(marks):
+            match mark:
                 case "!":
-                    value = int(not value)
+                    number = _Number(int(not number.value))
                 case "~":
-                    value = ~value
+                    number = _Number.of(~number.value, number.unsigned)
                 case "-":
-                    value = -value
-        return value
+                    number = _Number.of(-number.value, number.unsigned)
+        return number
 
-    def _primary(self) -> int:
+    def _primary(self) -> _Number:
         if not self.tokens:
             raise ExpansionError("an operand is missing at the end")
         token = self.tokens.pop()
         if token.text == "(":
-            value = self.expression()
+            number = self.expression()
             if not self.tokens or self.tokens.pop().text != ")":
                 raise ExpansionError("a ')' is missing")
-            return value
+            return number
         if token.kind == "name":
-            return 0
+            return _Number(0)
         if token.kind == "number" and _INTEGER.fullmatch(token.text):
             digits = token.text.rstrip("uUlL")
             if len(digits) > 24:
                 raise ExpansionError("the number is too large")
             octal = digits.startswith("0") and digits.isdigit()
-            return int(digits, 8 if octal else 0)
+            value = int(digits, 8 if octal else 0)
+            suffix = token.text[len(digits) :].lower()
+            return _Number.of(value, "u" in suffix or value >= 2**63)
         if token.kind == "text" and token.text.startswith("'"):
             character = token.text[1:-1]
             if len(character) == 1:
-                return ord(character)
+                return _Number(ord(character))
             if len(character) == 2 and character[0] == "\\":
-                return _ESCAPES.get(character[1], ord(character[1]))
+                return _Number(_ESCAPES.get(character[1], ord(character[1])))
         raise ExpansionError(f"'{token.text}' cannot stand in this expression")

@@ -697,4 +697,11 @@ class Resolver(Naming):
 
 def _is_external(item: tree.Item) -> bool:
     """Whether a member may be of a type that is not complete yet (DDS-XTypes 1.3, 7.3.1.2.1)."""
-    return any(a.name == "external" and not a.arguments for a in item.annotations)
+    return any(
+        a.name == "external" and all(map(_is_true, a.arguments))
+        for a in item.annotations
+    )
+
+
+def _is_true(argument: tree.Argument) -> bool:
+    return isinstance(argument.value, tree.Boolean) and argument.value.value

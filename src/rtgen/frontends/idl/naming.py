@@ -301,6 +301,16 @@ class Naming(ABC):
     def _check_type(self, entity: Entity, node: tree.ScopedName) -> None:
         if entity.kind in TYPES:
             return
+        if entity.kind is Kind.CONST:
+            self._report(
+                rules.CONSTANT_AS_TYPE.at(
+                    self._unit.span(node.start, node.end),
+                    f"{called(entity)} is no type: its own type is taken",
+                    related=[Related(entity.span, "declared here")],
+                    hint="name the type",
+                )
+            )
+            return
         self.tables.references[node] = None
         if not entity.poisoned:
             what = (

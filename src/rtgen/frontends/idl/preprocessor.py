@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections import ChainMap
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -39,7 +39,7 @@ MAX_EXPANSION = 500_000
 MAX_INCLUDES = 10_000
 """How many inclusions one translation unit may need."""
 
-_DIRECTIVE = re.compile(r"^[ \t\v\f\r]*#([^\n]*)", re.MULTILINE)
+_DIRECTIVE = re.compile(r"^[ \t\v\f\r]*(?:#|%:)([^\n]*)", re.MULTILINE)
 _COMMAND = re.compile(r"\s*([^\W\d]\w*|\d+|)\s*(.*?)\s*$", re.DOTALL)
 _INCLUDE = re.compile(r'"([^"\n]+)"|<([^>\n]+)>')
 _LINE = re.compile(r'(\d{1,9})(?:\s+"((?:\\.|[^"\\])*)"(?:\s+\d+)*)?')
@@ -53,7 +53,7 @@ _NAME_OR_TEXT = re.compile(
 _WORD = re.compile(r"[^\W\d]\w*")
 _KNOWN = (
     *("define", "elif", "else", "endif", "error", "if", "ifdef", "ifndef", "include"),
-    *("line", "pragma", "undef", "warning"),
+    *("include_next", "line", "pragma", "undef", "warning"),
 )
 _ONCE = "#once "
 _PREDEFINED = ("__FILE__", "__LINE__")
@@ -62,8 +62,20 @@ _ASKED_FOR = {
     "__RTGEN__": "1",
     "__STDC__": "1",
     "__STDC_VERSION__": "199409L",
+    "__DATE__": '"Jan  1 1970"',
+    "__TIME__": '"00:00:00"',
 }
-"""Macros that files ask for; all but `__RTGEN__` are as omniidl 4.2.5 has them."""
+"""Macros that files ask for; all but `__RTGEN__` and the times are as omniidl 4.2.5 has them."""
+_TIMES = {
+    name: define(f"{name} {_ASKED_FOR[name]}") for name in ("__DATE__", "__TIME__")
+}
+
+
+_Folders = tuple[Path | None, ...]
+"""The folders of `-I` in which a file may be; None stands for that of the including file."""
+
+_Place = tuple[Path | None, _Folders, str]
+"""The folder of the including file if that counts, the folders to search, and a file's name."""
 
 
 @dataclass(slots=True)
@@ -118,9 +130,10 @@ class Preprocessor:
         self._library = library
         self._report = report
         self._prepared: dict[Source, list[_Prepared]] = {}
-        self._found: dict[tuple[Path | None, str], Source] = {}
-        self._missing: dict[tuple[Path | None, str], str] = {}
-        self._searched: dict[Path | None, tuple[str, list[str]]] = {}
+        self._found: dict[_Place, Source] = {}
+        self._missing: dict[_Place, str] = {}
+        self._origins: dict[Source, Path | None] = {}
+        self._searched: dict[tuple[Path | None, _Folders], tuple[str, list[str]]] = {}
         self._guesses = Guesses()
         self._stack: list[Source] = []
         self.tokens_left = MAX_EXPANSION
@@ -167,10 +180,21 @@ class Preprocessor:
             known.append(prepared)
         return prepared
 
-    def include(self, file: _File, quoted: str | None, name: str, span: Span) -> None:
-        """Take in the file that an `#include` in `file` names."""
-        place = (file.source.folder if quoted is not None else None, name)
-        source = self._found.get(place) or self._find(*place, span)
+    def include(
+        self, file: _File, name: str, span: Span, *, quoted: bool, further: bool
+    ) -> None:
+        """Take in the file that an `#include` in `file` names.
+
+        `further`: as GNU's `#include_next`, in the folders behind the one that `file` is from.
+        """
+        folders: _Folders = (None, *self._library.include)
+        origin = self._origins.get(file.source)
+        if further and origin is not None:
+            folders = folders[folders.index(origin) + 1 :]
+        elif not quoted:
+            folders = folders[1:]
+        place = (file.source.folder if None in folders else None, folders, name)
+        source = self._found.get(place) or self._find(place, span)
         if source is None:
             file.builder.unit.lacking = True
             return
@@ -223,26 +247,24 @@ class Preprocessor:
             self._report(lexical.INCLUDE_CYCLE.at(span, message, hint=hint))
         self._exhausted = True
 
-    def _find(self, beside: Path | None, name: str, span: Span) -> Source | None:
+    def _find(self, place: _Place, span: Span) -> Source | None:
         """The file of that name: in the folder of its includer or those of -I."""
-        place = (beside, name)
+        beside, folders, name = place
         if place not in self._missing:
-            folders: list[tuple[Path, Path | None]] = []
-            if beside is not None:
-                folders.append((beside, None))
-            folders += [(folder, folder) for folder in self._library.include]
             try:
-                for folder, include in folders:
-                    path = os.path.join(folder, name)  # noqa: PTH118 (time)
-                    found = self._library.open(path, include)
+                for folder in folders:
+                    searched = folder or beside or ""
+                    path = os.path.join(searched, name)  # noqa: PTH118 (time)
+                    found = self._library.open(path, folder)
                     if found is not None:
+                        self._origins.setdefault(found, folder)
                         return found
             except (OSError, ValueError) as error:
                 reason = getattr(error, "strerror", None) or error
                 message = f"{name} cannot be read: {reason}"
                 self._report(lexical.UNREADABLE.at(span, message))
                 return None
-            self._missing[place] = self._hint(name, beside)
+            self._missing[place] = self._hint(place)
         self._report(
             lexical.INCLUDE_NOT_FOUND.at(
                 span, f"the file {name} was not found", hint=self._missing[place]
@@ -250,17 +272,16 @@ class Preprocessor:
         )
         return None
 
-    def _hint(self, name: str, beside: Path | None) -> str:
+    def _hint(self, place: _Place) -> str:
         """Where a file was looked for, and one there that has nearly its name."""
-        if beside not in self._searched:
-            folders = [
-                *([beside] if beside is not None else ()),
-                *self._library.include,
-            ]
-            shown = dict.fromkeys(map(self._library.displayed, folders))
-            files = [p.name for folder in folders for p in sorted(folder.glob("*.idl"))]
-            self._searched[beside] = ", ".join(shown) or "no folder (use -I)", files
-        places, files = self._searched[beside]
+        beside, folders, name = place
+        if (beside, folders) not in self._searched:
+            real = [folder or beside or Path() for folder in folders]
+            shown = dict.fromkeys(map(self._library.displayed, real))
+            files = [p.name for folder in real for p in sorted(folder.glob("*.idl"))]
+            places = ", ".join(shown) or "no folder (use -I)"
+            self._searched[beside, folders] = places, files
+        places, files = self._searched[beside, folders]
         last = Path(name).name
         near = self._guesses.nearest(last, files)
         if near is None:
@@ -348,10 +369,23 @@ class _File:
             if macro is None or match.start() < copied:
                 continue
             self._copy(copied, match.start())
+            self._tell_time([macro.name], self._span(match.start(), match.end()))
             copied = self._end_of_call(macro, match.start(), match.end(), end)
             call = tokenize(code[match.start() : copied])
             self._replace(call, match.start(), copied)
         self._copy(copied, end)
+
+    def _tell_time(self, words: Iterable[str], span: Span) -> None:
+        """Warn where a text depends on the time of its translation."""
+        for name in sorted(_TIMES.keys() & words):
+            if self.macros.get(name) == _TIMES[name]:
+                self._owner.report(
+                    lexical.TIME_OF_TRANSLATION.at(
+                        span,
+                        f"{name} is always {_TIMES[name].body[0].text} here",
+                        hint=f"say what it is: -D {name}=...",
+                    )
+                )
 
     def _words(self, start: int, end: int) -> set[str]:
         """The words of a piece that counts: the macros among them decide what it comes to."""
@@ -430,7 +464,7 @@ class _File:
         assert command is not None
         name, rest = command[1], command[2]
         begin = match.start(1)
-        hash_at = begin - 1
+        hash_at = begin - (1 if self.source.code[begin - 1] == "#" else 2)
         span = self._span(hash_at, max(begin + command.end(2), begin))
         if self._active or (name == "elif" and self._open[-1].outer):
             self._words(begin, match.end())
@@ -445,10 +479,15 @@ class _File:
                 return
             case "define":
                 self._define(rest, span)
+                self._tell_time(_WORD.findall(rest), span)
             case "undef":
                 self.macros.put(rest.split()[0] if rest else "", None)
-            case "include":
-                self._include(rest, span)
+            case "include" | "include_next":
+                self._include(rest, span, further=name == "include_next")
+            case "assert" | "unassert":
+                message = f"#{name} is passed over"
+                hint = "use #define and #undef"
+                self._owner.report(lexical.PASSED_OVER.at(span, message, hint=hint))
             case "error":
                 self._owner.report(lexical.ERROR_DIRECTIVE.at(span, rest or "#error"))
             case "warning":
@@ -483,15 +522,14 @@ class _File:
         if outer:
             if name == "if":
                 value = self._condition(rest, span)
-            elif re.match(r"[^\W\d]\w*", rest):
-                value = (rest.split()[0] in self.macros) == (name == "ifdef")
+            elif found := _WORD.match(rest):
+                value = (found[0] in self.macros) == (name == "ifdef")
             else:
+                value = name == "ifndef"
+                message = f"#{name} needs the name of a macro"
+                hint = f"write #{name} NAME, or #if for an expression"
                 self._owner.report(
-                    lexical.BAD_CONDITION.at(
-                        span,
-                        f"#{name} needs the name of a macro",
-                        hint=f"write #{name} NAME",
-                    )
+                    lexical.NAMELESS_CONDITION.at(span, message, hint=hint)
                 )
         self._open.append(_Conditional(span, outer, outer and value, value))
 
@@ -571,7 +609,7 @@ class _File:
             return text
         return "".join(token.text for token in tokens)
 
-    def _include(self, rest: str, span: Span) -> None:
+    def _include(self, rest: str, span: Span, further: bool) -> None:
         found = _INCLUDE.match(rest) or _INCLUDE.match(
             self._expanded(rest, span).strip()
         )
@@ -586,7 +624,8 @@ class _File:
             )
             self.builder.unit.lacking = True
             return
-        self._owner.include(self, found[1], found[1] or found[2].strip(), span)
+        name = found[1] or found[2].strip()
+        self._owner.include(self, name, span, quoted=bool(found[1]), further=further)
 
     def _pragma(self, rest: str, span: Span) -> None:
         if rest.split() == ["once"]:

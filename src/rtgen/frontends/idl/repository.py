@@ -12,7 +12,7 @@ from rtgen.frontends.idl.unit import Pragma
 from rtgen.frontends.suggestions import nearest
 
 _PRAGMA = re.compile(r"\s*(\w+)\s*(.*?)\s*$", re.DOTALL)
-_PREFIX = re.compile(r'"([^"]*)"')
+_PREFIX = re.compile(r'"[^"]*"(?:\s*"[^"]*")*')
 _ID = re.compile(r'((?:::\s*)?\w+(?:\s*::\s*\w+)*)\s+"([^"]*)"')
 _VERSION = re.compile(r"((?:::\s*)?\w+(?:\s*::\s*\w+)*)\s+(\d+\.\d+)")
 _IDL_FORM = re.compile(r"IDL:[^:]*:\d+\.\d+")
@@ -50,7 +50,7 @@ class Identities:
             if found is None:
                 self._malformed(pragma, '#pragma prefix "text"')
             else:
-                scope.ids = found[1]
+                scope.ids = "".join(rest.split('"')[1::2])
         elif kind == "ID":
             found = _ID.fullmatch(rest)
             if found is None:

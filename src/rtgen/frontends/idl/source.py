@@ -17,7 +17,6 @@ from rtgen.frontends import Dependency
 from rtgen.frontends.idl.rules import lexical
 
 MAX_BYTES = 32 * 1024 * 1024
-MAX_LINE = 256 * 1024
 
 _FALLBACK = "rtgen-latin-1"
 _SPLICE = re.compile(r"(?<![\x80-\xff])\\\r?\n")
@@ -73,16 +72,6 @@ class Source:
         self.code = self._blank_comments(self._join_lines(self._acceptable_text()))
 
     def _acceptable_text(self) -> str:
-        if max(map(len, self.text.split("\n"))) > MAX_LINE:
-            start = 0
-            for number, line in enumerate(self.text.split("\n"), 1):
-                if len(line) > MAX_LINE:
-                    message = f"line of {len(line):,} characters; at most {MAX_LINE:,} are read"
-                    span = Span(self.name, number, 1, number, 2)
-                    self.problems.append(lexical.LINE_TOO_LONG.at(span, message))
-                    self.text = self.text[: start + 200]
-                    return ""
-                start += len(line) + 1
         found = _CONTROL.search(self.text)
         if found is None:
             return self.text

@@ -150,6 +150,8 @@ class Types:
                     return PRIMITIVES[found]
                 if found is None or found.poisoned:
                     return None
+                if found.kind is Kind.CONST and found.type_node is not None:
+                    return self.of_node(found.type_node, found.unit)
                 return self.named(found)
             case tree.TextType(wide, bound):
                 return self._bounded(bound, unit, lambda size: StringType(wide, size))

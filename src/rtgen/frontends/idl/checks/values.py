@@ -51,7 +51,7 @@ def bases(entity: Entity, context: Context) -> None:
         if first is not None and first.modifier == "abstract":
             message = f"{entity.name} is truncatable, but has no concrete base"
             context.report(
-                rules.CONCRETE_BASES.at(
+                rules.NOTHING_TO_TRUNCATE.at(
                     entity.span,
                     message,
                     related=[Related(first.span, f"{first.name} is abstract")],

@@ -151,7 +151,7 @@ CONCRETE_BASES = Rule(
     """
 A valuetype has at most one base that is not abstract, and supports at most one interface that is
 not
-abstract; each stands first in its list. `truncatable` needs such a base.
+abstract; each stands first in its list.
 
 ```idl
 // gives this finding
@@ -240,6 +240,22 @@ interface Lamp {
 """,
 )
 
+NOTHING_TO_TRUNCATE = Rule(
+    "IDL0615",
+    "truncatable without a concrete base",
+    Severity.WARNING,
+    """
+Who does not know a truncatable valuetype reads it as its concrete base instead. With abstract
+bases only there is none, and the word does nothing.
+
+```idl
+abstract valuetype A {};
+valuetype B : truncatable A { public long x; };   // odd
+valuetype B : A { public long x; };               // right
+```
+""",
+)
+
 RULES = (
     DUPLICATE_BASE,
     ABSTRACT_BASE,
@@ -256,4 +272,5 @@ RULES = (
     BOXED_VALUE,
     BAD_PARAMETER,
     BAD_CLAUSE,
+    NOTHING_TO_TRUNCATE,
 )

@@ -66,21 +66,6 @@ const string NAME = "rover";   // right
 """,
 )
 
-LINE_TOO_LONG = Rule(
-    "IDL0005",
-    "line too long",
-    Severity.ERROR,
-    """
-A line of more than 262144 characters is no definition that somebody wrote. Break it into
-lines, or check whether the file is what it should be.
-
-```text
-$ awk '{ print length }' robot.idl | sort -n | tail -1
-320028
-```
-""",
-)
-
 FILE_TOO_LARGE = Rule(
     "IDL0006",
     "file too large",
@@ -289,7 +274,7 @@ UNKNOWN_DIRECTIVE = Rule(
     Severity.ERROR,
     """
 A line that begins with `#` is for the preprocessor, which knows `define elif else endif error if
-ifdef ifndef include line pragma undef warning`.
+ifdef ifndef include include_next line pragma undef warning`.
 
 ```idl
 #inclued "wheel.idl"     // wrong
@@ -346,12 +331,55 @@ the file is your own, give it a guard:
 """,
 )
 
+NAMELESS_CONDITION = Rule(
+    "IDL0025",
+    "conditional without the name of a macro",
+    Severity.WARNING,
+    """
+`#ifdef` and `#ifndef` ask for one macro, by its name. Without a name nothing is defined: what
+stands behind `#ifdef` is left out, what stands behind `#ifndef` is read. An expression needs `#if`.
+
+```idl
+#ifdef 1                 // wrong
+#if 1                    // right
+```
+""",
+)
+
+PASSED_OVER = Rule(
+    "IDL0026",
+    "directive of which nothing is made",
+    Severity.WARNING,
+    """
+`#assert` and `#unassert`, an old extension of GNU's preprocessor, are passed over. No condition
+can ask for what they state; use macros.
+
+```idl
+#assert target(robot)    // passed over
+#define TARGET_ROBOT     // what conditions can ask for
+```
+""",
+)
+
+TIME_OF_TRANSLATION = Rule(
+    "IDL0027",
+    "date or time of translation",
+    Severity.WARNING,
+    """
+The same definitions always give the same code, so `__DATE__` is always "Jan  1 1970" and
+`__TIME__` is "00:00:00", unless `define` in `rtgen.toml` or `-D` says otherwise.
+
+```text
+$ rtgen generate -D '__DATE__="Nov  3 2025"' robot.idl
+```
+""",
+)
+
 RULES = (
     MISSING_FILE,
     UNREADABLE,
     BINARY,
     BAD_CHARACTER,
-    LINE_TOO_LONG,
     FILE_TOO_LARGE,
     UNCLOSED_COMMENT,
     INCLUDE_NOT_FOUND,
@@ -369,4 +397,7 @@ RULES = (
     BAD_LINE_MARKER,
     BAD_MACRO_NAME,
     INCLUDED_AGAIN,
+    NAMELESS_CONDITION,
+    PASSED_OVER,
+    TIME_OF_TRANSLATION,
 )

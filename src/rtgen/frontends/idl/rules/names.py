@@ -304,6 +304,22 @@ module Robot {
 """,
 )
 
+CONSTANT_AS_TYPE = Rule(
+    "IDL0219",
+    "constant used as a type",
+    Severity.WARNING,
+    """
+A constant stands where a type is wanted. omniidl takes the type of the constant, and so does
+rtgen; other compilers refuse it. Name the type itself.
+
+```idl
+const long SIZE = 3;
+struct Frame { SIZE data; };         // odd: a long
+struct Frame { long data[SIZE]; };   // right, if an array was meant
+```
+""",
+)
+
 RULES = (
     UNKNOWN_NAME,
     WRONG_CASE,
@@ -324,4 +340,5 @@ RULES = (
     NEVER_DEFINED_INTERFACE,
     TWO_DEFINITIONS,
     DECLARED_ALIKE,
+    CONSTANT_AS_TYPE,
 )
