@@ -5,8 +5,13 @@ from __future__ import annotations
 import threading
 import time
 from abc import ABC, abstractmethod
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 from rtgen.runtime.guards import SINGLE_THREAD, Guard
+
+if TYPE_CHECKING:
+    from rtgen.runtime.simulated_network import SimulatedNetwork
 
 SECOND = 1_000_000_000
 """Nanoseconds in a second."""
@@ -19,6 +24,11 @@ def period_of(rate_hz: float) -> int:
 
 class Clock(ABC):
     """Where a system's time comes from; all times are integer nanoseconds."""
+
+    @property
+    def network(self) -> SimulatedNetwork | None:
+        """What stands for sockets and serial lines; None where the machine's own are used."""
+        return None
 
     @abstractmethod
     def now(self) -> int:
@@ -38,6 +48,13 @@ class SimulatedClock(Clock):
 
     def __init__(self) -> None:
         self.time = 0
+
+    @cached_property
+    def network(self) -> SimulatedNetwork:
+        """See `Clock`; made when it is first asked for."""
+        from rtgen.runtime.simulated_network import SimulatedNetwork
+
+        return SimulatedNetwork()
 
     def now(self) -> int:
         return self.time

@@ -29,6 +29,7 @@ from rtgen.runtime.services import Servant
 
 if TYPE_CHECKING:
     from rtgen.runtime.execution_context import ExecutionContext
+    from rtgen.runtime.simulated_network import SimulatedNetwork
 
 T = TypeVar("T", bound=DataType)
 S = TypeVar("S", bound=Servant)
@@ -185,6 +186,11 @@ class Component:
     def now(self) -> int:
         """The runtime's time in ns: simulated from 0, real as UTC since 1970."""
         return self._clock.now()
+
+    @property
+    def network(self) -> SimulatedNetwork | None:
+        """In simulated time what stands for sockets and serial lines; None in real time."""
+        return self._clock.network
 
     def stamp(self, sample: Timed) -> None:
         """Fills `sample.tm` from `now`."""

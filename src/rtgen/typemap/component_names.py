@@ -28,6 +28,7 @@ COMPONENT_NAMES = frozenset(
         "is_active",
         "is_alive",
         "lost",
+        "network",
         "now",
         "observables",
         "on_aborting",

@@ -42,6 +42,7 @@ from rtgen.runtime.opaque_rpc.messages import (
 )
 from rtgen.runtime.opaque_rpc.serial import SerialChannel, SerialServer
 from rtgen.runtime.opaque_rpc.shared_channel import SharedChannel
+from rtgen.runtime.opaque_rpc.simulated import SimulatedChannel, SimulatedServer
 from rtgen.runtime.opaque_rpc.tcp_channel import TcpChannel
 from rtgen.runtime.opaque_rpc.tcp_server import TcpServer
 from rtgen.runtime.opaque_rpc.tdr import BIG, LITTLE, NETWORK, Order, Tdr, make_tdr
@@ -87,6 +88,8 @@ __all__ = [
     "SerialServer",
     "SharedChannel",
     "SharedUnmarshaller",
+    "SimulatedChannel",
+    "SimulatedServer",
     "TcpChannel",
     "TcpServer",
     "Tdr",

@@ -1,0 +1,145 @@
+"""The network of a system in simulated time: what its components reach each other by.
+
+It stands for sockets and serial lines. Bytes go through a socket pair, and the end that listens is
+served inside the other end's `send`: no threads, nothing waits, and a run depends on nothing but
+its inputs.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import socket
+from collections.abc import Callable
+from typing import TypeAlias
+
+_CHUNK = 65536
+
+
+class Stream:
+    """One end of a connection. Nothing waits: what is not there yet is a TimeoutError."""
+
+    def __init__(self, end: socket.socket) -> None:
+        end.setblocking(False)
+        self._end = end
+        self._peer: Stream | None = None
+        self._unsent = bytearray()
+        self.on_data: Callable[[], None] | None = None
+        """Called inside `send` and `close` of the other end: there is something to take."""
+
+    def send(self, data: bytes) -> None:
+        """Sends all of it; what a socket cannot hold goes when the other end takes it.
+
+        Raises ConnectionError if the other end is closed.
+        """
+        self._unsent += data
+        self._push()
+        waiting = -1
+        while waiting != len(self._unsent):
+            waiting = len(self._unsent)
+            self._tell()
+            self._push()
+
+    def take(self, size: int) -> bytes:
+        """What has arrived, at most `size` bytes; empty at the end of the stream.
+
+        Raises TimeoutError if nothing has arrived.
+        """
+        if self._peer is not None and self._peer._unsent:
+            self._peer._push()
+        try:
+            return self._end.recv(size)
+        except BlockingIOError:
+            raise TimeoutError("nothing has arrived") from None
+        except OSError:
+            return b""
+
+    def receive(self, size: int) -> bytes:
+        """Exactly `size` bytes.
+
+        Raises TimeoutError if they have not arrived, EOFError at the end of the stream.
+        """
+        pieces = []
+        while size > 0:
+            piece = self.take(min(size, _CHUNK))
+            if not piece:
+                raise EOFError("the stream ended")
+            pieces.append(piece)
+            size -= len(piece)
+        return b"".join(pieces)
+
+    @property
+    def stale(self) -> bool:
+        """Whether the stream has ended, or holds bytes that nobody read."""
+        try:
+            self._end.recv(1, socket.MSG_PEEK)
+        except BlockingIOError:
+            return False
+        except OSError:
+            return True
+        return True
+
+    def close(self) -> None:
+        """Ends the connection; the other end sees the end of the stream."""
+        self.on_data = None
+        self._unsent.clear()
+        self._end.close()
+        self._tell()
+
+    def _push(self) -> None:
+        try:
+            while self._unsent:
+                del self._unsent[: self._end.send(self._unsent)]
+        except BlockingIOError:
+            return
+        except OSError:
+            self._unsent.clear()
+            raise
+
+    def _tell(self) -> None:
+        if self._peer is not None and self._peer.on_data is not None:
+            self._peer.on_data()
+
+
+Accept: TypeAlias = Callable[[Stream], bool]
+"""Takes the listening end of a new connection; False refuses it."""
+
+
+class Listener:
+    """An address at which a component listens, until `close`."""
+
+    def __init__(self, listeners: dict[str, Listener], address: str, accept: Accept):
+        self._listeners = listeners
+        self._address = address
+        self.accept = accept
+        self._listeners[address] = self
+
+    def close(self) -> None:
+        """Frees the address."""
+        if self._listeners.get(self._address) is self:
+            del self._listeners[self._address]
+
+
+class SimulatedNetwork:
+    """Who listens where. An address is any text: `127.0.0.1:8931`, or the name of a device."""
+
+    def __init__(self) -> None:
+        self._listeners: dict[str, Listener] = {}
+
+    def listen(self, address: str, accept: Accept) -> Listener:
+        """Listens at an address. Raises OSError (EADDRINUSE) if somebody does so already."""
+        if address in self._listeners:
+            code = errno.EADDRINUSE
+            raise OSError(code, os.strerror(code), address)
+        return Listener(self._listeners, address, accept)
+
+    def connect(self, address: str) -> Stream:
+        """A connection to whoever listens there. Raises ConnectionRefusedError if nobody does."""
+        listener = self._listeners.get(address)
+        near, far = (Stream(end) for end in socket.socketpair())
+        near._peer, far._peer = far, near
+        if listener is None or not listener.accept(far):
+            near.close()
+            far.close()
+            raise ConnectionRefusedError(f"nobody listens at {address}")
+        return near
