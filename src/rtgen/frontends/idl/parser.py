@@ -66,6 +66,7 @@ class _Run:
         self._surplus = self._text.count("{") - self._text.count("}")
         self._mended: set[tuple[int, tuple[str, ...], int | None]] = set()
         self._blanks: set[str] = set()
+        self._is_idl: bool | None = None
 
     def result(self) -> tuple[tree.Item, ...]:
         while True:
@@ -73,9 +74,32 @@ class _Run:
                 items: tuple[tree.Item, ...] = self._parser.run()
                 return items
             except lalr.UnexpectedTokenError as error:
+                if self._is_foreign():
+                    return ()
                 self._unexpected(error.token)
             except lalr.UnexpectedCharacterError:
+                if self._is_foreign():
+                    return ()
                 self._bad_character()
+
+    def _is_foreign(self) -> bool:
+        """Whether the text is in another language altogether, which is told as one mistake."""
+        if self._is_idl is None:
+            from rtgen.frontends.idl.other_languages import other_language
+
+            unit = self._unit
+            found = other_language(unit.text)
+            self._is_idl = found is None
+            if found is not None:
+                language, start, end = found
+                unit.lacking = True
+                unit.events.clear()
+                message = f"this is {language}"
+                hint = "rtgen reads the IDL of OMG (CORBA, DDS): declare there what you need"
+                self._report(
+                    syntax.OTHER_LANGUAGE.at(unit.span(start, end), message, hint=hint)
+                )
+        return not self._is_idl
 
     def _emit(self, diagnostic: Diagnostic, offset: int) -> None:
         """Report it, unless a mistake at the very same place is reported already."""

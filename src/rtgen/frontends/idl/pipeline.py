@@ -94,12 +94,21 @@ class _Run:
     def _report(self, diagnostic: Diagnostic) -> None:
         if diagnostic in self._found:
             return
+        if diagnostic.code == syntax.OTHER_LANGUAGE.code:
+            self._forget(diagnostic.span)
         self._counts[diagnostic.severity] += 1
         if self._counts[diagnostic.severity] <= MAX_FINDINGS:
             self._found[diagnostic] = None
         elif self._counts[diagnostic.severity] == MAX_FINDINGS + 1:
             message = f"more than {MAX_FINDINGS} {diagnostic.severity}s: the rest is not shown"
             self._found[syntax.TOO_MANY_FINDINGS.at(diagnostic.span, message)] = None
+
+    def _forget(self, span: Span | None) -> None:
+        """Drop the other findings in a file that turns out to be in another language."""
+        file = span.file if span else None
+        self._found = {
+            d: None for d in self._found if d.span is None or d.span.file != file
+        }
 
     def result(self, define: Mapping[str, str]) -> FrontendResult:
         try:

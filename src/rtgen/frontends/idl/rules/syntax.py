@@ -389,6 +389,26 @@ struct Wheel { double radius; };   // right
 """,
 )
 
+OTHER_LANGUAGE = Rule(
+    "IDL0126",
+    "another interface language",
+    Severity.ERROR,
+    """
+Several languages are called IDL. The file holds what only another one has: Microsoft's or DCE's
+(`[uuid(...)]`, `coclass`, `cpp_quote`), Web IDL (`dictionary`, `partial interface`, `Promise<T>`),
+XPIDL (`[scriptable]`), or UNO's (`published`, `singleton`, `[attribute]`). Nothing else is told of
+the file, and nothing is made of it. rtgen reads the IDL of OMG, which CORBA and DDS use; declare
+the types there:
+
+```idl
+[uuid(5a3e9c1e-0000-4b5e-8d2a-000000000001)]
+interface IArm { HRESULT Move([in] double angle); };    // Microsoft's IDL
+
+interface Arm { void move(in double angle); };          // OMG's IDL
+```
+""",
+)
+
 RULES = (
     UNEXPECTED,
     MISSING_SEMICOLON,
@@ -416,4 +436,5 @@ RULES = (
     BAD_ARRAY,
     MISSING_MARK,
     MISSING_WORD,
+    OTHER_LANGUAGE,
 )
