@@ -12,6 +12,7 @@ from rtgen.diagnostics import Rule
 MODULES = (
     "rtgen.backends.components.rules",
     "rtgen.backends.types.rules",
+    "rtgen.frontends.cdl.rules",
     "rtgen.frontends.idl.rules",
     "rtgen.frontends.rts_profile",
     "rtgen.lint.rules",

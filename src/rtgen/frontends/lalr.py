@@ -121,8 +121,8 @@ class Parser:
 
         Raises UnexpectedTokenError and UnexpectedCharacterError; the run can go on after either.
         """
-        states, feed, actions = self.states, self.feed, self._grammar.actions
-        reserved, contextual = self._grammar.reserved, self._grammar.contextual
+        states, feed, word = self.states, self.feed, self.word
+        actions, reserved = self._grammar.actions, self._grammar.reserved
         while self.position < self._end:
             scanned = self._grammar.scanner.finditer(
                 self._text, self.position, self._end
@@ -133,19 +133,13 @@ class Parser:
                 self.position = end = match.end()
                 row = actions[states[-1]]
                 if kind == WORD:
-                    if text in reserved:
-                        kind = reserved[text]
-                    elif text in contextual:
-                        # The row alone may have it from another context with the same state.
-                        keyword, guard = contextual[text]
-                        if self._would_shift(keyword) and guard.match(self._text, end):
-                            kind = keyword
+                    kind = reserved[text] if text in reserved else word(text, end)
                 found = Token(text)
                 found.type = kind
                 found.start_pos = end - len(text)
                 found.end_pos = end
                 if kind not in row:
-                    found = self._other(found)
+                    found = self.other(found)
                 feed(found)
                 if found.end_pos != end:
                     self.position = found.end_pos
@@ -176,7 +170,16 @@ class Parser:
                 values.append(make([]))
             states.append(actions[states[-1]][origin])
 
-    def _other(self, found: Token) -> Token:
+    def word(self, text: str, end: int) -> str:
+        """The terminal of a word that is not reserved and ends there."""
+        if text in self._grammar.contextual:
+            # The row alone may have it from another context with the same state.
+            keyword, guard = self._grammar.contextual[text]
+            if self.would_shift(keyword) and guard.match(self._text, end):
+                return keyword
+        return WORD
+
+    def other(self, found: Token) -> Token:
         """Another token that begins where `found` does, and that the state takes."""
         row = self._grammar.actions[self.states[-1]]
         start = found.start_pos
@@ -199,10 +202,10 @@ class Parser:
         return {
             kind
             for kind in self._grammar.actions[self.states[-1]]
-            if kind.isupper() and self._would_shift(kind)
+            if kind.isupper() and self.would_shift(kind)
         }
 
-    def _would_shift(self, kind: str) -> bool:
+    def would_shift(self, kind: str) -> bool:
         states, actions = self.states, self._grammar.actions
         kept = len(states)
         added: list[int] = []

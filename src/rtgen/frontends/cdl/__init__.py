@@ -1,1 +1,5 @@
-"""CDL, the component description language of TECS: files to a unit of the model."""
+"""CDL, the component description language of TECS, to the model."""
+
+from rtgen.frontends.cdl.pipeline import load, read_text
+
+__all__ = ["load", "read_text"]

@@ -7,11 +7,11 @@ from decimal import Decimal
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic
+from rtgen.frontends.docs import Docs
 from rtgen.frontends.idl import traits, tree
 from rtgen.frontends.idl.annotations import PLACES, Annotations, flag
 from rtgen.frontends.idl.components import Components
 from rtgen.frontends.idl.constants import fixed_type_of
-from rtgen.frontends.idl.docs import Docs
 from rtgen.frontends.idl.enumerations import Enumerations
 from rtgen.frontends.idl.scopes import Entity, Kind
 from rtgen.frontends.idl.typetable import Types
@@ -141,7 +141,7 @@ class Lowering:
             return ""
         docs = self._docs.get(unit)
         if docs is None:
-            docs = self._docs[unit] = Docs(unit)
+            docs = self._docs[unit] = Docs(unit.text, unit.comments)
         return docs.of(item.start, item.end)
 
     # Structs and the like

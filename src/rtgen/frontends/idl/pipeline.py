@@ -18,11 +18,12 @@ from rtgen.frontends.idl.names import Resolver
 from rtgen.frontends.idl.parser import parse
 from rtgen.frontends.idl.preprocessor import Preprocessor, predefined
 from rtgen.frontends.idl.rules import lexical, names, syntax
-from rtgen.frontends.idl.source import Library, Source, absolute_path
+from rtgen.frontends.idl.source import Library, Source
 from rtgen.frontends.idl.tables import Tables
 from rtgen.frontends.idl.tree import Item
 from rtgen.frontends.idl.typetable import Types
 from rtgen.frontends.idl.unit import Inclusion, Unit
+from rtgen.frontends.library import absolute_path
 from rtgen.frontends.suggestions import nearest
 from rtgen.model import (
     Declaration,

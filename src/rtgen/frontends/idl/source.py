@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import codecs
-import os
 import re
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, Span
-from rtgen.frontends import Dependency
+from rtgen.frontends import library
+from rtgen.frontends.docs import Comment
 from rtgen.frontends.idl.rules import lexical
-
-MAX_BYTES = 32 * 1024 * 1024
+from rtgen.frontends.library import MAX_BYTES
 
 _FALLBACK = "rtgen-latin-1"
 _SPLICE = re.compile(r"(?<![\x80-\xff])\\\r?\n")
@@ -40,15 +38,6 @@ codecs.register_error(_FALLBACK, _as_latin_1)
 def decode(data: bytes) -> str:
     """UTF-8 with or without mark; bytes that are not UTF-8 count as Latin-1, one by one."""
     return data.removeprefix(codecs.BOM_UTF8).decode("utf-8", errors=_FALLBACK)
-
-
-@dataclass(frozen=True, slots=True)
-class Comment:
-    """A comment with its marks, at [start, end) of a text."""
-
-    start: int
-    end: int
-    text: str
 
 
 class Source:
@@ -158,82 +147,19 @@ class Source:
         return self.text_span(place, place)
 
 
-def absolute_path(path: Path | str) -> str:
-    """The path from the root, without `..`; links are kept, so a file's includes lie beside it."""
-    return os.path.normpath(Path.cwd() / path)
+def _source(name: str, key: str, path: Path, data: bytes | None) -> Source:
+    source = Source(name, key, path, data or b"")
+    if data is None:
+        message = f"the file is larger than {MAX_BYTES:,} bytes"
+        source.problems = [lexical.FILE_TOO_LARGE.at(source.text_span(0, 0), message)]
+    return source
 
 
-class Library:
-    """The files of a run: each is read once, and whatever was looked for is remembered."""
+class Library(library.Library[Source]):
+    """The IDL files of a run."""
 
     def __init__(
         self, root: Path, include: Sequence[Path], main: Mapping[str, str] | None = None
     ) -> None:
-        """`main` maps absolute paths of the files given to the names they are displayed by."""
-        self._root = root.resolve()
-        self.include = tuple(include)
-        self._main = dict(main or {})
-        self._working = Path.cwd()
-        self._read: dict[str, Source | None] = {}
-        self._dependencies: dict[str, Dependency] = {}
-
-    @property
-    def dependencies(self) -> tuple[Dependency, ...]:
-        """Every path looked at, in order."""
-        return tuple(self._dependencies.values())
-
-    @property
-    def sources(self) -> list[Source]:
-        """Every file read, in order."""
-        return [source for source in self._read.values() if source is not None]
-
-    def open(self, path: Path | str, folder: Path | None = None) -> Source | None:
-        """The file of that path, or None where there is none.
-
-        `folder` is the include folder in which it was found. Raises OSError if there is a file
-        that cannot be read.
-        """
-        absolute = absolute_path(path)
-        if absolute in self._read:
-            return self._read[absolute]
-        source = None
-        digest = None
-        file = Path(absolute)
-        if file.is_file():
-            with file.open("rb") as stream:
-                data = stream.read(MAX_BYTES + 1)
-            too_large = len(data) > MAX_BYTES
-            source = Source(
-                self._displayed(absolute),
-                self._key(file, folder),
-                Path(path),
-                b"" if too_large else data,
-            )
-            if too_large:
-                message = f"the file is larger than {MAX_BYTES:,} bytes"
-                source.problems = [
-                    lexical.FILE_TOO_LARGE.at(source.text_span(0, 0), message)
-                ]
-            digest = source.sha256
-        self._read[absolute] = source
-        self._dependencies[absolute] = Dependency(file, digest)
-        return source
-
-    def displayed(self, folder: Path) -> str:
-        """A folder as it is shown: relative to the working folder."""
-        return self._displayed(absolute_path(folder))
-
-    def _displayed(self, absolute: str) -> str:
-        if absolute in self._main:
-            return self._main[absolute]
-        try:
-            return Path(os.path.relpath(absolute, self._working)).as_posix()
-        except ValueError:  # another drive
-            return Path(absolute).as_posix()
-
-    def _key(self, path: Path, folder: Path | None) -> str:
-        real = path.resolve()
-        for base in (self._root, folder.resolve() if folder else None):
-            if base is not None and real.is_relative_to(base):
-                return real.relative_to(base).as_posix()
-        return path.name
+        """As `library.Library`."""
+        super().__init__(_source, root, include, main)

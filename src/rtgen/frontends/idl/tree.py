@@ -6,19 +6,10 @@ in tables of their own. Positions are offsets into the text of the unit that was
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TypeAlias, TypeVar, dataclass_transform
+from typing import TypeAlias
 
+from rtgen.frontends.nodes import node
 from rtgen.model import Direction, Primitive
-
-T = TypeVar("T")
-
-
-@dataclass_transform(eq_default=False, frozen_default=True)
-def node(cls: type[T]) -> type[T]:
-    """A frozen dataclass for type checkers; nothing at run time enforces it, which would make
-    the parser slower by a sixth."""
-    return dataclass(slots=True, eq=False, repr=False)(cls)
 
 
 @node

@@ -6,7 +6,8 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, field
 
 from rtgen.diagnostics import Span
-from rtgen.frontends.idl.source import Comment, Source
+from rtgen.frontends.docs import Comment
+from rtgen.frontends.idl.source import Source
 
 
 @dataclass(frozen=True, slots=True)

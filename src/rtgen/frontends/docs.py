@@ -8,9 +8,8 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_left
-
-from rtgen.frontends.idl.source import Comment
-from rtgen.frontends.idl.unit import Unit
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 _DOCUMENTING = ("/**", "/*!", "///", "//!")
 _TRAILING = ("/**<", "/*!<", "///<", "//!<")
@@ -20,13 +19,22 @@ _MARK = re.compile(r"//[/!]?<? ?")
 _STAR = re.compile(r"^[ \t]*\*(?!/) ?", re.MULTILINE)
 
 
-class Docs:
-    """Finds the doc text of declarations in one unit."""
+@dataclass(frozen=True, slots=True)
+class Comment:
+    """A comment with its marks, at [start, end) of a text."""
 
-    def __init__(self, unit: Unit) -> None:
-        self._text = unit.text
-        self._comments = unit.comments
-        self._starts = [comment.start for comment in unit.comments]
+    start: int
+    end: int
+    text: str
+
+
+class Docs:
+    """Finds the doc text of declarations in a text whose comments are blanked."""
+
+    def __init__(self, text: str, comments: Sequence[Comment]) -> None:
+        self._text = text
+        self._comments = comments
+        self._starts = [comment.start for comment in comments]
 
     def of(self, start: int, end: int) -> str:
         """The doc of what stands at [start, end), its `;` or `,` included or not."""

@@ -1,0 +1,282 @@
+"""Constants, and initialisers against the types that they are for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from rtgen.diagnostics import Rule
+from rtgen.frontends.cdl import tree
+from rtgen.frontends.cdl.expressions import BITS, UNSIGNED, Operand, Sort, sort_of
+from rtgen.frontends.cdl.rules import constants as rules
+from rtgen.frontends.cdl.scopes import Kind, Scope
+from rtgen.frontends.cdl.types import is_const
+from rtgen.frontends.cdl.unit import Unit
+from rtgen.model.tecs import (
+    AggregateExpression,
+    CArrayType,
+    CastExpression,
+    CExpression,
+    CPointerType,
+    CScalarType,
+    CStructType,
+    CType,
+    Expression,
+    Literal,
+    Scalar,
+    TecsConst,
+    TecsStruct,
+    resolve,
+)
+
+if TYPE_CHECKING:
+    from rtgen.frontends.cdl.analysis import Analysis
+
+_CHARACTERS = (
+    *(Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR, Scalar.INT8, Scalar.UINT8),
+    *(Scalar.INT16, Scalar.UINT16, Scalar.INT32, Scalar.UINT32),
+)
+_FINITE_32 = 3.5e38
+
+
+class Constants:
+    """Declares constants, and checks initialisers."""
+
+    def __init__(self, analysis: Analysis) -> None:
+        self._analysis = analysis
+
+    def declare(
+        self, item: tree.Item, node: tree.Declaration, unit: Unit, scope: Scope
+    ) -> None:
+        """Declare the constants of a statement."""
+        base = self._analysis.types.of(node.type, unit, scope)
+        for declarator in node.declarators:
+            name = declarator.declarator.name
+            assert name is not None
+            entity = self._analysis.declare(Kind.CONSTANT, name, item, unit, scope)
+            type_ = self._analysis.types.declared(
+                base, declarator.declarator, unit, scope
+            )
+            if entity is None or type_ is None:
+                continue
+            if not self._is_constant(type_, name, unit, declarator.value is not None):
+                continue
+            assert declarator.value is not None
+            value = self.initial(declarator.value, type_, unit, scope)
+            if value is None:
+                continue
+            entity.declaration = TecsConst(
+                name=entity.name,
+                file=unit.source.name,
+                span=entity.place,
+                doc=self._analysis.doc(unit, item.start, item.end),
+                type=type_,
+                value=value.value if isinstance(value, Literal) else None,
+            )
+            self._analysis.declared(entity)
+
+    def _is_constant(
+        self, type_: CType, name: tree.Name, unit: Unit, has_value: bool
+    ) -> bool:
+        span = unit.place(name)
+        found = resolve(type_)
+        if not is_const(type_):
+            pointer = isinstance(found, CPointerType)
+            hint = (
+                f"write *const {name.text}"
+                if pointer
+                else "write const before the type"
+            )
+            message = f"'{name.text}' is not const"
+            self._analysis.report(rules.NOT_CONST.at(span, message, hint=hint))
+        elif sort_of(type_) not in (
+            Sort.INTEGER,
+            Sort.FLOAT,
+            Sort.BOOL,
+            Sort.POINTER,
+        ) or (isinstance(found, CArrayType)):
+            message = f"a constant cannot be of type {type_}"
+            self._analysis.report(rules.CONSTANT_TYPE.at(span, message))
+        elif not has_value:
+            message = f"the constant '{name.text}' has no value"
+            self._analysis.report(rules.NO_INITIALISER.at(span, message))
+        else:
+            return True
+        return False
+
+    def initial(
+        self,
+        value: tree.Initialiser,
+        type_: CType,
+        unit: Unit,
+        scope: Scope,
+        names: Mapping[str, CType] | None = None,
+    ) -> Expression | None:
+        """The model of an initialiser of that type; None if it does not fit, which is told."""
+        return _Initial(self._analysis, unit, scope, names or {}).of(value, type_)
+
+
+class _Initial:
+    def __init__(
+        self, analysis: Analysis, unit: Unit, scope: Scope, names: Mapping[str, CType]
+    ) -> None:
+        self._analysis = analysis
+        self._unit = unit
+        self._scope = scope
+        self._names = names
+
+    def _tell(
+        self, rule: Rule, node: tree.Initialiser, message: str, hint: str | None = None
+    ) -> None:
+        span = self._unit.span(node.start, node.end)
+        self._analysis.report(rule.at(span, message, hint=hint))
+
+    def of(self, value: tree.Initialiser, type_: CType) -> Expression | None:
+        """The model of a value of that type; None if it does not fit, which is told."""
+        if isinstance(value, tree.CExp):
+            return CExpression(value.text.text)
+        if isinstance(value, tree.Aggregate):
+            return self._aggregate(value, type_)
+        found = self._analysis.expressions.look(
+            value, self._unit, self._scope, self._names
+        )
+        if found is None:
+            return None
+        return self._single(value, found, type_)
+
+    def _aggregate(self, value: tree.Aggregate, type_: CType) -> Expression | None:
+        target = resolve(type_)
+        if isinstance(target, CArrayType | CPointerType):
+            element = (
+                target.element if isinstance(target, CArrayType) else target.target
+            )
+            size = target.size if isinstance(target, CArrayType) else None
+            if size is not None and len(value.items) > size:
+                message = f"{len(value.items)} values for an array of {size}"
+                self._tell(rules.SHAPE, value, message)
+                return None
+            wanted = [element] * len(value.items)
+        elif isinstance(target, CStructType):
+            entity = self._analysis.tag(target.tag)
+            if entity is None or not isinstance(entity.declaration, TecsStruct):
+                return None
+            members = entity.declaration.members
+            if len(value.items) > len(members):
+                message = (
+                    f"{len(value.items)} values for {len(members)} members of {target}"
+                )
+                self._tell(rules.SHAPE, value, message)
+                return None
+            wanted = [member.type for member in members]
+        else:
+            self._tell(rules.SHAPE, value, f"a {type_} takes a single value, no braces")
+            return None
+        models = [
+            self.of(item, element)
+            for item, element in zip(value.items, wanted, strict=False)
+        ]
+        good = tuple(model for model in models if model is not None)
+        return AggregateExpression(good) if len(good) == len(models) else None
+
+    def _single(
+        self, node: tree.Expression, found: Operand, type_: CType
+    ) -> Expression | None:
+        sort = sort_of(type_)
+        target = resolve(type_)
+        if isinstance(target, CArrayType):
+            if found.sort is Sort.STRING and _is_characters(target.element):
+                return found.model
+            self._tell(rules.SHAPE, node, "an array takes its values in braces")
+            return None
+        if sort is Sort.STRUCT:
+            self._tell(rules.SHAPE, node, f"{target} takes its values in braces")
+            return None
+        if isinstance(target, CPointerType):
+            return self._pointer(node, found, target)
+        if sort is Sort.UNKNOWN or found.sort is Sort.UNKNOWN:
+            return found.model
+        if found.sort in (Sort.STRING, Sort.POINTER, Sort.STRUCT):
+            message = f"a {found.sort} cannot be a {type_}"
+            self._tell(rules.OPERATOR_KIND, node, message)
+            return None
+        if sort is Sort.BOOL:
+            return self._truth(node, found)
+        if sort is Sort.INTEGER:
+            return self._integer(node, found, type_)
+        if found.sort is Sort.BOOL:
+            message = f"a truth value cannot be a {type_}"
+            self._tell(rules.OPERATOR_KIND, node, message, "cast it")
+            return None
+        if isinstance(found.value, int | float):
+            return Literal(_float(found.value))
+        return found.model
+
+    def _truth(self, node: tree.Expression, found: Operand) -> Expression | None:
+        if found.sort is Sort.FLOAT:
+            message = "a floating-point number is no truth value"
+            self._tell(rules.OPERATOR_KIND, node, message, "compare it, or cast it")
+            return None
+        return found.model if found.value is None else Literal(bool(found.value))
+
+    def _integer(
+        self, node: tree.Expression, found: Operand, type_: CType
+    ) -> Expression | None:
+        if found.sort is Sort.FLOAT:
+            hint = f"write ({type_})"
+            message = f"a floating-point number needs a cast to become {type_}"
+            self._tell(rules.NEEDS_CAST, node, message, hint)
+            return None
+        if found.value is None:
+            return found.model
+        assert not isinstance(found.value, str)
+        number = int(found.value)
+        target = resolve(type_)
+        assert isinstance(target, CScalarType)
+        bits = BITS.get(target.kind)
+        unsigned = target.kind in UNSIGNED
+        low, high = None, None
+        if bits is not None:
+            # A plain character may be signed or not.
+            high = (
+                1 << (bits if unsigned or target.kind is Scalar.CHAR else bits - 1)
+            ) - 1
+            low = 0 if unsigned else -(1 << (bits - 1))
+        elif unsigned:
+            low = 0
+        if (low is not None and number < low) or (high is not None and number > high):
+            limits = f": {low} to {high}" if high is not None else ", it is below zero"
+            self._tell(rules.RANGE, node, f"{number} does not fit {type_}{limits}")
+            return None
+        return Literal(number)
+
+    def _pointer(
+        self, node: tree.Expression, found: Operand, target: CPointerType
+    ) -> Expression | None:
+        if found.sort is Sort.UNKNOWN or isinstance(found.model, CastExpression):
+            return found.model
+        if found.sort is Sort.STRING:
+            if _is_characters(target.target):
+                return found.model
+            message = f"a string cannot be a {target}"
+            self._tell(rules.POINTER_VALUE, node, message)
+            return None
+        if found.sort is Sort.POINTER:
+            return found.model
+        if found.sort is Sort.INTEGER and found.value == 0:
+            return found.model
+        message = f"a {found.sort} cannot be a {target}"
+        self._tell(rules.POINTER_VALUE, node, message, f"write ({target})")
+        return None
+
+
+def _is_characters(type_: CType) -> bool:
+    found = resolve(type_)
+    return isinstance(found, CScalarType) and found.kind in _CHARACTERS
+
+
+def _float(value: float) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf

@@ -1,0 +1,169 @@
+"""The front end as a whole: CDL files in, units of the model and findings out."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rtgen.diagnostics import Diagnostic, Severity, Span, in_order
+from rtgen.frontends import FrontendResult
+from rtgen.frontends.cdl import parser
+from rtgen.frontends.cdl import prelude as kernel
+from rtgen.frontends.cdl.analysis import Analysis
+from rtgen.frontends.cdl.reader import Reader
+from rtgen.frontends.cdl.rules import files
+from rtgen.frontends.cdl.source import Source
+from rtgen.frontends.cdl.unit import Unit
+from rtgen.frontends.library import Library, absolute_path
+from rtgen.frontends.suggestions import nearest
+from rtgen.model import Model, SourceFile
+from rtgen.model.tecs import TecsUnit
+
+MAX_FINDINGS = 1000
+"""How many findings of one severity a run gives."""
+
+_FRAMES = 12 * parser.MAX_NESTING
+"""Enough calls within calls for what nests as deeply as it may."""
+
+
+def load(
+    paths: Sequence[Path],
+    *,
+    root: Path,
+    include: Sequence[Path] = (),
+    define: Mapping[str, str] | None = None,
+    kcode: str = "auto",
+    prelude: bool = True,
+) -> FrontendResult:
+    """Read CDL files, each with its imports, into one unit of the model each.
+
+    `root` is the project's folder, to which the keys of files are relative; `include` are the
+    folders that imports are looked for in; `define` gives macros of C headers; `kcode` is the
+    encoding (`auto`, `euc`, `sjis`, `utf8`, `none`); with `prelude` the kernel's scalar types are
+    known without an import. Whatever is wrong with the input is in the diagnostics, sorted;
+    nothing is raised for it. Declarations with an error are not in the model.
+    """
+    limit = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(limit, _FRAMES))
+    try:
+        return _Run(paths, root, include, define or {}, kcode, prelude).result()
+    finally:
+        sys.setrecursionlimit(limit)
+
+
+def read_text(
+    text: str, name: str = "text.cdl", *, prelude: bool = True
+) -> tuple[TecsUnit, tuple[Diagnostic, ...]]:
+    """The unit of a text without imports from files, and its findings, sorted."""
+    run = _Run((), Path(), (), {}, "utf8", prelude)
+    source = Source(name, name, Path(name), text.encode(), "utf8")
+    limit = sys.getrecursionlimit()
+    sys.setrecursionlimit(max(limit, _FRAMES))
+    try:
+        unit = run.unit(source)
+    finally:
+        sys.setrecursionlimit(limit)
+    return unit, tuple(in_order(run.found))
+
+
+class _Run:
+    def __init__(
+        self,
+        paths: Sequence[Path],
+        root: Path,
+        include: Sequence[Path],
+        define: Mapping[str, str],
+        kcode: str,
+        with_prelude: bool,
+    ) -> None:
+        def make(name: str, key: str, path: Path, data: bytes | None) -> Source:
+            return Source(name, key, path, data, kcode)
+
+        self._shown = {absolute_path(p): p.as_posix() for p in reversed(paths)}
+        self._library = Library(make, root, include, self._shown)
+        self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
+        self._define = define
+        self._with_prelude = with_prelude
+        self._counts: Counter[Severity] = Counter()
+        self._files: dict[str, SourceFile] = {}
+        self.found: dict[Diagnostic, None] = {}
+
+    def _report(self, diagnostic: Diagnostic) -> None:
+        if diagnostic in self.found:
+            return
+        self._counts[diagnostic.severity] += 1
+        count = self._counts[diagnostic.severity]
+        if count <= MAX_FINDINGS:
+            self.found[diagnostic] = None
+        elif count == MAX_FINDINGS + 1:
+            message = f"more than {MAX_FINDINGS} {diagnostic.severity}s: the rest is not shown"
+            self.found[files.TOO_MANY.at(diagnostic.span, message)] = None
+
+    def result(self) -> FrontendResult:
+        sources = [s for s in map(self._open, self._paths) if s is not None]
+        units = [self.unit(source) for source in sources]
+        return FrontendResult(
+            model=Model(tuple(self._files.values()), (), (), tuple(units)),
+            diagnostics=tuple(in_order(self.found)),
+            sources={source.name: source.text for source in self._library.sources},
+            dependencies=self._library.dependencies,
+        )
+
+    def _open(self, path: Path) -> Source | None:
+        shown = self._shown[str(path)]
+        span = Span(shown, 1, 1, 1, 1)
+        try:
+            source = self._library.open(path)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            message = f"{shown} cannot be read: {reason}"
+            self._report(files.UNREADABLE.at(span, message))
+            return None
+        if source is None:
+            there = path.exists()
+            state = "is no regular file" if there else "does not exist"
+            message = f"{shown} {'is a folder' if path.is_dir() else state}"
+            near = nearest(
+                path.name, (p.name for p in path.parent.glob("*.cdl") if p.is_file())
+            )
+            hint = f"did you mean {near}?" if near and not there else None
+            self._report(files.MISSING_FILE.at(span, message, hint=hint))
+        return source
+
+    def unit(self, source: Source) -> TecsUnit:
+        """The unit of a main file."""
+        names = frozenset(kernel.TYPES) if self._with_prelude else frozenset[str]()
+        reader = Reader(self._library, self._define, names, self._report)
+        unit = reader.read(source)
+        analysis = Analysis(self._report, with_prelude=self._with_prelude)
+        analysis.incomplete = reader.incomplete
+        analysis.run(unit)
+        self._note_prelude(analysis)
+        reader.tell_missing(failed=self._counts[Severity.ERROR] > 0)
+        for read in reader.units:
+            self._note(read, main=read is unit)
+        return TecsUnit(source.name, source.key, analysis.model())
+
+    def _note_prelude(self, analysis: Analysis) -> None:
+        if analysis.prelude_used:
+            names = list(analysis.prelude_used)
+            message = f"known without an import: {', '.join(names)}"
+            hint = "tecsgen needs an import or import_C that declares them"
+            span = analysis.prelude_used[names[0]]
+            self._report(files.PRELUDE.at(span, message, hint=hint))
+
+    def _note(self, unit: Unit, *, main: bool) -> None:
+        source = unit.source
+        known = self._files.get(source.name)
+        imported = (inner.source.name for inner in unit.imports.values())
+        self._files[source.name] = SourceFile(
+            name=source.name,
+            key=source.key,
+            sha256=source.sha256,
+            main=main or (known is not None and known.main),
+            includes=tuple(
+                dict.fromkeys((*(known.includes if known else ()), *imported))
+            ),
+        )

@@ -1,0 +1,118 @@
+"""Reading of a main file with its imports: search, each file once, what is missing."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.frontends.cdl import parser, tree
+from rtgen.frontends.cdl.rules import files
+from rtgen.frontends.cdl.source import Source
+from rtgen.frontends.cdl.unit import TypeNames, Unit
+from rtgen.frontends.library import Library, absolute_path
+
+MAX_DEPTH = 100
+"""How deep files may import files."""
+
+_KERNEL_FILES = re.compile(
+    r"(?:\w*_)?(?:kernel|itron|tecs|t_stddef|t_syslog|syssvc|asp|hrp)\w*\.(?:cdl|h)"
+)
+
+
+class Reader:
+    """Reads a main file and what it imports, each file once."""
+
+    def __init__(
+        self,
+        library: Library[Source],
+        define: Mapping[str, str],
+        prelude: frozenset[str],
+        report: Callable[[Diagnostic], None],
+    ) -> None:
+        self.incomplete = False
+        self.units: list[Unit] = []
+        self._library = library
+        self._define = define
+        self._types = TypeNames(prelude)
+        self._report = report
+        self._read: dict[str, Unit] = {}
+        self._missing: list[tuple[bool, Diagnostic, Diagnostic]] = []
+        self._depth = 0
+
+    def read(self, source: Source, *, reused: bool = False) -> Unit:
+        """Parse a file, and what it imports."""
+        unit = Unit(source, reused)
+        self._read[absolute_path(source.path)] = unit
+        for problem in source.problems:
+            self._report(problem)
+        unit.items = parser.parse(unit, self._types, self, self._report)
+        self.units.append(unit)
+        return unit
+
+    def import_file(self, statement: tree.Import, unit: Unit) -> None:
+        span = unit.span(statement.start, statement.end)
+        try:
+            source = self._found(statement.path, unit)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            message = f"{statement.path} cannot be read: {reason}"
+            self._report(files.UNREADABLE.at(span, message))
+            return
+        if source is None:
+            self._tell_missing(statement, unit)
+            return
+        known = self._read.get(absolute_path(source.path))
+        if known is not None:
+            if known.reused is not statement.reused and known.items:
+                form = f"<{statement.path}>" if known.reused else f'"{statement.path}"'
+                message = f"the file was imported by import( {form} ) before"
+                self._report(files.IMPORT_FORM.at(span, message))
+            return
+        if self._depth == MAX_DEPTH:
+            message = f"files import files for more than {MAX_DEPTH} levels"
+            self._report(files.IMPORT_DEPTH.at(span, message))
+            return
+        self._depth += 1
+        unit.imports[statement] = self.read(
+            source, reused=statement.reused or unit.reused
+        )
+        self._depth -= 1
+
+    def import_header(self, statement: tree.ImportC, unit: Unit) -> None:
+        """Read a C header."""
+
+    def _found(self, name: str, unit: Unit) -> Source | None:
+        for path, folder in self._candidates(name, unit):
+            source = self._library.open(path, folder)
+            if source is not None:
+                return source
+        return None
+
+    def _candidates(self, name: str, unit: Unit) -> Iterator[tuple[Path, Path | None]]:
+        """Where a file is looked for, in order."""
+        yield Path(name), None
+        for folder in self._library.include:
+            yield folder / name, folder
+        yield unit.source.folder / name, None
+
+    def _tell_missing(self, statement: tree.Import, unit: Unit) -> None:
+        self.incomplete = True
+        span = unit.span(statement.start, statement.end)
+        message = f"{statement.path} is not found"
+        hint = "name its folder by -I, or in [sources] include of rtgen.toml"
+        self._missing.append(
+            (
+                statement.reused
+                or bool(_KERNEL_FILES.fullmatch(Path(statement.path).name)),
+                files.IMPORT_MISSING.at(span, message, hint=hint),
+                files.KERNEL_MISSING.at(span, message, hint=hint),
+            )
+        )
+
+    def tell_missing(self, *, failed: bool) -> None:
+        """Tell the missing imports; one of the kernel is an error only beside other errors."""
+        failed = failed or not all(kernel for kernel, _, _ in self._missing)
+        for kernel, error, warning in self._missing:
+            self._report(warning if kernel and not failed else error)

@@ -1,0 +1,22 @@
+"""The rules of the CDL front end, grouped by hundreds as the codes are."""
+
+from rtgen.diagnostics import Rule
+from rtgen.frontends.cdl.rules import (
+    constants,
+    files,
+    headers,
+    lexical,
+    signatures,
+    syntax,
+    types,
+)
+
+RULES: tuple[Rule, ...] = (
+    *files.RULES,
+    *lexical.RULES,
+    *syntax.RULES,
+    *types.RULES,
+    *signatures.RULES,
+    *constants.RULES,
+    *headers.RULES,
+)

@@ -1,0 +1,108 @@
+"""The definition files of a run: each is read once, and whatever was looked for is remembered."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from hashlib import sha256
+from pathlib import Path
+from typing import Generic, Protocol, TypeVar
+
+from rtgen.frontends import Dependency
+
+MAX_BYTES = 32 * 1024 * 1024
+"""A larger file is not read."""
+
+
+class File(Protocol):
+    """What a library keeps of a file."""
+
+    @property
+    def name(self) -> str:
+        """The path as it is displayed."""
+
+
+F = TypeVar("F", bound=File)
+
+
+def absolute_path(path: Path | str) -> str:
+    """The path from the root, without `..`; links are kept, so a file's includes lie beside it."""
+    return os.path.normpath(Path.cwd() / path)
+
+
+class Library(Generic[F]):
+    """The files of a run: each is read once, and whatever was looked for is remembered."""
+
+    def __init__(
+        self,
+        make: Callable[[str, str, Path, bytes | None], F],
+        root: Path,
+        include: Sequence[Path],
+        main: Mapping[str, str] | None = None,
+    ) -> None:
+        """`make` makes what is kept: of the displayed name, the key, the path and the bytes of
+        a file, None for one that is too large. `main` maps absolute paths of the files given to
+        the names they are displayed by.
+        """
+        self._make = make
+        self._root = root.resolve()
+        self.include = tuple(include)
+        self._main = dict(main or {})
+        self._working = Path.cwd()
+        self._read: dict[str, F | None] = {}
+        self._dependencies: dict[str, Dependency] = {}
+
+    @property
+    def dependencies(self) -> tuple[Dependency, ...]:
+        """Every path looked at, in order."""
+        return tuple(self._dependencies.values())
+
+    @property
+    def sources(self) -> list[F]:
+        """Every file read, in order."""
+        return [source for source in self._read.values() if source is not None]
+
+    def open(self, path: Path | str, folder: Path | None = None) -> F | None:
+        """The file of that path, or None where there is none.
+
+        `folder` is the include folder in which it was found. Raises OSError if there is a file
+        that cannot be read.
+        """
+        absolute = absolute_path(path)
+        if absolute in self._read:
+            return self._read[absolute]
+        source = None
+        digest = None
+        file = Path(absolute)
+        if file.is_file():
+            with file.open("rb") as stream:
+                data = stream.read(MAX_BYTES + 1)
+            digest = sha256(data).hexdigest()
+            source = self._make(
+                self._displayed(absolute),
+                self._key(file, folder),
+                Path(path),
+                data if len(data) <= MAX_BYTES else None,
+            )
+        self._read[absolute] = source
+        self._dependencies[absolute] = Dependency(file, digest)
+        return source
+
+    def displayed(self, folder: Path) -> str:
+        """A folder as it is shown: relative to the working folder."""
+        return self._displayed(absolute_path(folder))
+
+    def _displayed(self, absolute: str) -> str:
+        if absolute in self._main:
+            return self._main[absolute]
+        try:
+            return Path(os.path.relpath(absolute, self._working)).as_posix()
+        except ValueError:  # another drive
+            return Path(absolute).as_posix()
+
+    def _key(self, path: Path, folder: Path | None) -> str:
+        real = path.resolve()
+        for base in (self._root, folder.resolve() if folder else None):
+            if base is not None and real.is_relative_to(base):
+                return real.relative_to(base).as_posix()
+        return path.name
