@@ -72,10 +72,14 @@ class MessageReader(ABC):
             self._at = 0
             if not self._data:
                 return False
+        self.mark()
+        return True
+
+    def mark(self) -> None:
+        """Lets the message begin here; its size and time are counted from now."""
         self._deadline = None
         self._last = self._at + self._limit
         self._ready = min(len(self._data), self._last)
-        return True
 
     def peek(self, n: int) -> bytes:
         """Up to n bytes that are here already."""
@@ -118,11 +122,6 @@ class MessageReader(ABC):
         self._last -= self._at
         self._at = 0
         self._ready = min(len(self._data), self._last)
-
-    def discard(self) -> None:
-        """Forgets what was read ahead."""
-        self._data = b""
-        self._at = 0
 
 
 class PacketReader(MessageReader):

@@ -8,7 +8,10 @@ complete message is taken for one, since OpaqueRPC has no check sum.
 from __future__ import annotations
 
 import math
+import sys
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from time import monotonic
 from types import TracebackType
 from typing import TYPE_CHECKING
@@ -21,6 +24,12 @@ from rtgen.runtime.opaque_rpc.tdr import SOP_REPLY, SOP_REQUEST
 
 if TYPE_CHECKING:
     from serial import Serial
+
+_TERMINAL_ERRORS: tuple[type[Exception], ...] = ()
+if sys.platform != "win32":
+    import termios
+
+    _TERMINAL_ERRORS = (termios.error,)
 
 BAUDRATE = 115200
 _BITS = 10
@@ -46,6 +55,15 @@ def _reply_start(request: bytes) -> bytes:
     return SOP_REPLY.to_bytes(2, "big" if big in starts else "little")
 
 
+@contextmanager
+def _as_os_errors() -> Iterator[None]:
+    """Errors of the terminal driver, which pyserial passes on, as OSError."""
+    try:
+        yield
+    except _TERMINAL_ERRORS as error:
+        raise OSError(*error.args) from error
+
+
 class _Line:
     """An open serial line, 8N1 without flow control, not shared with other processes."""
 
@@ -65,16 +83,18 @@ class _Line:
     def read(self, size: int, seconds: float) -> bytes:
         """What is there, at least one byte; empty when time is over."""
         port = self._port
-        if port.timeout != seconds:
-            port.timeout = max(seconds, 0.0)
-        data: bytes = port.read(min(max(port.in_waiting, 1), size))
+        with _as_os_errors():
+            if port.timeout != seconds:
+                port.timeout = seconds
+            data: bytes = port.read(min(max(port.in_waiting, 1), size))
         return data
 
     def write(self, data: bytes, seconds: float) -> None:
         """Writes all of it."""
-        if self._port.write_timeout != seconds:
-            self._port.write_timeout = seconds
-        self._port.write(data)
+        with _as_os_errors():
+            if self._port.write_timeout != seconds:
+                self._port.write_timeout = seconds
+            self._port.write(data)
 
     def drain(self, deadline: float) -> bool:
         """Discards what comes until the line is silent; False when time is over before."""
@@ -85,7 +105,8 @@ class _Line:
 
     def discard(self) -> None:
         """Discards what is there."""
-        self._port.reset_input_buffer()
+        with _as_os_errors():
+            self._port.reset_input_buffer()
 
     def interrupt(self) -> None:
         """Lets another thread's `read` return."""
@@ -235,14 +256,15 @@ class _SerialReader(MessageReader):
     def start(self) -> bool:
         """Passes over what is no start of a request."""
         while super().start():
-            while (head := self.peek(2)) and not self._may_start(head):
-                self.skip(1)
-            if head:
-                return True
+            while head := self.peek(2):
+                if not any(start.startswith(head) for start in self._server.starts):
+                    self.skip(1)
+                elif len(head) == 2:
+                    self.mark()
+                    return True
+                else:
+                    self.fill(2)
         return False
-
-    def _may_start(self, head: bytes) -> bool:
-        return any(start.startswith(head) for start in self._server.starts)
 
     def _wait(self) -> bytes:
         while not self._server.closed:

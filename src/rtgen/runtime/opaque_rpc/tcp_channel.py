@@ -37,6 +37,8 @@ class TcpChannel:
     def __init__(
         self, address: str, port: int, timeout: float = TIMEOUT, bind: str = ""
     ) -> None:
+        if not 0 < port < 65536:
+            raise ValueError(f"a port is 1 to 65535, not {port}")
         self.address = address
         self.port = port
         self.timeout = checked_timeout(timeout)
@@ -183,9 +185,12 @@ class TcpChannel:
             pause = min(2 * pause, _LONGEST_PAUSE)
 
     def _connect_once(self) -> Connection:
-        family, kind, protocol, _, address = socket.getaddrinfo(
-            self.address, self.port, type=socket.SOCK_STREAM
-        )[0]
+        try:
+            family, kind, protocol, _, address = socket.getaddrinfo(
+                self.address, self.port, type=socket.SOCK_STREAM
+            )[0]
+        except UnicodeError as error:
+            raise socket.gaierror(socket.EAI_NONAME, "no name of a host") from error
         peer = socket.socket(family, kind, protocol)
         try:
             if self.bind:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import select
 import selectors
 import socket
 import threading
@@ -25,6 +26,11 @@ from rtgen.runtime.opaque_rpc.messages import (
     log,
     serve,
 )
+
+_LOOK = 0.2
+"""How often [s] a server that waits looks whether it was closed, where nothing wakes it."""
+_QUEUE = 8
+_HANG_UP: int = getattr(select, "POLLRDHUP", 0)
 
 
 class _SocketReader(MessageReader):
@@ -81,13 +87,75 @@ class _SocketReader(MessageReader):
             raise ChannelError(E_OBJ, error.strerror or "connection lost") from error
 
 
-class TcpServer:
-    """Serves one client at a time; others are refused while it is connected, as by C servers.
+class _Door:
+    """Where clients come in, one after the other; those who wait stand in the system's queue.
 
-    So no request waits unseen in a queue, to be executed when its caller has given up. `port` 0
-    takes a free one, see `address`. `timeout` [s] is for the rest of a request once its first byte
-    is here, and for its reply; between requests a client may be silent. `allocator_size` limits
-    the bytes of a request. An error closes the connection without a reply.
+    Who had to wait for longer than `patience` [s] and has left is not served.
+    """
+
+    def __init__(self, host: str, port: int, patience: float) -> None:
+        self._listener = _listen(host, port)
+        name = self._listener.getsockname()
+        self.address: tuple[str, int] = (name[0], name[1])
+        self.closed = False
+        self._patience = patience
+        self._since = monotonic()
+
+    def next(self) -> socket.socket | None:
+        """The next client; None when the door is closed."""
+        waited = monotonic() - self._since > self._patience
+        while not self.closed:
+            try:
+                peer, who = self._listener.accept()
+            except BlockingIOError:
+                waited = False
+                self._wait()
+            except OSError as error:
+                log.debug("accept: %s", error)
+            else:
+                if not (waited and _has_left(peer)):
+                    log.debug("client %s", who)
+                    self._since = monotonic()
+                    return peer
+                log.info("client %s has left", who)
+                peer.close()
+        return None
+
+    def close(self) -> None:
+        """Lets nobody in any more; another thread's `next` returns."""
+        self.closed = True
+        try:
+            self._listener.shutdown(socket.SHUT_RDWR)
+        except OSError as error:
+            log.debug("shutdown: %s", error)
+
+    def release(self) -> None:
+        """Frees the socket, after `close`."""
+        self._listener.close()
+
+    def _wait(self) -> None:
+        with selectors.DefaultSelector() as selector:
+            selector.register(self._listener, selectors.EVENT_READ)
+            while not selector.select(_LOOK) and not self.closed:
+                continue
+
+
+def _has_left(peer: socket.socket) -> bool:
+    """Whether a client has given up; its request must not be executed then."""
+    if not _HANG_UP:
+        return False
+    poll = select.poll()
+    poll.register(peer, _HANG_UP)
+    return bool(poll.poll(0))
+
+
+class TcpServer:
+    """Serves one client at a time; others wait until it has left.
+
+    A request whose caller gave up meanwhile is not executed (Linux). `port` 0 takes a free one,
+    see `address`. `timeout` [s] is for the rest of a request once its first byte is here, and for
+    its reply; between requests a client may be silent. `allocator_size` limits the bytes of a
+    request. An error closes the connection without a reply.
     """
 
     def __init__(
@@ -101,30 +169,20 @@ class TcpServer:
         self.timeout = checked_timeout(timeout)
         self.allocator_size = allocator_size
         self._service = service
-        self._lock = threading.Lock()
-        self._closed = False
+        self._door = _Door(host, port, self.timeout)
+        self.address = self._door.address
         self._thread: threading.Thread | None = None
         self._connection: Connection | None = None
-        self._listener = _listen(host, port)
-        self._wake, self._alarm = socket.socketpair()
-        name = self._listener.getsockname()
-        self.address: tuple[str, int] = (name[0], name[1])
 
     def serve_forever(self) -> None:
-        """Serves clients until another thread or a signal handler calls `close`."""
-        while (peer := self._accept()) is not None:
-            connection = Connection(peer, self.timeout)
-            with self._lock:
-                self._connection = None if self._closed else connection
-            if self._connection is not None:
-                reader = _SocketReader(connection, self.timeout, self.allocator_size)
-                serve(self._service, reader, reader.send)
-            with self._lock:
-                self._connection = None
-                if not self._closed:
-                    # Who sees the end of the connection finds a server that listens.
-                    self._listener = _listen(*self.address)
-            connection.close()
+        """Serves clients until another thread calls `close`."""
+        while (peer := self._door.next()) is not None:
+            self._connection = connection = Connection(peer, self.timeout)
+            try:
+                if not self._door.closed:
+                    self._serve(connection)
+            finally:
+                connection.close()
 
     def start(self) -> None:
         """Serves clients in a thread of its own."""
@@ -135,15 +193,13 @@ class TcpServer:
 
     def close(self) -> None:
         """Ends the connection and listens no more; waits for the thread of `start`."""
-        with self._lock:
-            if not self._closed:
-                self._closed = True
-                self._alarm.close()
-                self._listener.close()
-            if self._connection is not None:
-                self._connection.shut()
-        if self._thread not in (None, threading.current_thread()):
-            self._thread.join()
+        self._door.close()
+        connection, thread = self._connection, self._thread
+        if connection is not None:
+            connection.shut()
+        if thread is not None and thread is not threading.current_thread():
+            thread.join()
+        self._door.release()
 
     def __enter__(self) -> TcpServer:
         self.start()
@@ -157,28 +213,9 @@ class TcpServer:
     ) -> None:
         self.close()
 
-    def _accept(self) -> socket.socket | None:
-        """The next client; listens no more then. None when the server is closed."""
-        with selectors.DefaultSelector() as selector, self._listener as listener:
-            with self._lock:
-                if self._closed:
-                    self._wake.close()
-                    return None
-                selector.register(listener, selectors.EVENT_READ)
-                selector.register(self._wake, selectors.EVENT_READ)
-            while True:
-                selector.select()
-                with self._lock:
-                    if self._closed:
-                        self._wake.close()
-                        return None
-                    try:
-                        peer, who = listener.accept()
-                    except OSError as error:
-                        log.debug("accept: %s", error)
-                        continue
-                log.debug("client %s", who)
-                return peer
+    def _serve(self, connection: Connection) -> None:
+        reader = _SocketReader(connection, self.timeout, self.allocator_size)
+        serve(self._service, reader, reader.send)
 
 
 def _listen(host: str, port: int) -> socket.socket:
@@ -190,7 +227,7 @@ def _listen(host: str, port: int) -> socket.socket:
         if os.name == "posix":
             listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(address)
-        listener.listen(1)
+        listener.listen(_QUEUE)
         listener.setblocking(False)
     except BaseException:
         listener.close()
