@@ -61,6 +61,9 @@ class Cache:
             list(map(str, project.include)),
             project.define,
             project.ignore_case_clashes,
+            project.prelude,
+            project.kcode,
+            list(map(str, project.tecs_path)),
             [
                 project.package,
                 project.skeleton_package,

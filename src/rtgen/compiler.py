@@ -54,14 +54,52 @@ class Compilation:
 
 def read(project: Project) -> FrontendResult:
     """The model of the project's definitions."""
-    from rtgen.frontends import idl
+    of_tecs = [path for path in project.sources if path.suffix.lower() == ".cdl"]
+    of_idl = [path for path in project.sources if path not in of_tecs]
+    results: list[FrontendResult] = []
+    if of_idl or not of_tecs:
+        from rtgen.frontends import idl
 
-    return idl.load(
-        project.sources,
-        root=project.root,
-        include=project.include,
-        define=dict(project.define),
-        ignore_case_clashes=project.ignore_case_clashes,
+        results.append(
+            idl.load(
+                of_idl,
+                root=project.root,
+                include=project.include,
+                define=dict(project.define),
+                ignore_case_clashes=project.ignore_case_clashes,
+            )
+        )
+    if of_tecs:
+        from rtgen.frontends import cdl
+
+        results.append(
+            cdl.load(
+                of_tecs,
+                root=project.root,
+                include=(*project.include, *project.tecs_path),
+                define=dict(project.define),
+                kcode=project.kcode,
+                prelude=project.prelude == "kernel",
+            )
+        )
+    return results[0] if len(results) == 1 else _together(results)
+
+
+def _together(results: Sequence[FrontendResult]) -> FrontendResult:
+    """What several front ends read, as one."""
+    from rtgen.frontends import FrontendResult
+    from rtgen.model import Model
+
+    models = [result.model for result in results]
+    return FrontendResult(
+        model=Model(
+            files=tuple(file for model in models for file in model.files),
+            declarations=tuple(d for model in models for d in model.declarations),
+            tecs=tuple(unit for model in models for unit in model.tecs),
+        ),
+        diagnostics=tuple(in_order(d for r in results for d in r.diagnostics)),
+        sources={name: text for r in results for name, text in r.sources.items()},
+        dependencies=tuple(d for r in results for d in r.dependencies),
     )
 
 

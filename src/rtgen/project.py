@@ -18,7 +18,13 @@ if TYPE_CHECKING:
 
 FILE_NAME = "rtgen.toml"
 TARGETS = ("embedded", "openrtm", "dds")
-SUFFIXES = (".idl",)
+PRELUDES = ("kernel", "none")
+"""What CDL knows without an import: the scalar types of TOPPERS kernels, or nothing."""
+
+KCODES = ("auto", "euc", "sjis", "utf8", "none")
+"""The encodings of CDL files."""
+
+SUFFIXES = (".idl", ".cdl")
 """What the front ends read, in lower case."""
 
 _RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
@@ -30,7 +36,8 @@ class Project:
 
     `root` is the absolute folder of rtgen.toml (else the working folder), which the keys of inputs
     are relative to. `sources` and `include` are paths as they are shown to the user. `output` and
-    `skeletons` are absolute, and neither may lead out of `base`.
+    `skeletons` are absolute, and neither may lead out of `base`. `tecs_path` are the folders of
+    the environment's TECSPATH, which imports of CDL are looked for in at last.
     """
 
     root: Path
@@ -42,6 +49,9 @@ class Project:
     include: tuple[Path, ...] = ()
     define: tuple[tuple[str, str], ...] = ()
     ignore_case_clashes: bool = False
+    prelude: str = "kernel"
+    kcode: str = "auto"
+    tecs_path: tuple[Path, ...] = ()
     package: str = "robots"
     target: str = "embedded"
     representation: str = "cdr"
@@ -85,6 +95,7 @@ def load(start: Path | None = None) -> Project:
             base=folder,
             output=folder / "generated",
             skeletons=folder / "src",
+            tecs_path=_tecs_path(),
         )
     from rtgen import project_file
 
@@ -101,6 +112,9 @@ def load(start: Path | None = None) -> Project:
         ),
         define=tuple(sorted(settings.macros().items())),
         ignore_case_clashes=settings.flag("sources", "ignore_case_clashes"),
+        prelude=settings.text("sources", "prelude", "kernel"),
+        kcode=settings.text("sources", "kcode", "auto"),
+        tecs_path=_tecs_path(),
         package=settings.text("output", "package", "robots"),
         target=settings.text("output", "target", "embedded"),
         representation=settings.text("output", "representation", "cdr"),
@@ -130,6 +144,8 @@ def with_arguments(
     include: Sequence[str] = (),
     define: Sequence[tuple[str, str]] = (),
     ignore_case_clashes: bool = False,
+    prelude: str | None = None,
+    kcode: str | None = None,
     output: str | None = None,
     add: bool = False,
 ) -> Project:
@@ -161,6 +177,8 @@ def with_arguments(
         include=(*(Path(p) for p in include), *project.include),
         define=tuple(sorted({**dict(project.define), **dict(define)}.items())),
         ignore_case_clashes=project.ignore_case_clashes or ignore_case_clashes,
+        prelude=prelude or project.prelude,
+        kcode=kcode or project.kcode,
     )
 
 
@@ -197,6 +215,15 @@ def shown_path(path: Path) -> Path:
 def shown(path: Path) -> str:
     """The path as messages show it."""
     return shown_path(path).as_posix()
+
+
+def _tecs_path() -> tuple[Path, ...]:
+    """The folder that TECSPATH names, and the folders in it."""
+    name = os.environ.get("TECSPATH")
+    if not name or not Path(name).is_dir():
+        return ()
+    folder = Path(name).absolute()
+    return (folder, *sorted(p for p in folder.iterdir() if p.is_dir()))
 
 
 def _normal(path: Path) -> Path:

@@ -85,6 +85,8 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "include": _texts,
         "define": _macros,
         "ignore_case_clashes": _flag,
+        "prelude": _one_of("kernel", "none"),
+        "kcode": _one_of("auto", "euc", "sjis", "utf8", "none"),
     },
     "output": {
         "dir": _text,

@@ -11,6 +11,7 @@ from rtgen.cli.common import (
     NO,
     OK,
     Console,
+    Definitions,
     project_of,
     with_console,
     with_definitions,
@@ -26,10 +27,7 @@ from rtgen.project import shown
 @with_console
 def check(
     console: Console,
-    paths: tuple[str, ...],
-    include: tuple[str, ...],
-    define: list[tuple[str, str]],
-    ignore_case_clashes: bool,
+    definitions: Definitions,
     output: str | None,
     no_cache: bool,
 ) -> int:
@@ -39,9 +37,7 @@ def check(
     made, or not rtgen's; a unified diff is printed. Files that a user owns are not looked into.
     Nothing is written.
     """
-    project = project_of(
-        paths, include, define, ignore_case_clashes, output, add=output is None
-    )
+    project = project_of(definitions, output, add=output is None)
     run = compiler.build(project, None if no_cache else cache.default())
     console.findings(run.diagnostics, run.sources)
     if run.failed:

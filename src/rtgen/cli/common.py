@@ -7,13 +7,20 @@ import gc
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Concatenate, ParamSpec
 
 import click
 
 from rtgen.diagnostics import Diagnostic, InputError, ToolError
-from rtgen.project import Project, load, require_sources, with_arguments
+from rtgen.project import (
+    KCODES,
+    PRELUDES,
+    Project,
+    load,
+    require_sources,
+    with_arguments,
+)
 
 P = ParamSpec("P")
 
@@ -108,14 +115,42 @@ def with_console(
     return wrapped
 
 
-def with_definitions(function: Callable[P, int]) -> Callable[P, int]:
-    """Adds PATH, -I, -D and --ignore-case-clashes; the function gets `paths`, `include`,
-    `define` and `ignore_case_clashes`.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Definitions:
+    """The definitions that the command line names, and how they are read."""
+
+    paths: tuple[str, ...]
+    include: tuple[str, ...]
+    define: tuple[tuple[str, str], ...]
+    ignore_case_clashes: bool
+    prelude: str | None
+    kcode: str | None
+
+
+def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
+    """Adds PATH and the options that say how definitions are read; the function gets `definitions`.
 
     What a definition becomes lives until the end, so no garbage is looked for meanwhile.
     """
-    function = _uncollected(function)
+
+    @functools.wraps(command)
+    def wrapped(*args: Any, **kwargs: Any) -> int:
+        given = {field.name: kwargs.pop(field.name) for field in fields(Definitions)}
+        given["define"] = tuple(given["define"])
+        return command(*args, definitions=Definitions(**given), **kwargs)
+
+    function = _uncollected(wrapped)
     for decorate in (
+        click.option(
+            "--kcode",
+            type=click.Choice(KCODES),
+            help="The encoding of CDL files; default: what rtgen.toml says, else auto.",
+        ),
+        click.option(
+            "--prelude",
+            type=click.Choice(PRELUDES),
+            help="The types that CDL knows without an import; default: kernel.",
+        ),
         click.option(
             "--ignore-case-clashes",
             is_flag=True,
@@ -174,12 +209,7 @@ def with_cache(function: Callable[P, int]) -> Callable[P, int]:
 
 
 def project_of(
-    paths: Sequence[str],
-    include: Sequence[str],
-    define: Sequence[tuple[str, str]],
-    ignore_case_clashes: bool,
-    output: str | None = None,
-    add: bool = False,
+    definitions: Definitions, output: str | None = None, add: bool = False
 ) -> Project:
     """The project around the working folder, as the command line changes it, with sources.
 
@@ -187,10 +217,12 @@ def project_of(
     """
     project = with_arguments(
         load(),
-        paths=paths,
-        include=include,
-        define=define,
-        ignore_case_clashes=ignore_case_clashes,
+        paths=definitions.paths,
+        include=definitions.include,
+        define=definitions.define,
+        ignore_case_clashes=definitions.ignore_case_clashes,
+        prelude=definitions.prelude,
+        kcode=definitions.kcode,
         output=output,
         add=add,
     )

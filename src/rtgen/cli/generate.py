@@ -14,6 +14,7 @@ from rtgen.cli.common import (
     BAD_INPUT,
     OK,
     Console,
+    Definitions,
     project_of,
     with_console,
     with_definitions,
@@ -28,10 +29,7 @@ from rtgen.project import Project, shown
 class Request:
     """What the command line asks for."""
 
-    paths: tuple[str, ...]
-    include: tuple[str, ...]
-    define: tuple[tuple[str, str], ...]
-    ignore_case_clashes: bool
+    definitions: Definitions
     output: str | None
     target: str | None
     representation: str | None
@@ -42,14 +40,7 @@ class Request:
         """The project as it is now. Raises InputError, and ToolError for a target."""
         # The tree of a project holds what all its sources give, in every run.
         alone = self.output is not None
-        project = project_of(
-            self.paths,
-            self.include,
-            self.define,
-            self.ignore_case_clashes,
-            self.output,
-            add=not alone,
-        )
+        project = project_of(self.definitions, self.output, add=not alone)
         if self.target is not None:
             project = replace(project, target=self.target)
         if self.representation is not None:
@@ -84,10 +75,7 @@ class Request:
 @with_console
 def generate(
     console: Console,
-    paths: tuple[str, ...],
-    include: tuple[str, ...],
-    define: list[tuple[str, str]],
-    ignore_case_clashes: bool,
+    definitions: Definitions,
     output: str | None,
     no_cache: bool,
     target: str | None,
@@ -103,10 +91,7 @@ def generate(
     Skeletons are created once and then left alone.
     """
     request = Request(
-        paths=paths,
-        include=include,
-        define=tuple(define),
-        ignore_case_clashes=ignore_case_clashes,
+        definitions=definitions,
         output=output,
         target=target,
         representation=representation,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -11,6 +12,7 @@ from rtgen.cli.common import (
     BAD_INPUT,
     OK,
     Console,
+    Definitions,
     project_of,
     with_cache,
     with_console,
@@ -26,10 +28,7 @@ from rtgen.cli.common import (
 @with_console
 def inspect(
     console: Console,
-    paths: tuple[str, ...],
-    include: tuple[str, ...],
-    define: list[tuple[str, str]],
-    ignore_case_clashes: bool,
+    definitions: Definitions,
     no_cache: bool,
     as_json: bool,
 ) -> int:
@@ -38,11 +37,11 @@ def inspect(
     PATH is a definition file, a folder of them, or a system (RtsProfile, *.xml). Without PATH
     the sources of rtgen.toml are shown.
     """
-    profiles = [p for p in paths if p.lower().endswith(".xml")]
-    definitions = [p for p in paths if p not in profiles]
+    profiles = [p for p in definitions.paths if p.lower().endswith(".xml")]
+    others = tuple(p for p in definitions.paths if p not in profiles)
     project = None
-    if definitions or not profiles:
-        project = project_of(definitions, include, define, ignore_case_clashes)
+    if others or not profiles:
+        project = project_of(replace(definitions, paths=others))
     run = compiler.inspect(
         project,
         [Path(p) for p in profiles],

@@ -12,6 +12,7 @@ from rtgen.cli.common import (
     NO,
     OK,
     Console,
+    Definitions,
     project_of,
     with_console,
     with_definitions,
@@ -38,10 +39,7 @@ from rtgen.project_rules import UNKNOWN_CODE
 @with_console
 def lint(
     console: Console,
-    paths: tuple[str, ...],
-    include: tuple[str, ...],
-    define: list[tuple[str, str]],
-    ignore_case_clashes: bool,
+    definitions: Definitions,
     ignore: tuple[str, ...],
     select: tuple[str, ...],
 ) -> int:
@@ -51,7 +49,7 @@ def lint(
     2: errors. Rules are silenced one by one: --ignore CODE, or `[lint] ignore` in rtgen.toml;
     `[lint] select` is as --select. `rtgen explain CODE` tells what a rule is about.
     """
-    project = project_of(paths, include, define, ignore_case_clashes)
+    project = project_of(definitions)
     wrong = [*_unknown(ignore, "--ignore"), *_unknown(select, "--select")]
     for key, codes in (("ignore", project.ignored), ("select", project.selected)):
         wrong += _unknown(codes.keys(), f"[lint] {key}", codes)

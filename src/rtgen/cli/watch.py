@@ -77,7 +77,7 @@ def _state(request: Request, known: Iterable[Path]) -> tuple[State, set[Path]]:
     try:
         sources = {path.absolute() for path in request.project().sources}
     except (InputError, ToolError):
-        sources = {Path(path).absolute() for path in request.paths}
+        sources = {Path(path).absolute() for path in request.definitions.paths}
     files = {settings, *sources, *(path.absolute() for path in known)}
     return {file: _version(file) for file in files}, sources
 
