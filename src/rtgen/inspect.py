@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from decimal import Decimal
 from typing import Any, TypeAlias
 
-from rtgen import indented_json
+from rtgen import indented_json, tecs_inspect
 from rtgen.diagnostics import Diagnostic
 from rtgen.model import (
     Attribute,
@@ -40,6 +40,7 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
+from rtgen.model.tecs import TecsDeclaration
 from rtgen.report import as_json
 
 FORMAT = "rtgen-inspect/1"
@@ -53,7 +54,11 @@ def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
     return {
         "format": FORMAT,
         "files": [f.name for f in model.files] + [s.file for s in model.systems],
-        "declarations": declarations + [_system(s) for s in model.systems],
+        "declarations": [
+            *declarations,
+            *map(tecs_inspect.declaration, tecs_inspect.shown(model.tecs)),
+            *map(_system, model.systems),
+        ],
         "diagnostics": [as_json(d) for d in diagnostics],
     }
 
@@ -324,10 +329,15 @@ def _character(value: str, wide: bool) -> str:
 def tree(model: Model) -> str:
     """The model for people: one line for each declaration and member, by file."""
     lines: list[str] = []
+    components: dict[str, list[TecsDeclaration]] = {}
+    for component in tecs_inspect.shown(model.tecs):
+        components.setdefault(component.file, []).append(component)
     for file in model.files:
         lines.append(file.name)
         for d in defined(model.of_file(file.name)):
             lines += _indented(_declaration_lines(d, model))
+        for t in components.get(file.name, ()):
+            lines += _indented(tecs_inspect.lines(t))
     for system in model.systems:
         lines += [system.file, f"  system {system.name}"]
         lines += [f"    {c.instance}: {c.type}" for c in system.components]

@@ -421,7 +421,8 @@ class Signature(TecsDeclaration):
 class TecsPort:
     """A call port or entry port (`kind` is `call` or `entry`).
 
-    `size` of an array is None for `[]`; `required` tells that `require` made the port.
+    `size` of an array is None for `[]`. Two kinds of call ports nobody wrote: `required` tells
+    that `require` made it, `hidden` that it is for the allocator of a send or receive parameter.
     """
 
     name: str
@@ -435,6 +436,7 @@ class TecsPort:
     ref_desc: bool = False
     inline: bool = False
     required: bool = False
+    hidden: bool = False
     span: Span
 
 

@@ -11,7 +11,9 @@ from collections.abc import Callable, Sequence
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.cdl import tree
+from rtgen.frontends.cdl.components import Components
 from rtgen.frontends.cdl.constants import Constants
+from rtgen.frontends.cdl.entities import Place
 from rtgen.frontends.cdl.expressions import Expressions
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules import types as rules
@@ -23,23 +25,8 @@ from rtgen.frontends.suggestions import nearest
 from rtgen.model.tecs import TecsDeclaration, TecsTypedef
 from rtgen.model.types import ScopedName
 
-_SPECIFIERS = {
-    tree.Signature: frozenset(("context", "callback", "deviate", "generate")),
-    tree.Celltype: frozenset(("singleton", "active", "idx_is_id", "generate")),
-    tree.Composite: frozenset(("singleton", "active", "idx_is_id", "generate")),
-    tree.Cell: frozenset(("allocator", "id", "prototype", "restrict", "generate")),
-    tree.Region: frozenset(
-        (
-            "linkunit",
-            "node",
-            "class",
-            "domain",
-            "in_through",
-            "out_through",
-            "to_through",
-        )
-    ),
-}
+_OF_SIGNATURES = frozenset(("context", "callback", "deviate", "generate"))
+_COMPONENTS = (tree.Celltype, tree.Composite, tree.Cell, tree.Region)
 _CALLED = {
     tree.Typedef: "typedef",
     tree.Declaration: "constant",
@@ -68,12 +55,14 @@ class Analysis:
         self.types = Types(self)
         self.expressions = Expressions(self)
         self._signatures = Signatures(self)
-        self._constants = Constants(self)
+        self.constants = Constants(self)
+        self._components = Components(self)
         self._tags: dict[ScopedName, Entity] = {}
 
     def run(self, unit: Unit) -> None:
         """Declare what a unit and its imports declare."""
         self.items(unit.items, unit, self.root)
+        self._components.finish()
 
     def model(self) -> tuple[TecsDeclaration, ...]:
         """The declarations without those that have errors."""
@@ -99,9 +88,20 @@ class Analysis:
                     tree.QualifiedType((), node.type, node.start, node.end), unit, scope
                 )
             case tree.Declaration():
-                self._constants.declare(item, node, unit, scope)
+                self.constants.declare(item, node, unit, scope)
             case tree.Signature():
                 self._signature(item, node, unit, scope)
+            case tree.Celltype():
+                self._components.celltype(item, node, Place(unit, scope))
+            case tree.Composite():
+                self._components.composite(item, node, Place(unit, scope))
+            case tree.Cell():
+                self._components.cell(item, node, Place(unit, scope))
+            case tree.Region():
+                region = self._components.region(item, node, Place(unit, scope))
+                self.items(node.items, unit, region)
+            case tree.Generate():
+                self._components.generate(node, Place(unit, scope))
             case tree.Import():
                 imported = unit.imports.get(node)
                 if imported is not None:
@@ -112,9 +112,10 @@ class Analysis:
                     self._header(header)
 
     def _check_specifiers(self, item: tree.Item, unit: Unit) -> None:
-        if item.specifiers is None:
+        if item.specifiers is None or isinstance(item.node, _COMPONENTS):
             return
-        allowed = _SPECIFIERS.get(type(item.node), frozenset())
+        is_signature = isinstance(item.node, tree.Signature)
+        allowed = _OF_SIGNATURES if is_signature else frozenset[str]()
         for specifier in item.specifiers.items:
             if specifier.word not in allowed:
                 what = _CALLED.get(type(item.node)) or type(item.node).__name__.lower()
@@ -157,6 +158,11 @@ class Analysis:
         entity.declaration = self._signatures.signature(item, node, unit, scope, entity)
         if entity.declaration is not None:
             self.declared(entity)
+        generate = item.specifier("generate")
+        if generate is not None:
+            plugin = generate.arguments[0]
+            assert isinstance(plugin, tree.Name)
+            self._components.applied(plugin, Place(unit, scope))
 
     # What the passes over the parts use
 

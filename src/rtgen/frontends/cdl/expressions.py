@@ -108,7 +108,7 @@ class Expressions:
         None if it has errors, which are told.
         """
         try:
-            return _Look(self._analysis, unit, scope, names or {}).at(written)
+            return Look(self._analysis, unit, scope, names or {}).at(written)
         except BadError:
             return None
 
@@ -145,7 +145,9 @@ class Expressions:
         return found.model
 
 
-class _Look:
+class Look:
+    """Looks at an expression and its parts."""
+
     def __init__(
         self,
         analysis: Analysis,

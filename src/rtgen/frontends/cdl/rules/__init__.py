@@ -2,10 +2,13 @@
 
 from rtgen.diagnostics import Rule
 from rtgen.frontends.cdl.rules import (
+    cells,
+    celltypes,
     constants,
     files,
     headers,
     lexical,
+    regions,
     signatures,
     syntax,
     types,
@@ -17,6 +20,9 @@ RULES: tuple[Rule, ...] = (
     *syntax.RULES,
     *types.RULES,
     *signatures.RULES,
+    *celltypes.RULES,
+    *cells.RULES,
+    *regions.RULES,
     *constants.RULES,
     *headers.RULES,
 )
