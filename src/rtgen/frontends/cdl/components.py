@@ -138,9 +138,9 @@ class Components:
         """Take a plug-in that is applied to something declared before."""
         self.applied(node.plugin, place)
         target = place.lookup(node.target)
-        if (target is None or target.kind not in _GENERATED) and not place.lost(
-            node.target
-        ):
+        if target is None and (place.lost(node.target) or self._analysis.incomplete):
+            return
+        if target is None or target.kind not in _GENERATED:
             what = "is not known" if target is None else f"is a {target.kind}"
             self._report(
                 rules.GENERATE_TARGET.at(
