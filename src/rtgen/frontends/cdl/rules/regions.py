@@ -159,9 +159,9 @@ tecsgen's message: P2001.
 THROUGH_ATTRIBUTE = Rule(
     "CDL0711",
     "through before something that is no join",
-    Severity.ERROR,
+    Severity.WARNING,
     """
-`through` stands before the join of a call port.
+`through` stands before the join of a call port; before anything else it has no effect.
 
 ```cdl
 // gives this finding

@@ -1,0 +1,70 @@
+"""Findings of the CDL front end as they are printed: a folder each: input.cdl and expected.txt.
+
+`case.toml`, where there is one, says what else is needed: the `files` to read instead of
+input.cdl, the `include` folders, `kcode` and `prelude`; `only` names the codes to be shown, where
+others are many. FOLDER is the folder of the case.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.explain import rules
+from rtgen.frontends.cdl import load
+from rtgen.frontends.cdl.rules import RULES
+from rtgen.report import report
+
+CASES = Path(__file__).with_name("cdl_errors")
+NAMES = sorted(path.name for path in CASES.iterdir() if path.is_dir())
+FAMILIES = ("CDL05", "CDL06", "CDL07")
+"""The families of rules of which each has a case."""
+
+CODE = re.compile(r"\b(?:error|warning|note)\[([A-Z]+\d{4})\]")
+
+
+def findings(
+    name: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> tuple[tuple[Diagnostic, ...], dict[str, str]]:
+    """The findings that are to be shown of a case, and the texts that they are about."""
+    shutil.copytree(CASES / name, folder, dirs_exist_ok=True)
+    toml = folder / "case.toml"
+    told = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
+    monkeypatch.chdir(folder)
+    result = load(
+        [Path(file) for file in told.get("files", ["input.cdl"])],
+        root=folder,
+        include=[Path(folder) for folder in told.get("include", [])],
+        kcode=told.get("kcode", "auto"),
+        prelude=told.get("prelude", True),
+    )
+    only = told.get("only", rules())
+    return tuple(d for d in result.diagnostics if d.code in only), dict(result.sources)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_findings(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool
+) -> None:
+    diagnostics, sources = findings(name, tmp_path, monkeypatch)
+    found = report(diagnostics, sources).replace(tmp_path.as_posix(), "FOLDER")
+    expected = CASES / name / "expected.txt"
+    if update_golden:
+        expected.write_text(found, encoding="utf-8")
+    assert found == expected.read_text(encoding="utf-8")
+    assert name.partition("_")[0] in CODE.findall(found)
+    for plain in json.loads(report(diagnostics, {}, "json")):
+        assert plain["file"] is not None
+        assert plain["line"] >= 1
+
+
+def test_every_rule_has_a_case() -> None:
+    cases = {name.partition("_")[0] for name in NAMES}
+    wanted = {rule.code for rule in RULES if rule.code.startswith(FAMILIES)}
+    assert wanted - cases == set()
