@@ -29,8 +29,8 @@ BAD: dict[str, bytes] = {
     "NUL": b"module M { \0 };\n",
     "invalid UTF-8": b"module M { struct S { long \xff; }; };\n",
     "UTF-16": GOOD.decode().encode("utf-16"),
-    "10 MB line": b"module M { struct S { " + b"Nothing x; " * 900_000 + b"}; };\n",
-    "10 MB word": b"module " + b"M" * 10_000_000 + b" {",
+    "400 kB line": b"module M { struct S { " + b"Nothing x; " * 36_000 + b"}; };\n",
+    "1 MB word": b"module " + b"M" * 1_000_000 + b" {",
     "deep modules": b"".join(b"module M%d {" % i for i in range(1_000)),
     "deep types": b"typedef "
     + b"sequence<" * 20_000
