@@ -15,6 +15,8 @@ from rtgen.frontends.cdl.components import Components
 from rtgen.frontends.cdl.constants import Constants
 from rtgen.frontends.cdl.entities import Place
 from rtgen.frontends.cdl.expressions import Expressions
+from rtgen.frontends.cdl.header_file import Header
+from rtgen.frontends.cdl.rules import headers as header_rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules import types as rules
 from rtgen.frontends.cdl.scopes import Entity, Kind, Scope
@@ -22,7 +24,7 @@ from rtgen.frontends.cdl.signatures import Signatures
 from rtgen.frontends.cdl.types import Types
 from rtgen.frontends.cdl.unit import Unit
 from rtgen.frontends.suggestions import nearest
-from rtgen.model.tecs import TecsDeclaration, TecsTypedef
+from rtgen.model.tecs import TecsDeclaration, TecsEnum, TecsStruct, TecsTypedef, resolve
 from rtgen.model.types import ScopedName
 
 _OF_SIGNATURES = frozenset(("context", "callback", "deviate", "generate"))
@@ -255,5 +257,44 @@ class Analysis:
         """The comment that belongs to [start, end)."""
         return unit.source.docs.of(start, end)
 
-    def _header(self, header: object) -> None:
-        raise NotImplementedError
+    def _header(self, header: Header) -> None:
+        for declaration in header.declarations:
+            name = declaration.name[-1]
+            kind = _KINDS[type(declaration)]
+            table = self.root.entities if kind is Kind.TYPEDEF else self.root.tags
+            known = table.get(name)
+            if known is None:
+                entity = Entity(
+                    kind, declaration.name, None, None, declaration.span, declaration
+                )
+                table[name] = entity
+                self.declared(entity)
+            elif known.declaration is None or not _same(known.declaration, declaration):
+                message = f"'{name}' is declared differently before"
+                related = [Related(known.place, "first declared here")]
+                self.report(
+                    header_rules.HEADER_REDEFINES.at(
+                        declaration.span, message, related=related
+                    )
+                )
+
+
+_KINDS: dict[type[TecsDeclaration], Kind] = {
+    TecsTypedef: Kind.TYPEDEF,
+    TecsStruct: Kind.STRUCT,
+    TecsEnum: Kind.ENUM,
+}
+
+
+def _same(one: TecsDeclaration, two: TecsDeclaration) -> bool:
+    """Whether two declarations of a name say the same."""
+    match one, two:
+        case TecsTypedef(), TecsTypedef():
+            return resolve(one.type) == resolve(two.type)
+        case TecsStruct(), TecsStruct():
+            return [(m.name, resolve(m.type)) for m in one.members] == [
+                (m.name, resolve(m.type)) for m in two.members
+            ]
+        case TecsEnum(), TecsEnum():
+            return one.members == two.members
+    return False

@@ -12,6 +12,7 @@ from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl import parser
 from rtgen.frontends.cdl import prelude as kernel
 from rtgen.frontends.cdl.analysis import Analysis
+from rtgen.frontends.cdl.header_file import HeaderFile
 from rtgen.frontends.cdl.reader import Reader
 from rtgen.frontends.cdl.rules import files
 from rtgen.frontends.cdl.source import Source
@@ -83,6 +84,7 @@ class _Run:
 
         self._shown = {absolute_path(p): p.as_posix() for p in reversed(paths)}
         self._library = Library(make, root, include, self._shown)
+        self._headers = Library(HeaderFile, root, include)
         self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
         self._define = define
         self._with_prelude = with_prelude
@@ -104,11 +106,15 @@ class _Run:
     def result(self) -> FrontendResult:
         sources = [s for s in map(self._open, self._paths) if s is not None]
         units = [self.unit(source) for source in sources]
+        for header in self._headers.sources:
+            self._files[header.name] = SourceFile(
+                name=header.name, key=header.key, sha256=header.sha256, main=False
+            )
         return FrontendResult(
             model=Model(tuple(self._files.values()), (), (), tuple(units)),
             diagnostics=tuple(in_order(self.found)),
             sources={source.name: source.text for source in self._library.sources},
-            dependencies=self._library.dependencies,
+            dependencies=(*self._library.dependencies, *self._headers.dependencies),
         )
 
     def _open(self, path: Path) -> Source | None:
@@ -135,7 +141,7 @@ class _Run:
     def unit(self, source: Source) -> TecsUnit:
         """The unit of a main file."""
         names = frozenset(kernel.TYPES) if self._with_prelude else frozenset[str]()
-        reader = Reader(self._library, self._define, names, self._report)
+        reader = Reader(self._library, self._headers, self._define, names, self._report)
         unit = reader.read(source)
         analysis = Analysis(self._report, with_prelude=self._with_prelude)
         analysis.incomplete = reader.incomplete

@@ -6,16 +6,20 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
-from rtgen.diagnostics import Diagnostic
+from rtgen.diagnostics import Diagnostic, Rule, Span
 from rtgen.frontends.cdl import parser, tree
+from rtgen.frontends.cdl.header_file import HeaderFile
 from rtgen.frontends.cdl.rules import files
+from rtgen.frontends.cdl.rules import headers as header_rules
 from rtgen.frontends.cdl.source import Source
 from rtgen.frontends.cdl.unit import TypeNames, Unit
 from rtgen.frontends.library import Library, absolute_path
+from rtgen.model.tecs import TecsTypedef
 
 MAX_DEPTH = 100
 """How deep files may import files."""
 
+_DEFINITION = re.compile(r"[A-Za-z_]\w*(?:=.*)?", re.DOTALL)
 _KERNEL_FILES = re.compile(
     r"(?:\w*_)?(?:kernel|itron|tecs|t_stddef|t_syslog|syssvc|asp|hrp)\w*\.(?:cdl|h)"
 )
@@ -27,6 +31,7 @@ class Reader:
     def __init__(
         self,
         library: Library[Source],
+        header_files: Library[HeaderFile],
         define: Mapping[str, str],
         prelude: frozenset[str],
         report: Callable[[Diagnostic], None],
@@ -34,6 +39,8 @@ class Reader:
         self.incomplete = False
         self.units: list[Unit] = []
         self._library = library
+        self._header_files = header_files
+        self._headers: dict[str, list[str]] = {}
         self._define = define
         self._types = TypeNames(prelude)
         self._report = report
@@ -61,7 +68,9 @@ class Reader:
             self._report(files.UNREADABLE.at(span, message))
             return
         if source is None:
-            self._tell_missing(statement, unit)
+            self._tell_missing(
+                statement.path, span, files.IMPORT_MISSING, statement.reused
+            )
             return
         known = self._read.get(absolute_path(source.path))
         if known is not None:
@@ -81,7 +90,42 @@ class Reader:
         self._depth -= 1
 
     def import_header(self, statement: tree.ImportC, unit: Unit) -> None:
-        """Read a C header."""
+        span = unit.span(statement.start, statement.end)
+        name = statement.header.text
+        given = statement.definitions.text if statement.definitions else ""
+        definitions = [d.strip() for d in given.split(",") if d.strip()]
+        wrong = next((d for d in definitions if not _DEFINITION.fullmatch(d)), None)
+        if wrong is not None:
+            message = f"'{wrong}' is no definition of a macro"
+            self._report(header_rules.HEADER_DEFINITION.at(span, message))
+            return
+        file = None
+        try:
+            for path, folder in self._candidates(name, unit):
+                file = file or self._header_files.open(path, folder)
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            message = f"{name} cannot be read: {reason}"
+            self._report(files.UNREADABLE.at(span, message))
+            return
+        if file is None:
+            self._tell_missing(name, span, header_rules.MISSING_HEADER)
+            return
+        known = self._headers.get(file.name)
+        if known is not None:
+            if known != definitions:
+                message = f"{name} was imported with other definitions before"
+                self._report(header_rules.HEADER_TWICE.at(span, message))
+            return
+        self._headers[file.name] = definitions
+        from rtgen.frontends.cdl.headers import Headers
+
+        headers = Headers(self._header_files, self._define, self._report)
+        header = headers.read(file, definitions, span)
+        unit.headers[statement] = header
+        for declaration in header.declarations:
+            if isinstance(declaration, TecsTypedef):
+                self._types.declare((), declaration.name[-1])
 
     def _found(self, name: str, unit: Unit) -> Source | None:
         for path, folder in self._candidates(name, unit):
@@ -97,16 +141,16 @@ class Reader:
             yield folder / name, folder
         yield unit.source.folder / name, None
 
-    def _tell_missing(self, statement: tree.Import, unit: Unit) -> None:
+    def _tell_missing(
+        self, name: str, span: Span, rule: Rule, reused: bool = False
+    ) -> None:
         self.incomplete = True
-        span = unit.span(statement.start, statement.end)
-        message = f"{statement.path} is not found"
+        message = f"{name} is not found"
         hint = "name its folder by -I, or in [sources] include of rtgen.toml"
         self._missing.append(
             (
-                statement.reused
-                or bool(_KERNEL_FILES.fullmatch(Path(statement.path).name)),
-                files.IMPORT_MISSING.at(span, message, hint=hint),
+                reused or bool(_KERNEL_FILES.fullmatch(Path(name).name)),
+                rule.at(span, message, hint=hint),
                 files.KERNEL_MISSING.at(span, message, hint=hint),
             )
         )

@@ -11,7 +11,7 @@ from rtgen.frontends.cdl.source import Source
 from rtgen.model.types import ScopedName
 
 if TYPE_CHECKING:
-    from rtgen.frontends.cdl.headers import Header
+    from rtgen.frontends.cdl.header_file import Header
 
 
 @dataclass(eq=False, slots=True)
