@@ -25,7 +25,7 @@ from rtgen.project import Project
 if TYPE_CHECKING:
     from importlib import metadata
 
-_FORMAT = "rtgen-run/2"
+_FORMAT = "rtgen-run/3"
 _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 """The libraries that have a hand in what is made."""
 
@@ -91,8 +91,8 @@ class Cache:
             os.utime(file)  # the entries used last are kept
         return Compilation(
             artifacts=tuple(
-                Artifact(path, text, tuple(origin), Owner(owner))
-                for path, text, origin, owner in entry["artifacts"]
+                Artifact(path, text, tuple(origin), Owner(owner), in_output)
+                for path, text, origin, owner, in_output in entry["artifacts"]
             ),
             inputs=entry["inputs"],
             diagnostics=tuple(map(_diagnostic, entry["diagnostics"])),
@@ -103,7 +103,9 @@ class Cache:
     def store(self, key: str, run: Compilation) -> None:
         """Keeps a run without errors. A folder that cannot be written is passed over."""
         entry = {
-            "artifacts": [[a.path, a.text, a.origin, a.owner] for a in run.artifacts],
+            "artifacts": [
+                [a.path, a.text, a.origin, a.owner, a.in_output] for a in run.artifacts
+            ],
             "inputs": dict(run.inputs),
             "diagnostics": [_diagnostic_entry(d) for d in run.diagnostics],
             "dependencies": dict(run.dependencies),

@@ -24,6 +24,7 @@ BUILT_IN = (
     "rtgen.backends.types",
     "rtgen.backends.components",
     "rtgen.backends.rtc_profile",
+    "rtgen.backends.tecs",
 )
 """The modules of the built-in back ends, in the order of their artifacts; each has `BACKEND`."""
 

@@ -11,6 +11,7 @@ from rtgen.diagnostics import Rule
 
 MODULES = (
     "rtgen.backends.components.rules",
+    "rtgen.backends.tecs.rules",
     "rtgen.backends.types.rules",
     "rtgen.frontends.cdl.rules",
     "rtgen.frontends.idl.rules",

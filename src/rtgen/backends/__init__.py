@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TYPE_CHECKING, Protocol
 
@@ -23,12 +23,19 @@ class Owner(StrEnum):
 @dataclass(frozen=True, slots=True)
 class Artifact:
     """A file to be made. `path` is relative with `/`: rtgen's below the output folder, a user's
-    below the skeleton folder. `origin` are the keys of the inputs it came from."""
+    below the skeleton folder, or below the output folder, too, with `in_output`. `origin` are the
+    keys of the inputs it came from."""
 
     path: str
     text: str
     origin: tuple[str, ...]
     owner: Owner = Owner.RTGEN
+    in_output: bool = False
+
+    @property
+    def below_output(self) -> bool:
+        """Whether its place is below the output folder."""
+        return self.in_output or self.owner is Owner.RTGEN
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +43,9 @@ class Options:
     """What a back end may know: the Python package to make, where skeletons are imported from.
 
     `representation` (`cdr` or `xcdr2`) is what `to_cdr` gives, `extensibility` (`final`,
-    `appendable`, `mutable`) that of structs and unions, where no annotation says so.
+    `appendable`, `mutable`) that of structs and unions, where no annotation says so. `external`
+    maps the displayed path of a file to the Python package that holds what it declares, where
+    that is not the package to make.
     """
 
     package: str
@@ -45,6 +54,12 @@ class Options:
     target: str = "embedded"
     representation: str = "cdr"
     extensibility: str = "final"
+    external: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def folder(self) -> str:
+        """The folder of the package, below the output folder."""
+        return self.package.replace(".", "/")
 
 
 @dataclass(frozen=True, slots=True)

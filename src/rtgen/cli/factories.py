@@ -72,8 +72,14 @@ class _EntryPoints(configparser.ConfigParser):
 
 
 def _generated(project: Project) -> Mapping[str, str]:
-    """What the entry_points.txt of the project's generated package says."""
-    file: Path = project.output / project.package / "components" / "entry_points.txt"
+    """What the entry_points.txt of the project's generated packages say."""
+    own = project.output / project.package / "components" / "entry_points.txt"
+    boards = project.output / "tecs" / "entry_points.txt"
+    return {**_listed(boards), **_listed(own)}
+
+
+def _listed(file: Path) -> Mapping[str, str]:
+    """The factories that a file lists; none if it is missing."""
     parser = _EntryPoints(delimiters=("=",), interpolation=None)
     try:
         parser.read_string(file.read_text(encoding="utf-8"))

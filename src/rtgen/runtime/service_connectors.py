@@ -8,6 +8,7 @@ from typing import Any
 from rtgen.runtime.component import Component
 from rtgen.runtime.descriptors import InterfaceDescriptor, difference
 from rtgen.runtime.errors import (
+    ConnectionLimitError,
     ConnectorPropertyError,
     DuplicateConnectionError,
     PolarityError,
@@ -66,12 +67,14 @@ class ServiceConnector:
         self.connected = True
         for consumer, provider in self.pairs:
             consumer._provider = provider
+            provider.connections += 1
 
     def detach(self) -> None:
         """Cuts the connection; later calls raise ObjectNotExist."""
         self.connected = False
-        for consumer, _ in self.pairs:
+        for consumer, provider in self.pairs:
             consumer._provider = None
+            provider.connections -= 1
 
 
 def _pairs(
@@ -96,9 +99,17 @@ def _pairs(
         raise _mismatch(source, target)
     if strict and lonely:
         raise PortTypeError(f"strict connection: no provider for {', '.join(lonely)}")
-    for consumer, _ in pairs:
+    for consumer, provider in pairs:
         if consumer.connected:
             raise DuplicateConnectionError(f"{consumer} is connected already")
+        wanted = sum(other is provider for _, other in pairs)
+        if (
+            provider.limit is not None
+            and provider.connections + wanted > provider.limit
+        ):
+            raise ConnectionLimitError(
+                f"{provider} serves at most {provider.limit} at a time"
+            )
     return tuple(pairs)
 
 

@@ -17,9 +17,20 @@ S = TypeVar("S", bound=Servant)
 
 
 class Provider(Generic[S]):
-    """An interface that a component provides; one servant serves every consumer."""
+    """An interface that a component provides; one servant serves every consumer.
 
-    __slots__ = ("_component", "_skeleton", "instance", "interface", "port")
+    `limit` is how many consumers may be connected at a time, None for any number.
+    """
+
+    __slots__ = (
+        "_component",
+        "_skeleton",
+        "connections",
+        "instance",
+        "interface",
+        "limit",
+        "port",
+    )
 
     def __init__(
         self, port: str, instance: str, interface: type[S], owner: Component
@@ -27,6 +38,8 @@ class Provider(Generic[S]):
         self.port = port
         self.instance = instance
         self.interface = interface
+        self.limit: int | None = None
+        self.connections = 0
         self._component = owner
         self._skeleton: Skeleton | None = None
 

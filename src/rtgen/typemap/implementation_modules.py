@@ -42,7 +42,7 @@ def implementation_modules(model: Model) -> dict[str, str]:
     for file in model.files:
         if owners[file.name] != file.name:
             continue
-        stem = name = module_name(PurePosixPath(file.key).stem)
+        stem = name = module_name(PurePosixPath(file.name).stem)
         number = 1
         while name in modules.values():
             number += 1

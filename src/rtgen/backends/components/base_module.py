@@ -77,7 +77,7 @@ class _BaseModule:
         self._base, self._configuration = class_names(component)
         self._names = names
         taken = _TAKEN | {self._base, self._configuration}
-        self._imports = Imports(model, names, "...", taken)
+        self._imports = Imports(model, names, "...", taken, options.external)
 
     def text(self) -> str:
         component = self._component

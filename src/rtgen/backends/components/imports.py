@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 
 from rtgen.model import Model, ScopedName
 from rtgen.typemap.idl_python import PythonMapping, PythonNames
@@ -14,25 +14,35 @@ class Imports:
 
     Types in IDL modules are named by their Python module (`iis.TimedPose2D`), those of the global
     scope directly. `root` is the root package as the module writes it: `...` or `refrobots`.
-    `taken` are the names that the module binds itself.
+    `taken` are the names that the module binds itself. `external` gives the package of what the
+    root package does not hold, by the displayed path of the file that declares it.
     """
 
     def __init__(
-        self, model: Model, names: PythonNames, root: str, taken: Collection[str]
+        self,
+        model: Model,
+        names: PythonNames,
+        root: str,
+        taken: Collection[str],
+        external: Mapping[str, str] | None = None,
     ) -> None:
         self.mapping = PythonMapping(model, self.type_name, self.spell, servants=True)
+        self._model = model
         self._names = names
         self._root = root
+        self._external = external or {}
         self._taken = set(taken)
         self._imported: dict[tuple[str, str], str] = {}
 
     def type_name(self, type_: ScopedName) -> str:
         """The expression for a declared type."""
         package, attribute = self._names.public(type_)
+        root = self._external.get(self._model.find(type_).file, self._root)
         if package:
-            return f"{self.spell(self._module(package[:-1]), package[-1])}.{attribute}"
+            inside = _module(root, package[:-1])
+            return f"{self.spell(inside, package[-1])}.{attribute}"
         outer, dot, inner = attribute.partition(".")
-        return self.spell(self._module(()), outer) + dot + inner
+        return self.spell(_module(root, ()), outer) + dot + inner
 
     def spell(self, module: str, name: str) -> str:
         """The name under which `name` of a module is imported; builtins have no module."""
@@ -63,9 +73,10 @@ class Imports:
                 modules.setdefault(module, []).append(item)
         return [import_from(module, items) for module, items in modules.items()]
 
-    def _module(self, package: tuple[str, ...]) -> str:
-        joint = "." if package and not self._root.endswith(".") else ""
-        return self._root + joint + ".".join(package)
+
+def _module(root: str, package: tuple[str, ...]) -> str:
+    joint = "." if package and not root.endswith(".") else ""
+    return root + joint + ".".join(package)
 
 
 _STANDARD = ("decimal",)

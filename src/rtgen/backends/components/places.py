@@ -14,7 +14,7 @@ def package_folder(options: Options, component: Component) -> str:
 
 def components_folder(options: Options) -> str:
     """The folder of all components' packages, below the output folder."""
-    return f"{options.package.replace('.', '/')}/components"
+    return f"{options.folder}/components"
 
 
 def source_of(model: Model, component: Component) -> SourceFile:

@@ -78,7 +78,7 @@ class _Writer:
         self._files = {file.name: file for file in model.files}
 
     def artifacts(self) -> Iterator[Artifact]:
-        root = self._options.package
+        root = self._options.folder
         codecs: set[ScopedName] = set()
         modules: list[Artifact] = []
         of_calls = {self._names.module(file) for file in self._calls.origins}
@@ -114,7 +114,7 @@ class _Writer:
             f"Calls of the interfaces of `{_keys(files)}`, marshalled.",
             self._calls.interfaces(file),
         )
-        return self._artifact(f"{self._options.package}/_idl/{module}.py", text, files)
+        return self._artifact(f"{self._options.folder}/_idl/{module}.py", text, files)
 
     def _package(
         self, root: str, package: Package, everything: list[SourceFile]
@@ -133,16 +133,17 @@ class _Writer:
         ]
 
     def _header(self, files: list[SourceFile]) -> str:
-        sources = [(file.key, file.sha256) for file in files]
-        return header_comment(self._options.version, sources)
+        sources = dict.fromkeys((file.key, file.sha256) for file in files)
+        return header_comment(self._options.version, list(sources))
 
     def _artifact(self, path: str, text: str, files: list[SourceFile]) -> Artifact:
-        return Artifact(path, text, tuple(file.key for file in files))
+        return Artifact(path, text, tuple(dict.fromkeys(file.key for file in files)))
 
 
 def _keys(files: list[SourceFile]) -> str:
     """The keys of the files, for a title; without those that belong to others."""
-    return ", ".join(file.key for file in files if file.belongs_to is None)
+    keys = (file.key for file in files if file.belongs_to is None)
+    return ", ".join(dict.fromkeys(keys))
 
 
 def _check(

@@ -175,7 +175,8 @@ class Calls:
             )
             key = PurePosixPath(owner.key)
             calls = str(key.with_name(f"{key.stem}_calls{key.suffix}"))
-            name = f"{owner.name} calls"
+            stem = PurePosixPath(owner.name).stem
+            name = f"{owner.name} calls/{stem}_calls.idl"
             self._files[module] = replace(
                 owner, name=name, key=calls, main=False, belongs_to=None
             )

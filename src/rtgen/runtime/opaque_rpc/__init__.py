@@ -31,6 +31,7 @@ from rtgen.runtime.opaque_rpc.errors import (
     ProtocolError,
     RpcError,
 )
+from rtgen.runtime.opaque_rpc.link import Link, LinkSettings
 from rtgen.runtime.opaque_rpc.messages import (
     Handler,
     Handlers,
@@ -40,6 +41,7 @@ from rtgen.runtime.opaque_rpc.messages import (
     Unmarshaller,
     serve_message,
 )
+from rtgen.runtime.opaque_rpc.proxy import call, send
 from rtgen.runtime.opaque_rpc.serial import SerialChannel, SerialServer
 from rtgen.runtime.opaque_rpc.shared_channel import SharedChannel
 from rtgen.runtime.opaque_rpc.simulated import SimulatedChannel, SimulatedServer
@@ -77,6 +79,8 @@ __all__ = [
     "ExchangeChannel",
     "Handler",
     "Handlers",
+    "Link",
+    "LinkSettings",
     "MessageReader",
     "More",
     "Order",
@@ -94,6 +98,8 @@ __all__ = [
     "TcpServer",
     "Tdr",
     "Unmarshaller",
+    "call",
     "make_tdr",
+    "send",
     "serve_message",
 ]

@@ -1,0 +1,520 @@
+"""The IDL side of a CDL file: its signatures as interfaces, with the components around them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from rtgen.backends.tecs.plan import Service, TecsPackage
+from rtgen.backends.tecs.rules import NOT_IN_IDL
+from rtgen.diagnostics import Diagnostic, Span
+from rtgen.model import (
+    VOID,
+    ArrayType,
+    Component,
+    Const,
+    ConstantValue,
+    Declaration,
+    Direction,
+    Interface,
+    Member,
+    Model,
+    NamedType,
+    Operation,
+    Parameter,
+    Port,
+    PortKind,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Typedef,
+)
+from rtgen.model.tecs import (
+    CPointerType,
+    CScalarType,
+    CStructType,
+    Scalar,
+    TecsConst,
+    TecsDeclaration,
+    TecsDirection,
+    TecsFunction,
+    TecsParameter,
+    TecsStruct,
+    TecsTypedef,
+    resolve,
+)
+from rtgen.typemap.implementation_modules import referred
+from rtgen.typemap.tecs_idl import IdlTypes, NotInIdlError
+
+COMMUNICATION = ("OpaqueRpc",)
+"""The interface of the communication RTC."""
+
+_DIRECTIONS = {
+    TecsDirection.IN: Direction.IN,
+    TecsDirection.SEND: Direction.IN,
+    TecsDirection.OUT: Direction.OUT,
+    TecsDirection.RECEIVE: Direction.OUT,
+    TecsDirection.INOUT: Direction.INOUT,
+}
+_D = TypeVar("_D", bound=TecsDeclaration)
+_ANY = PrimitiveType(Primitive.ANY)
+
+
+class _Names:
+    """Names in one scope of IDL, where no two may differ in case only."""
+
+    def __init__(self, taken: Iterable[str] = ()) -> None:
+        self._taken = {name.lower() for name in taken}
+
+    def add(self, name: str) -> str:
+        """The name as IDL can have it: a letter first, and no other's."""
+        chosen = f"x{name}" if name.startswith("_") else name
+        while chosen.lower() in self._taken:
+            chosen += "_"
+        self._taken.add(chosen.lower())
+        return chosen
+
+
+@dataclass(frozen=True, slots=True)
+class IdlService:
+    """A service in IDL.
+
+    `declarations` are the types that it needs, in order, then the interface. `arrays` gives the
+    typedef inside of the interface for each array that is an `any`, by the parameter's place.
+    """
+
+    service: Service
+    interface: Interface
+    declarations: tuple[Declaration, ...]
+    arrays: Mapping[Span, ScopedName]
+
+    @property
+    def file(self) -> str:
+        """The name of its IDL file."""
+        return f"{self.service.name}.idl"
+
+
+@dataclass(frozen=True, slots=True)
+class IdlSide:
+    """All services of a package. `shared` are the declarations that several files have.
+
+    `structs` gives the scoped name in IDL of each struct of CDL.
+    """
+
+    model: Model
+    services: tuple[IdlService, ...]
+    shared: frozenset[ScopedName]
+    structs: dict[ScopedName, ScopedName]
+
+
+def idl_side(
+    package: TecsPackage, communication: Model
+) -> tuple[IdlSide, list[Diagnostic]]:
+    """The IDL of a package, and findings where there is none.
+
+    `communication` has the interface that marshallers use.
+    """
+    builder = _Builder(package)
+    return builder.side(communication), builder.findings
+
+
+class _Builder:
+    def __init__(self, package: TecsPackage) -> None:
+        self.findings: list[Diagnostic] = []
+        self._package = package
+        self._unit = package.unit
+        self._scopes: dict[ScopedName, _Names] = {}
+        self._modules: dict[ScopedName, ScopedName] = {(): ()}
+        services = package.services
+        self._interfaces = {
+            s.signature.name: self._named(s.signature.name[:-1], s.name)
+            for s in services
+        }
+        for declaration in self._unit.declarations:
+            self._module(declaration.name[:-1])
+        self._structs = {
+            d.name: self._named(d.name[:-1], d.name[-1])
+            for d in self._unit.declarations
+            if isinstance(d, TecsStruct)
+        }
+        self._typedefs = {
+            d.name: self._named(d.name[:-1], d.name[-1])
+            for d in self._unit.declarations
+            if isinstance(d, TecsTypedef) and self._is_typedef(d)
+        }
+        self._types = IdlTypes(
+            self._unit, services[0].options.widths, self._structs, self._typedefs
+        )
+
+    def _is_typedef(self, declaration: TecsTypedef) -> bool:
+        """Whether it is one in IDL: no kernel type, no pointer, no second name of a struct."""
+        plain = declaration.type
+        if isinstance(plain, CStructType):
+            name = (
+                ".".join(self._structs[plain.tag]) if plain.tag in self._structs else ""
+            )
+            if name.lower() == ".".join(declaration.name).lower():
+                return False
+        if declaration.from_c:
+            return False
+        return not isinstance(resolve(plain), CPointerType)
+
+    def _module(self, scope: ScopedName) -> ScopedName:
+        if scope not in self._modules:
+            outer = self._module(scope[:-1])
+            names = self._scopes.setdefault(outer, _Names())
+            self._modules[scope] = (*outer, names.add(scope[-1]))
+        return self._modules[scope]
+
+    def _named(self, scope: ScopedName, name: str) -> ScopedName:
+        module = self._module(scope)
+        return (*module, self._scopes.setdefault(module, _Names()).add(name))
+
+    def side(self, communication: Model) -> IdlSide:
+        declared = {d.name: d for d in self._declarations()}
+        services = []
+        owners: dict[ScopedName, str] = {}
+        shared: set[ScopedName] = set()
+        for service in self._package.services:
+            anonymous, interface = self._interface(service)
+            inner = anonymous.typedefs
+            needed = _needed([*inner, interface], declared)
+            constants = self._constants_beside(service, declared)
+            own = [d for d in declared.values() if d.name in needed | constants]
+            for declaration in own:
+                if declaration.name in owners:
+                    shared.add(declaration.name)
+                owners.setdefault(declaration.name, _file(service))
+            services.append(
+                IdlService(
+                    service, interface, (*own, *inner, interface), anonymous.arrays
+                )
+            )
+        return IdlSide(
+            self._model(services, owners, communication),
+            tuple(services),
+            frozenset(shared),
+            self._structs,
+        )
+
+    def _model(
+        self,
+        services: Sequence[IdlService],
+        owners: dict[ScopedName, str],
+        communication: Model,
+    ) -> Model:
+        """All declarations, each in the file that has it first, and the components."""
+        main = self._package.sources[0]
+        files = [replace(main, name=_file(s.service), includes=()) for s in services]
+        declarations: dict[ScopedName, Declaration] = {}
+        for idl in services:
+            for declaration in idl.declarations:
+                file = owners.get(declaration.name, _file(idl.service))
+                declarations.setdefault(
+                    declaration.name, replace(declaration, file=file)
+                )
+        components: list[Declaration] = []
+        for idl in services:
+            components += _components(self._package, idl)
+        return Model(
+            files=(*communication.files, *files),
+            declarations=(
+                *(
+                    d
+                    for d in communication.declarations
+                    if not isinstance(d, Component)
+                ),
+                *declarations.values(),
+                *components,
+            ),
+        )
+
+    # Types and constants.
+
+    def _declarations(self) -> Iterator[Declaration]:
+        """Everything of the unit that IDL can have, in order."""
+        for declaration in self._unit.declarations:
+            found: Declaration | None = None
+            match declaration:
+                case TecsStruct():
+                    found = self._quietly(self._struct, declaration)
+                case TecsTypedef() if declaration.name in self._typedefs:
+                    found = self._quietly(self._typedef, declaration)
+                case TecsConst():
+                    found = self._const(declaration)
+            if found is not None:
+                yield found
+
+    def _quietly(self, make: Callable[[_D], Declaration], of: _D) -> Declaration | None:
+        try:
+            return make(of)
+        except NotInIdlError:
+            return None  # told where a parameter uses it
+
+    def _struct(self, declaration: TecsStruct) -> Struct:
+        name = self._structs[declaration.name]
+        self._types.type(CStructType(declaration.name))
+        names = _Names([name[-1]])
+        members = tuple(
+            Member(
+                name=names.add(member.name),
+                type=self._types.sized(member.type, member.sizes),
+                span=member.span,
+            )
+            for member in declaration.members
+        )
+        return Struct(**_common(name, declaration), members=members)
+
+    def _typedef(self, declaration: TecsTypedef) -> Typedef:
+        name = self._typedefs[declaration.name]
+        return Typedef(
+            **_common(name, declaration), type=self._types.type(declaration.type)
+        )
+
+    def _const(self, declaration: TecsConst) -> Const | None:
+        plain = resolve(declaration.type)
+        value = declaration.value
+        if isinstance(plain, CPointerType) and isinstance(value, str):
+            type_: Type = StringType()
+        elif isinstance(plain, CScalarType) and value is not None:
+            type_ = self._types.type(plain)
+        else:
+            return None
+        name = self._named(declaration.name[:-1], declaration.name[-1])
+        fitting = _fitting(type_, plain, value)
+        return Const(**_common(name, declaration), type=type_, value=fitting)
+
+    def _constants_beside(
+        self, service: Service, declared: dict[ScopedName, Declaration]
+    ) -> set[ScopedName]:
+        """The constants around a signature: of its file, and of the name spaces it is in."""
+        scope = self._interfaces[service.signature.name][:-1]
+        return {
+            d.name
+            for d in declared.values()
+            if isinstance(d, Const)
+            and d.file == service.signature.file
+            and scope[: len(d.name) - 1] == d.name[:-1]
+        }
+
+    # Interfaces.
+
+    def _interface(self, service: Service) -> tuple[_Anonymous, Interface]:
+        """The interface, and what has no name outside of it."""
+        signature = service.signature
+        name = self._interfaces[signature.name]
+        operations = _Names([name[-1]])
+        taken = [operations.add(function.name) for function in signature.functions]
+        anonymous = _Anonymous(name, signature, _Names([name[-1], *taken]))
+        interface = Interface(
+            **_common(name, signature),
+            operations=tuple(
+                self._operation(service, function, operation, anonymous)
+                for function, operation in zip(signature.functions, taken, strict=True)
+            ),
+        )
+        return anonymous, interface
+
+    def _operation(
+        self,
+        service: Service,
+        function: TecsFunction,
+        name: str,
+        anonymous: _Anonymous,
+    ) -> Operation:
+        names = _Names()
+        try:
+            returns = self._types.returns(function.returns)
+        except NotInIdlError as reason:
+            returns = VOID
+            self._complain(f"what {function.name} returns", function.span, reason)
+        parameters = []
+        for parameter in function.parameters:
+            type_ = self._parameter_type(service, parameter, anonymous)
+            if type_ is not None:
+                parameters.append(
+                    Parameter(
+                        direction=_DIRECTIONS[parameter.direction],
+                        name=names.add(parameter.name),
+                        type=type_,
+                        span=parameter.span,
+                    )
+                )
+        return Operation(
+            name=name,
+            returns=anonymous.named(returns),
+            parameters=tuple(parameters),
+            # An operation that is oneway in IDL cannot say that its request was written.
+            oneway=function.oneway and returns == VOID,
+            span=function.span,
+            doc=function.doc,
+        )
+
+    def _parameter_type(
+        self, service: Service, parameter: TecsParameter, anonymous: _Anonymous
+    ) -> Type | None:
+        try:
+            type_ = self._types.parameter(parameter)
+        except NotInIdlError as reason:
+            self._complain(parameter.name, parameter.span, reason)
+            return None
+        named = anonymous.named(type_)
+        if service.options.array == "any" and _is_sized(parameter):
+            assert isinstance(named, NamedType)
+            anonymous.arrays[parameter.span] = named.name
+            return _ANY
+        return named
+
+    def _complain(self, what: str, span: Span, reason: NotInIdlError) -> None:
+        self.findings.append(
+            NOT_IN_IDL.at(
+                span, f"{what} has no IDL: {reason}", hint=reason.hint or None
+            )
+        )
+
+
+class _Anonymous:
+    """Gives the types that an operation cannot write a name, inside of the interface."""
+
+    def __init__(
+        self, interface: ScopedName, signature: TecsDeclaration, names: _Names
+    ) -> None:
+        self._interface = interface
+        self._signature = signature
+        self._names = names
+        self._named: dict[Type, NamedType] = {}
+        self.typedefs: list[Declaration] = []
+        self.arrays: dict[Span, ScopedName] = {}
+
+    def named(self, type_: Type) -> Type:
+        """The type as a parameter or return value can have it."""
+        if not isinstance(type_, SequenceType | ArrayType):
+            return type_
+        if type_ not in self._named:
+            name = (*self._interface, self._names.add(_title(type_)))
+            self._named[type_] = NamedType(name)
+            common = _common(name, self._signature) | {"doc": ""}
+            self.typedefs.append(Typedef(**common, type=type_))
+        return self._named[type_]
+
+
+def _is_sized(parameter: TecsParameter) -> bool:
+    sizes = parameter.sizes
+    return sizes.size_is is not None or sizes.count_is is not None
+
+
+def _title(type_: Type) -> str:
+    """`LongSeq` for `sequence<long>`, `OctetArray2x3` for `octet[2][3]`."""
+    match type_:
+        case SequenceType(element, bound):
+            return f"{_title(element)}Seq{'' if bound is None else bound}"
+        case ArrayType(element, dimensions):
+            return f"{_title(element)}Array{'x'.join(map(str, dimensions))}"
+        case NamedType(name):
+            return name[-1][:1].upper() + name[-1][1:]
+    return "".join(word[:1].upper() + word[1:] for word in str(type_).split())
+
+
+def _needed(
+    roots: Sequence[Declaration], declared: dict[ScopedName, Declaration]
+) -> set[ScopedName]:
+    found: set[ScopedName] = set()
+    waiting = [name for root in roots for name in referred(root)]
+    while waiting:
+        name = waiting.pop()
+        if name in declared and name not in found:
+            found.add(name)
+            waiting += referred(declared[name])
+    return found
+
+
+def _fitting(type_: Type, plain: object, value: ConstantValue) -> ConstantValue:
+    """The value as a constant of the IDL type has it."""
+    if type_ == PrimitiveType(Primitive.OCTET) and isinstance(value, int):
+        return value & 0xFF
+    if type_ == PrimitiveType(Primitive.CHAR) and isinstance(value, int):
+        return chr(value & 0xFF)
+    if isinstance(plain, CScalarType) and plain.kind is Scalar.BOOL:
+        return bool(value)
+    if isinstance(plain, CScalarType) and isinstance(value, bool):
+        return int(value)
+    floating = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
+    return float(value) if type_ in floating and isinstance(value, int) else value
+
+
+def consumer_name(service: Service) -> str:
+    """The port by which a marshaller uses the communication RTC."""
+    return "communication" if service.module != "communication" else "opaque_rpc"
+
+
+def _file(service: Service) -> str:
+    return f"{service.name}.idl"
+
+
+def _common(name: ScopedName, declaration: TecsDeclaration) -> dict[str, Any]:
+    return {
+        "name": name,
+        "repository_id": f"IDL:{'/'.join(name)}:1.0",
+        "file": declaration.file,
+        "span": declaration.span,
+        "doc": declaration.doc,
+    }
+
+
+def _components(package: TecsPackage, idl: IdlService) -> Iterator[Component]:
+    """The marshaller RTC, and the client RTC that the user completes."""
+    service = idl.service
+    span = service.signature.span
+    offered = NamedType(idl.interface.name)
+    scoped = service.signature.scoped
+
+    def port(kind: PortKind, name: str, type_: NamedType, doc: str) -> Port:
+        return Port(
+            kind=kind,
+            name=name,
+            identifier=name,
+            type=type_,
+            port=name,
+            instance=name,
+            span=span,
+            doc=doc,
+        )
+
+    def component(name: str, ports: tuple[Port, ...], doc: str) -> Component:
+        return Component(
+            name=(name,),
+            repository_id=f"IDL:{name}:1.0",
+            file=idl.file,
+            span=span,
+            doc=doc,
+            ports=ports,
+            category="TECS",
+            vendor="rtgen",
+            description=doc.rstrip("."),
+            rate=10.0,
+            max_instances=0,
+        )
+
+    yield component(
+        f"{service.name}Marshaller",
+        (
+            port(PortKind.PROVIDER, service.module, offered, f"What {scoped} offers."),
+            port(
+                PortKind.CONSUMER,
+                consumer_name(service),
+                NamedType(COMMUNICATION),
+                "The channel to the board.",
+            ),
+        ),
+        f"Carries calls of {scoped} to a TECS board.",
+    )
+    yield component(
+        f"{service.name}Client",
+        (port(PortKind.CONSUMER, service.module, offered, f"What {scoped} offers."),),
+        f"Calls {scoped} of a TECS board.",
+    )

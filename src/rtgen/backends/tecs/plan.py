@@ -1,0 +1,225 @@
+"""What is made of a project's CDL files: packages, services in them, joins with their options."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+
+from rtgen.backends.tecs.options import FIRST_PORT, RtcOptions, read_options
+from rtgen.backends.tecs.rules import (
+    DIFFERENT_OPTIONS,
+    SAME_COMPONENT,
+    SAME_NAME,
+    SAME_PACKAGE,
+)
+from rtgen.diagnostics import Diagnostic, Related, Span
+from rtgen.model import Model, ScopedName, SourceFile, TecsUnit
+from rtgen.model.tecs import Cell, Join, Signature, Through
+from rtgen.typemap.python_names import identifier, module_name
+from rtgen.typemap.tecs_python import plain_name
+
+PLUGIN = "RTCPlugin"
+ROOT = "tecs"
+"""The package that all others are in."""
+
+_TAKEN = frozenset({"_idl", "components", "opaque_rpc_communication"})
+"""What stands beside the packages of the CDL files."""
+
+
+@dataclass(frozen=True, slots=True)
+class Service:
+    """A signature that RTCs offer: `name` as in `ServerMarshaller`, `module` as in
+    `server_codec`; `options` are those that all its joins share."""
+
+    signature: Signature
+    name: str
+    module: str
+    options: RtcOptions
+
+
+@dataclass(frozen=True, slots=True)
+class RtcJoin:
+    """A join through `RTCPlugin`. `number` counts in the CDL file, from 0."""
+
+    number: int
+    cell: Cell
+    join: Join
+    through: Through
+    service: Service
+    options: RtcOptions
+
+    @property
+    def instance(self) -> str:
+        """The instance name of its communication RTC."""
+        return self.options.name or f"OpaqueRpcCommunication{self.number}"
+
+    @property
+    def port(self) -> int:
+        """The board's TCP port."""
+        return self.options.port or FIRST_PORT + self.number
+
+
+@dataclass(frozen=True, slots=True)
+class TecsPackage:
+    """What a CDL file gives. `sources` are the files that decide it, the main file first."""
+
+    unit: TecsUnit
+    stem: str
+    sources: tuple[SourceFile, ...]
+    services: tuple[Service, ...]
+    joins: tuple[RtcJoin, ...]
+
+    @property
+    def package(self) -> str:
+        """The Python package."""
+        return f"{ROOT}.{self.stem}"
+
+    @property
+    def folder(self) -> str:
+        """Its folder, below the output folder."""
+        return f"{ROOT}/{self.stem}"
+
+    @property
+    def origin(self) -> tuple[str, ...]:
+        """The keys of the sources."""
+        return tuple(source.key for source in self.sources)
+
+
+def packages(model: Model) -> tuple[list[TecsPackage], list[Diagnostic]]:
+    """The packages in the order of the CDL files, and what is wrong."""
+    planned: list[TecsPackage] = []
+    findings: list[Diagnostic] = []
+    mains = {unit.file for unit in model.tecs}
+    for unit in model.tecs:
+        planner = _Planner(model, unit, mains - {unit.file})
+        package = planner.package()
+        findings += planner.findings
+        if package is not None:
+            planned.append(package)
+    findings += _same_packages(planned)
+    findings += _same_components(planned)
+    return planned, findings
+
+
+class _Planner:
+    def __init__(self, model: Model, unit: TecsUnit, others: set[str]) -> None:
+        self._model = model
+        self._unit = unit
+        self._others = others
+        self.findings: list[Diagnostic] = []
+
+    def package(self) -> TecsPackage | None:
+        """The package, None without a join. A join in another main file is that one's."""
+        joined = [
+            (cell, join, through)
+            for cell, join in self._unit.joins_through(PLUGIN)
+            if cell.file not in self._others
+            for through in join.through
+            if through.plugin == PLUGIN
+        ]
+        services: dict[ScopedName, Service] = {}
+        joins: list[RtcJoin] = []
+        for number, (cell, join, through) in enumerate(joined):
+            options, found = read_options(through)
+            self.findings += found
+            signature = self._signature(join)
+            service = services.setdefault(signature.name, _service(signature, options))
+            made = RtcJoin(number, cell, join, through, service, options)
+            if not found:
+                self._compare(made, joins)
+            joins.append(made)
+        if not joins:
+            return None
+        self._check_names(list(services.values()))
+        stem = PurePosixPath(self._unit.file).stem
+        return TecsPackage(
+            unit=self._unit,
+            stem=identifier(stem, _TAKEN),
+            sources=self._sources(joins),
+            services=tuple(services.values()),
+            joins=tuple(joins),
+        )
+
+    def _signature(self, join: Join) -> Signature:
+        found = self._unit.find(join.signature, Signature)
+        assert isinstance(found, Signature)
+        return found
+
+    def _sources(self, joins: Iterable[RtcJoin]) -> tuple[SourceFile, ...]:
+        """The main file, and those that the signatures and joins stand in."""
+        names = [self._unit.file]
+        for join in joins:
+            names += [join.service.signature.file, join.cell.file]
+        known = {file.name: file for file in self._model.files}
+        return tuple(known[name] for name in dict.fromkeys(names) if name in known)
+
+    def _compare(self, join: RtcJoin, others: Sequence[RtcJoin]) -> None:
+        """Whether a join agrees with those before it, where it has to."""
+        for other in others:
+            same = other.service is join.service
+            shared = ("file", "signature") if same else ("file",)
+            differing = join.options.differing(other.options, *shared)
+            if differing:
+                self.findings.append(
+                    DIFFERENT_OPTIONS.at(
+                        join.through.span,
+                        f"this join and another one differ in {', '.join(differing)}",
+                        related=[Related(other.through.span, "the other is here")],
+                        hint="describe boards that differ in CDL files of their own",
+                    )
+                )
+                return
+
+    def _check_names(self, services: Sequence[Service]) -> None:
+        seen: dict[str, Service] = {}
+        for service in services:
+            other = seen.setdefault(service.module, service)
+            if other is not service:
+                self.findings.append(
+                    SAME_NAME.at(
+                        service.signature.span,
+                        f"{service.signature.scoped} and {other.signature.scoped} "
+                        f"both become {service.name}",
+                        related=[Related(other.signature.span, "the other is here")],
+                        hint="rename one of them",
+                    )
+                )
+
+
+def _service(signature: Signature, options: RtcOptions) -> Service:
+    name = plain_name(signature)
+    return Service(signature, name, module_name(name), options)
+
+
+def _same_packages(planned: Sequence[TecsPackage]) -> Iterator[Diagnostic]:
+    seen: dict[str, TecsPackage] = {}
+    for package in planned:
+        other = seen.setdefault(package.stem.casefold(), package)
+        if other is not package:
+            yield SAME_PACKAGE.at(
+                _place(package),
+                f"{package.unit.file} and {other.unit.file} both become "
+                f"{package.folder}",
+                related=[Related(_place(other), "the other is here")],
+                hint="rename one of the files",
+            )
+
+
+def _same_components(planned: Sequence[TecsPackage]) -> Iterator[Diagnostic]:
+    seen: dict[str, TecsPackage] = {}
+    for package in planned:
+        for service in package.services:
+            other = seen.setdefault(service.name, package)
+            if other is not package:
+                yield SAME_COMPONENT.at(
+                    next(j.through.span for j in package.joins if j.service is service),
+                    f"{service.name}Marshaller is a component type of "
+                    f"{other.unit.file}, too",
+                    related=[Related(_place(other), "the first is here")],
+                    hint="name the one that is meant in [components] of rtgen.toml",
+                )
+
+
+def _place(package: TecsPackage) -> Span:
+    return package.joins[0].through.span
