@@ -1,0 +1,236 @@
+"""Freshly generated codecs, loaded from memory, and their functions by layout."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from itertools import count, product
+from types import ModuleType
+from typing import cast
+
+from rtgen.backends.tecs.codec import codec_text
+from rtgen.backends.tecs.types_module import types_text
+from rtgen.cli.rpc.values import (
+    Json,
+    JsonError,
+    arguments_from_json,
+    arguments_to_json,
+    item_from_json,
+    item_to_json,
+    outs_from_json,
+    to_json,
+)
+from rtgen.layouts.tdr import (
+    FunctionLayout,
+    Item,
+    SignatureLayout,
+    layout_of,
+)
+from rtgen.model.tecs import Signature, TecsUnit
+from rtgen.runtime.opaque_rpc import (
+    E_BOVR,
+    ArgumentError,
+    ChannelError,
+    Codec,
+    More,
+    ProtocolError,
+    ReplyOrder,
+    RpcError,
+    Tdr,
+)
+from rtgen.runtime.opaque_rpc.tdr import SOP_REQUEST
+from rtgen.typemap.tecs_python import codec_class, codec_module, zero
+
+_PACKAGES = count()
+
+
+class Service:
+    """A signature with its codec for one TDR and order of replies; raises TransferError."""
+
+    def __init__(
+        self,
+        unit: TecsUnit,
+        signature: Signature,
+        tdr: Tdr,
+        reply: ReplyOrder = "tecsgen",
+    ) -> None:
+        self.signature = signature
+        self.layout: SignatureLayout = layout_of(unit, signature)
+        self.types, class_ = _loaded(unit, signature)
+        self.codec: Codec = class_(tdr, reply=reply)
+        self.functions = {
+            layout.function.name: Function(layout, self.codec, self.types)
+            for layout in self.layout.functions
+        }
+
+
+def _loaded(
+    unit: TecsUnit, signature: Signature
+) -> tuple[ModuleType, Callable[..., Codec]]:
+    package = f"_rtgen_rpc_{next(_PACKAGES)}"
+    _module(package, "").__path__ = []
+    types = _module(f"{package}._types", types_text(unit, [signature], ""))
+    name = f"{package}.{codec_module(signature)}"
+    codec = _module(name, codec_text(unit, signature, ""))
+    return types, cast(Callable[..., Codec], getattr(codec, codec_class(signature)))
+
+
+def _module(name: str, text: str) -> ModuleType:
+    module = ModuleType(name)
+    module.__package__ = name.rpartition(".")[0] or name
+    sys.modules[name] = module
+    exec(compile(text, f"<{name}>", "exec"), module.__dict__)
+    return module
+
+
+class Function:
+    """A function of a service."""
+
+    def __init__(self, layout: FunctionLayout, codec: Codec, types: ModuleType) -> None:
+        self.layout = layout
+        self.name = layout.function.name
+        self.oneway = layout.function.oneway
+        self._codec = codec
+        self._types = types
+
+    @property
+    def first(self) -> int:
+        """How many bytes of a reply to ask for first; 0 for a oneway function."""
+        return 0 if self.oneway else int(getattr(self._codec, f"{self.name}_first"))
+
+    def encode_request(self, arguments: Sequence[object]) -> bytes:
+        """The request; raises ArgumentError."""
+        return cast(bytes, self._method("encode", "request")(*arguments))
+
+    def read_request(self, more: More) -> tuple[object, ...]:
+        """The arguments of what follows SOP and id; raises RpcError."""
+        found = self._method("read", "request")(more)
+        return cast(tuple[object, ...], found)
+
+    def decode_request(self, data: bytes) -> tuple[object, ...]:
+        """The arguments of a whole request and nothing more; raises RpcError."""
+        reader = Reader(data)
+        head = reader.more(4)
+        if self._codec.heads.get(head) != self.layout.function.id:
+            sop = self._codec.tdr.int16(SOP_REQUEST)
+            what = "another function" if head[:2] == sop else "no request"
+            raise ChannelError(E_BOVR, f"{self.name}: this is {what}")
+        found = self.read_request(reader.more)
+        reader.finish()
+        return found
+
+    def encode_reply(
+        self, kept: Sequence[object], returned: object, outs: Sequence[object]
+    ) -> bytes:
+        """The reply; raises ArgumentError."""
+        results = [] if self.layout.is_void else [returned]
+        encode = self._method("encode", "reply")
+        return cast(bytes, encode(*kept, *results, *outs))
+
+    def read_reply(
+        self, first: bytes, more: More, kept: Sequence[object]
+    ) -> tuple[object, tuple[object, ...] | None]:
+        """Return value and outs, None where they are left out; raises RpcError."""
+        read = self._method("read", "reply")
+        return cast(tuple[object, tuple[object, ...] | None], read(first, more, *kept))
+
+    def decode_reply(
+        self, data: bytes, kept: Sequence[object]
+    ) -> tuple[object, tuple[object, ...] | None]:
+        """The same of a whole reply and nothing more; raises RpcError."""
+        reader = Reader(data)
+        found = self.read_reply(reader.more(self.first), reader.more, kept)
+        reader.finish()
+        return found
+
+    def kept(self, arguments: Sequence[object]) -> tuple[object, ...]:
+        """Those arguments that the layout of the reply depends on."""
+        values = dict(
+            zip((i.name for i in self.layout.arguments), arguments, strict=True)
+        )
+        return tuple(values[item.name] for item in self.layout.kept)
+
+    def zeros(self) -> tuple[object, tuple[object, ...]]:
+        """A return value and outs that are all zeros."""
+        outs = tuple(self._zero(item) for item in self.layout.outs)
+        return self._zero(self.layout.returned), outs
+
+    def _zero(self, item: Item) -> object:
+        return eval(zero(item.node), dict(self._types.__dict__))
+
+    def arguments_from_json(self, value: Json) -> tuple[object, ...]:
+        """The arguments that an object names; raises JsonError."""
+        return arguments_from_json(self.layout.arguments, value, self._types)
+
+    def arguments_to_json(self, arguments: Sequence[object]) -> Json:
+        """The object of arguments."""
+        return arguments_to_json(self.layout.arguments, arguments)
+
+    def result_from_json(self, value: Json) -> tuple[object, tuple[object, ...]]:
+        """Return value and outs; raises JsonError. Outs that are null are zeros."""
+        if not isinstance(value, dict) or not {"return", "outs"}.issuperset(value):
+            raise JsonError('a reply is {"return": ..., "outs": {...}}')
+        returned: object = None
+        if not self.layout.is_void:
+            if value.get("return") is None:
+                raise JsonError("'return' is missing")
+            returned = item_from_json(
+                self.layout.returned, value["return"], self._types
+            )
+        outs = value.get("outs", {})
+        if outs is None and self.layout.leaves_out:
+            return returned, self.zeros()[1]
+        return returned, outs_from_json(self.layout.outs, outs, self._types)
+
+    def result_to_json(
+        self, returned: object, outs: Sequence[object] | None
+    ) -> dict[str, Json]:
+        """The object of a reply."""
+        values: Json = None
+        if outs is not None:
+            pairs = zip(self.layout.outs, outs, strict=True)
+            values = {item.name: item_to_json(item, value) for item, value in pairs}
+        result = to_json(self.layout.returned.node, returned)
+        return {"return": result, "outs": values}
+
+    def guesses(self, largest: int) -> Iterator[tuple[object, ...]]:
+        """What the kept arguments may have been, if nobody tells: for sizes, large ones first."""
+        sizes: list[object] = [(1 << 31) - 1, *range(largest, -1, -1)]
+        choices: list[list[object]] = []
+        for item in self.layout.kept:
+            if item.asked:
+                choices.append([True, False])
+            elif item.nullable:
+                choices.append([0, None])
+            else:
+                choices.append(sizes)
+        return product(*choices)
+
+    def _method(self, verb: str, what: str) -> Callable[..., object]:
+        method = getattr(self._codec, f"{verb}_{self.name}_{what}")
+        return cast(Callable[..., object], method)
+
+
+class Reader:
+    """Gives the bytes of a message that is there as a whole."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self._at = 0
+
+    def more(self, n: int) -> bytes:
+        """The next n bytes; raises ChannelError where there are fewer."""
+        found = self._data[self._at : self._at + n]
+        if len(found) != n:
+            raise ChannelError(E_BOVR, f"{n - len(found)} bytes are missing")
+        self._at += n
+        return found
+
+    def finish(self) -> None:
+        """Raises ProtocolError if something is left."""
+        left = len(self._data) - self._at
+        if left:
+            raise ProtocolError(E_BOVR, f"{left} bytes are left over")
+
+
+__all__ = ["ArgumentError", "Function", "Reader", "RpcError", "Service"]

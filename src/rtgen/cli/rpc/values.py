@@ -1,0 +1,263 @@
+"""Values of TECS functions as JSON (the form `opaque-rpc-trace/1`) and back.
+
+Numbers are numbers, characters too; texts have one character for each code unit; `inf`, `-inf`
+and `nan` are texts; arrays are lists; structs are objects; what is behind a plain pointer in a
+struct is a list of one; NULL is null. A nullable `out` parameter is an argument `{"want": true}` or null.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Mapping, Sequence
+from types import ModuleType
+from typing import TypeAlias
+
+from rtgen.layouts.tdr import (
+    Basic,
+    Counted,
+    FixedArray,
+    Item,
+    Node,
+    Nothing,
+    Octets,
+    Record,
+    String,
+)
+from rtgen.model.tecs import Scalar
+from rtgen.typemap.tecs_python import member_name, struct_class
+
+Json: TypeAlias = (
+    None | bool | int | float | str | Sequence["Json"] | Mapping[str, "Json"]
+)
+
+_FLOATS = (Scalar.FLOAT32, Scalar.DOUBLE64)
+_LAST_CHARACTER = 0x10FFFF
+
+
+class JsonError(ValueError):
+    """JSON that is no value of the type; the message names the place."""
+
+
+def to_json(node: Node, value: object) -> Json:
+    """The JSON of a value."""
+    match node:
+        case Basic(scalar):
+            return _number_to_json(scalar, value)
+        case Octets(scalar):
+            return _octets_to_json(scalar, value)
+        case Counted(element) if node.is_octets and isinstance(element, Basic):
+            return _octets_to_json(element.scalar, value)
+        case FixedArray(element) | Counted(element):
+            assert isinstance(value, list | tuple)
+            return [to_json(element, each) for each in value]
+        case String():
+            return _text_to_json(node, value)
+        case Record(items=items):
+            return {
+                item.name: _member_to_json(item, getattr(value, member_name(item.name)))
+                for item in items
+            }
+    return None
+
+
+def item_to_json(item: Item, value: object) -> Json:
+    """The JSON of a parameter's value."""
+    return None if value is None else to_json(item.node, value)
+
+
+def arguments_to_json(items: Sequence[Item], values: Sequence[object]) -> Json:
+    """The JSON of the arguments of a request."""
+    found: dict[str, Json] = {}
+    for item, value in zip(items, values, strict=True):
+        if item.asked:
+            found[item.name] = {"want": True} if value else None
+        else:
+            found[item.name] = item_to_json(item, value)
+    return found
+
+
+def _member_to_json(item: Item, value: object) -> Json:
+    inner = to_json(item.node, value)
+    return [inner] if item.pointer and not isinstance(item.node, Nothing) else inner
+
+
+def _number_to_json(scalar: Scalar, value: object) -> Json:
+    if scalar is Scalar.BOOL:
+        return bool(value)
+    if scalar not in _FLOATS:
+        assert isinstance(value, int)
+        return int(value)
+    assert isinstance(value, int | float)
+    if math.isfinite(value):
+        return float(value)
+    return "nan" if math.isnan(value) else "inf" if value > 0 else "-inf"
+
+
+def _octets_to_json(scalar: Scalar, value: object) -> Json:
+    assert isinstance(value, bytes)
+    if scalar is Scalar.SCHAR:
+        return [octet - 256 if octet > 127 else octet for octet in value]
+    return list(value)
+
+
+def _text_to_json(node: String, value: object) -> Json:
+    if isinstance(value, str):
+        return value
+    assert isinstance(value, list)
+    units = [unit & _mask(node) for unit in value]
+    if any(unit > _LAST_CHARACTER for unit in units):
+        return list(value)
+    return "".join(map(chr, units))
+
+
+def _mask(node: String) -> int:
+    return (1 << 8 * struct.calcsize(node.kind)) - 1
+
+
+def from_json(node: Node, value: Json, types: ModuleType, place: str) -> object:
+    """The value of a JSON; `types` has the classes of structs. Raises JsonError."""
+    match node:
+        case Basic(scalar):
+            return _number_from_json(scalar, value, place)
+        case Octets() | Counted() if isinstance(node, Octets) or node.is_octets:
+            return _octets_from_json(value, place)
+        case FixedArray(element) | Counted(element):
+            return [
+                from_json(element, each, types, f"{place}[{i}]")
+                for i, each in enumerate(_list(value, place))
+            ]
+        case String():
+            return _text_from_json(node, value, place)
+        case Record(record, items):
+            return _record_from_json(record.name, items, value, types, place)
+    return None
+
+
+def item_from_json(item: Item, value: Json, types: ModuleType) -> object:
+    """The value of a parameter, None where it is NULL; raises JsonError."""
+    if value is None and item.nullable:
+        return None
+    return from_json(item.node, value, types, item.name)
+
+
+def arguments_from_json(
+    items: Sequence[Item], value: Json, types: ModuleType
+) -> tuple[object, ...]:
+    """The arguments of a request; raises JsonError."""
+    found = _object(value, "arguments", {item.name: item for item in items})
+    return tuple(
+        (
+            _wanted(found[item.name], item.name)
+            if item.asked
+            else item_from_json(item, found[item.name], types)
+        )
+        for item in items
+    )
+
+
+def outs_from_json(
+    items: Sequence[Item], value: Json, types: ModuleType
+) -> tuple[object, ...]:
+    """The outs of a reply; raises JsonError. What is missing or null is None where it can be."""
+    found = _object(value, "outs", {item.name: item for item in items})
+    return tuple(
+        (
+            None
+            if item.nullable and found[item.name] is None
+            else from_json(item.node, found[item.name], types, item.name)
+        )
+        for item in items
+    )
+
+
+def _wanted(value: Json, place: str) -> bool:
+    if value is None:
+        return False
+    if isinstance(value, Mapping) and value.get("want") is True:
+        return True
+    raise JsonError(f'{place}: null, or {{"want": true}}')
+
+
+def _object(value: Json, place: str, items: Mapping[str, Item]) -> dict[str, Json]:
+    """The members of an object by name; those of no byte may be missing."""
+    if not isinstance(value, Mapping):
+        raise JsonError(f"{place}: an object is needed")
+    unknown = [name for name in value if name not in items]
+    if unknown:
+        raise JsonError(f"{place}: {unknown[0]!r} is unknown")
+    missing = [
+        name
+        for name, item in items.items()
+        if name not in value and not isinstance(item.node, Nothing)
+    ]
+    if missing:
+        raise JsonError(f"{place}: {missing[0]!r} is missing")
+    return {name: value.get(name) for name in items}
+
+
+def _record_from_json(
+    tag: tuple[str, ...],
+    items: Sequence[Item],
+    value: Json,
+    types: ModuleType,
+    place: str,
+) -> object:
+    found = _object(value, place, {item.name: item for item in items})
+    values = []
+    for item in items:
+        inner = found[item.name]
+        if item.pointer and isinstance(inner, list) and len(inner) == 1:
+            inner = inner[0]
+        path = f"{place}.{item.name}"
+        values.append(from_json(item.node, inner, types, path))
+    return getattr(types, struct_class(tag))(*values)
+
+
+def _number_from_json(scalar: Scalar, value: Json, place: str) -> object:
+    if scalar is Scalar.BOOL:
+        if isinstance(value, bool) or value in (0, 1):
+            return bool(value)
+        raise JsonError(f"{place}: true or false is needed")
+    if scalar in _FLOATS:
+        if value in ("inf", "-inf", "nan"):
+            return float(str(value))
+        if isinstance(value, int | float) and not isinstance(value, bool):
+            return float(value)
+        raise JsonError(f"{place}: a number is needed")
+    if isinstance(value, int) and not isinstance(value, bool):
+        return value
+    if isinstance(value, float) and value.is_integer():
+        return int(value)
+    raise JsonError(f"{place}: an integer is needed")
+
+
+def _octets_from_json(value: Json, place: str) -> bytes:
+    octets = []
+    for each in _list(value, place):
+        if not isinstance(each, int) or not -128 <= each <= 255:
+            raise JsonError(f"{place}: {each!r} is no octet")
+        octets.append(each & 0xFF)
+    return bytes(octets)
+
+
+def _text_from_json(node: String, value: Json, place: str) -> object:
+    if not node.is_wide:
+        if isinstance(value, str):
+            return value
+        raise JsonError(f"{place}: a text is needed")
+    units = [ord(c) for c in value] if isinstance(value, str) else _list(value, place)
+    low = -(_mask(node) + 1) // 2 if node.kind.islower() else 0
+    found = []
+    for unit in units:
+        if not isinstance(unit, int) or not low <= unit <= _mask(node):
+            raise JsonError(f"{place}: {unit!r} is no code unit")
+        wrapped = unit > _mask(node) // 2 and node.kind.islower()
+        found.append(unit - _mask(node) - 1 if wrapped else unit)
+    return found
+
+
+def _list(value: Json, place: str) -> Sequence[Json]:
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return value
+    raise JsonError(f"{place}: a list is needed")
