@@ -29,13 +29,11 @@ from rtgen.layouts.tdr import (
 from rtgen.model.tecs import Signature, TecsUnit
 from rtgen.runtime.opaque_rpc import (
     E_BOVR,
-    ArgumentError,
     ChannelError,
     Codec,
     More,
     ProtocolError,
     ReplyOrder,
-    RpcError,
     Tdr,
 )
 from rtgen.runtime.opaque_rpc.tdr import SOP_REQUEST
@@ -231,6 +229,3 @@ class Reader:
         left = len(self._data) - self._at
         if left:
             raise ProtocolError(E_BOVR, f"{left} bytes are left over")
-
-
-__all__ = ["ArgumentError", "Function", "Reader", "RpcError", "Service"]

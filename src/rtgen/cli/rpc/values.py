@@ -2,7 +2,8 @@
 
 Numbers are numbers, characters too; texts have one character for each code unit; `inf`, `-inf`
 and `nan` are texts; arrays are lists; structs are objects; what is behind a plain pointer in a
-struct is a list of one; NULL is null. A nullable `out` parameter is an argument `{"want": true}` or null.
+struct is a list of one; NULL is null. A nullable `out` parameter is an argument: null, or
+`{"want": true}`.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from rtgen.model.tecs import Scalar
 from rtgen.typemap.tecs_python import member_name, struct_class
 
 Json: TypeAlias = (
-    None | bool | int | float | str | Sequence["Json"] | Mapping[str, "Json"]
+    bool | int | float | str | Sequence["Json"] | Mapping[str, "Json"] | None
 )
 
 _FLOATS = (Scalar.FLOAT32, Scalar.DOUBLE64)

@@ -1,0 +1,172 @@
+"""What the commands of `rtgen rpc` share: their options, and the function that they name."""
+
+from __future__ import annotations
+
+import functools
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ParamSpec, TypeVar
+
+import click
+
+from rtgen.cli.common import BAD_INPUT, Console
+from rtgen.cli.rpc.codecs import Function, Service
+from rtgen.cli.rpc.values import Json
+from rtgen.diagnostics import InputError, has_errors
+from rtgen.layouts.tdr import TransferError
+from rtgen.model.tecs import Signature, TecsUnit
+from rtgen.runtime.opaque_rpc import Order, ReplyOrder, Tdr, make_tdr
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+@dataclass(frozen=True, slots=True)
+class Peer:
+    """What the options tell of the other end; `timeout` in seconds."""
+
+    tdr: Tdr
+    reply: ReplyOrder
+    timeout: float
+
+
+def with_peer(function: Callable[P, R]) -> Callable[..., R]:
+    """Adds --tdr, --reply-order, --long-bits and --timeout; the function gets `peer`."""
+
+    @click.option(
+        "--tdr",
+        "order",
+        type=click.Choice(["network", "little", "big"]),
+        default="network",
+        show_default=True,
+        help="Data representation: network order, or native of such a machine.",
+    )
+    @click.option(
+        "--reply-order",
+        type=click.Choice(["tecsgen", "paper"]),
+        default="tecsgen",
+        show_default=True,
+        help="Return value before the outs, or after them.",
+    )
+    @click.option(
+        "--long-bits",
+        type=click.Choice(["32", "64"]),
+        help="Width of long: 32 in network order, else 64.",
+    )
+    @click.option(
+        "--timeout",
+        type=click.FloatRange(min=0, min_open=True),
+        default=1.0,
+        show_default=True,
+        metavar="S",
+        help="Seconds to wait for the peer.",
+    )
+    @functools.wraps(function)
+    def wrapped(
+        order: Order,
+        reply_order: ReplyOrder,
+        long_bits: str | None,
+        timeout: float,
+        *args: P.args,
+        **kwargs: P.kwargs,
+    ) -> R:
+        bits = int(long_bits) if long_bits else None
+        peer = Peer(make_tdr(order, long_bits=bits), reply_order, timeout)
+        return function(*args, peer=peer, **kwargs)  # type: ignore[arg-type]
+
+    return wrapped
+
+
+def with_cdl(function: Callable[P, R]) -> Callable[P, R]:
+    """Adds --cdl and -I; the function gets `cdl` and `include`."""
+    function = click.option(
+        "-I", "include", multiple=True, metavar="DIR", help="Look for imports there."
+    )(function)
+    return click.option(
+        "--cdl",
+        required=True,
+        type=click.Path(dir_okay=False, path_type=Path),
+        metavar="FILE",
+        help="The CDL file that declares the signature.",
+    )(function)
+
+
+def read_unit(console: Console, path: Path, include: tuple[str, ...] = ()) -> TecsUnit:
+    """The declarations of a CDL file; findings go to the console, errors raise InputError."""
+    from rtgen import compiler
+    from rtgen.cli.common import project_of
+
+    result = compiler.read(project_of([str(path)], include, [], False))
+    if has_errors(result.diagnostics):
+        raise InputError(list(result.diagnostics))
+    console.findings(result.diagnostics, result.sources)
+    return result.model.tecs[0]
+
+
+def signatures_of(unit: TecsUnit) -> list[Signature]:
+    """The signatures of a unit."""
+    return [d for d in unit.declarations if isinstance(d, Signature)]
+
+
+def service_of(unit: TecsUnit, name: str, peer: Peer) -> Service:
+    """The service of a signature by its name; raises ClickException."""
+    signatures = {d.scoped: d for d in signatures_of(unit)}
+    signature = signatures.get(name.removeprefix("::"))
+    if signature is None:
+        raise _unknown("signature", name, list(signatures))
+    try:
+        return Service(unit, signature, peer.tdr, peer.reply)
+    except TransferError as error:
+        raise refused(f"{error.span.file}:{error.span.line}: {error}") from error
+
+
+def function_of(unit: TecsUnit, name: str, peer: Peer) -> Function:
+    """The function `SIG.FUNC`; raises ClickException."""
+    signature, dot, function = name.rpartition(".")
+    if not dot:
+        raise refused(f"{name!r}: name the function as SIGNATURE.FUNCTION")
+    service = service_of(unit, signature, peer)
+    if function not in service.functions:
+        raise _unknown("function", function, list(service.functions))
+    return service.functions[function]
+
+
+def parsed(text: str) -> Json:
+    """JSON of the command line; raises ClickException."""
+    try:
+        value: Json = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise refused(f"this is no JSON: {error}") from error
+    return value
+
+
+def printed(value: Json) -> str:
+    """JSON in one line, with the newline."""
+    return f"{json.dumps(value)}\n"
+
+
+def octets(text: str) -> bytes:
+    """The bytes of hex digits; raises ClickException."""
+    try:
+        return bytes.fromhex(text)
+    except ValueError as error:
+        raise refused(f"{text[:40]!r} is no hex: {error}") from error
+
+
+def _unknown(what: str, name: str, known: list[str]) -> click.ClickException:
+    from difflib import get_close_matches
+
+    close = get_close_matches(name, known, n=1)
+    hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(known)}"
+    return refused(f"no {what} {name!r}; {hint}")
+
+
+def refused(message: str) -> click.ClickException:
+    """What to raise for input that is wrong."""
+    return _Refusal(message)
+
+
+class _Refusal(click.ClickException):
+    exit_code = BAD_INPUT

@@ -1,0 +1,77 @@
+"""`rtgen rpc decode`."""
+
+from __future__ import annotations
+
+from itertools import islice
+from pathlib import Path
+
+import click
+
+from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.cli.rpc.codecs import Function
+from rtgen.cli.rpc.common import (
+    Peer,
+    function_of,
+    octets,
+    printed,
+    read_unit,
+    refused,
+    with_cdl,
+    with_peer,
+)
+from rtgen.cli.rpc.values import Json
+from rtgen.runtime.opaque_rpc import RpcError
+
+
+@click.command("decode")
+@click.argument("function", metavar="SIG.FUNC")
+@click.option("--request", metavar="HEX", help="The bytes of a request.")
+@click.option("--reply", metavar="HEX", help="The bytes of a reply.")
+@with_cdl
+@with_peer
+@with_console
+def decode_(
+    console: Console,
+    cdl: Path,
+    include: tuple[str, ...],
+    function: str,
+    request: str | None,
+    reply: str | None,
+    peer: Peer,
+) -> int:
+    """Print the values in the bytes of a request or a reply as JSON.
+
+    With both options it is the reply to that request. Some replies depend on their request: on
+    sizes, on what was NULL. Without it, sizes are taken that fit, and nothing for NULL.
+    """
+    called = function_of(read_unit(console, cdl, include), function, peer)
+    try:
+        value = _decoded(called, request, reply)
+    except RpcError as error:
+        raise refused(str(error)) from error
+    write_out(printed(value))
+    return OK
+
+
+def _decoded(function: Function, request: str | None, reply: str | None) -> Json:
+    arguments = None
+    if request is not None:
+        arguments = function.decode_request(octets(request))
+    if reply is None:
+        if arguments is None:
+            raise refused("give --request or --reply")
+        return function.arguments_to_json(arguments)
+    if function.oneway:
+        raise refused(f"{function.name} is oneway: it has no reply")
+    data = octets(reply)
+    if arguments is not None:
+        kept = function.kept(arguments)
+        return function.result_to_json(*function.decode_reply(data, kept))
+    failure: RpcError | None = None
+    for kept in islice(function.guesses(len(data)), 100_000):
+        try:
+            return function.result_to_json(*function.decode_reply(data, kept))
+        except RpcError as error:
+            failure = failure or error
+    assert failure is not None
+    raise failure

@@ -1,0 +1,76 @@
+"""`rtgen rpc encode`."""
+
+from __future__ import annotations
+
+from itertools import islice
+from pathlib import Path
+
+import click
+
+from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.cli.rpc.codecs import Function
+from rtgen.cli.rpc.common import (
+    Peer,
+    function_of,
+    parsed,
+    read_unit,
+    refused,
+    with_cdl,
+    with_peer,
+)
+from rtgen.cli.rpc.values import JsonError
+from rtgen.runtime.opaque_rpc import ArgumentError
+
+
+@click.command("encode")
+@click.argument("function", metavar="SIG.FUNC")
+@click.option("--request", metavar="JSON", help="The arguments.")
+@click.option("--reply", metavar="JSON", help="Return value and outs.")
+@with_cdl
+@with_peer
+@with_console
+def encode_(
+    console: Console,
+    cdl: Path,
+    include: tuple[str, ...],
+    function: str,
+    request: str | None,
+    reply: str | None,
+    peer: Peer,
+) -> int:
+    """Print the bytes of a request or a reply in hex.
+
+    With both options it is the reply to that request. Some replies depend on their request: on
+    sizes, on what was NULL. Without it, sizes are taken that fit, and nothing for NULL.
+    """
+    called = function_of(read_unit(console, cdl, include), function, peer)
+    try:
+        data = _encoded(called, request, reply)
+    except (ArgumentError, JsonError) as error:
+        raise refused(str(error)) from error
+    write_out(f"{data.hex()}\n")
+    return OK
+
+
+def _encoded(function: Function, request: str | None, reply: str | None) -> bytes:
+    arguments = None
+    if request is not None:
+        arguments = function.arguments_from_json(parsed(request))
+    if reply is None:
+        if arguments is None:
+            raise refused("give --request or --reply")
+        return function.encode_request(arguments)
+    if function.oneway:
+        raise refused(f"{function.name} is oneway: it has no reply")
+    returned, outs = function.result_from_json(parsed(reply))
+    if arguments is not None:
+        return function.encode_reply(function.kept(arguments), returned, outs)
+    failure: ArgumentError | None = None
+    longest = max((len(o) for o in outs if isinstance(o, list | bytes)), default=0)
+    for kept in islice(function.guesses(longest), 100_000):
+        try:
+            return function.encode_reply(kept, returned, outs)
+        except ArgumentError as error:
+            failure = failure or error
+    assert failure is not None
+    raise failure

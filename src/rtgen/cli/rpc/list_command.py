@@ -1,0 +1,57 @@
+"""`rtgen rpc list`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.cli.rpc.common import Peer, read_unit, signatures_of, with_cdl, with_peer
+from rtgen.layouts.tdr import problems
+from rtgen.model.tecs import Sizes, TecsFunction, TecsParameter
+
+
+@click.command("list")
+@with_cdl
+@with_peer
+@with_console
+def list_(console: Console, cdl: Path, include: tuple[str, ...], peer: Peer) -> int:
+    """List the functions of all signatures with their ids.
+
+    A signature with what OpaqueRPC cannot carry is listed with the reason.
+    """
+    unit = read_unit(console, cdl, include)
+    lines = []
+    for signature in signatures_of(unit):
+        lines.append(signature.scoped)
+        lines += [f"  {f.id:3}  {_declaration(f)}" for f in signature.functions]
+        lines += [f"       not transferable: {p}" for p in problems(unit, signature)]
+    write_out("".join(f"{line}\n" for line in lines))
+    return OK
+
+
+def _declaration(function: TecsFunction) -> str:
+    parameters = ", ".join(map(_parameter, function.parameters)) or "void"
+    oneway = "[oneway] " if function.oneway else ""
+    return f"{oneway}{function.returns} {function.name}({parameters})"
+
+
+def _parameter(parameter: TecsParameter) -> str:
+    direction = str(parameter.direction.value)
+    if parameter.allocator:
+        direction += f"({'::'.join(parameter.allocator)})"
+    specifiers = ", ".join([direction, *_sizes(parameter.sizes)])
+    return f"[{specifiers}] {parameter.type} {parameter.name}"
+
+
+def _sizes(sizes: Sizes) -> list[str]:
+    most = "" if sizes.max_size is None else f", {sizes.max_size}"
+    found = {
+        "size_is": "" if sizes.size_is is None else f"({sizes.size_is}{most})",
+        "count_is": "" if sizes.count_is is None else f"({sizes.count_is})",
+        "string": "" if sizes.string is None else f"({sizes.string})",
+    }
+    texts = [f"{name}{text}" for name, text in found.items() if text]
+    texts += ["string"] if sizes.unsized_string else []
+    return texts + (["nullable"] if sizes.nullable else [])
