@@ -18,6 +18,7 @@ COMMANDS = {
     "inspect": "Show the resolved model of definitions or systems.",
     "run": "Run a system on the embedded runtime.",
     "graph": "Draw a system's components and connections as SVG.",
+    "rpc": "Call functions of TECS devices, or look at the bytes of such calls.",
     "explain": "Tell what a diagnostic means.",
 }
 """Command to its line of help; the module of the same name has a function of the same name."""
