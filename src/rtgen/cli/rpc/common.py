@@ -11,7 +11,7 @@ from typing import ParamSpec, TypeVar
 
 import click
 
-from rtgen.cli.common import BAD_INPUT, Console
+from rtgen.cli.common import BAD_INPUT
 from rtgen.cli.rpc.codecs import Function, Service
 from rtgen.cli.rpc.values import Json
 from rtgen.diagnostics import InputError, has_errors
@@ -93,15 +93,17 @@ def with_cdl(function: Callable[P, R]) -> Callable[P, R]:
     )(function)
 
 
-def read_unit(console: Console, path: Path, include: tuple[str, ...] = ()) -> TecsUnit:
-    """The declarations of a CDL file; findings go to the console, errors raise InputError."""
-    from rtgen import compiler
-    from rtgen.cli.common import project_of
+def read_unit(path: Path, include: tuple[str, ...] = ()) -> TecsUnit:
+    """The declarations of a CDL file; raises InputError. What is no error is not told."""
+    from rtgen.frontends import cdl
+    from rtgen.project import load
 
-    result = compiler.read(project_of([str(path)], include, [], False))
+    project = load()
+    folders = [*map(Path, include), *project.include]
+    define = dict(project.define)
+    result = cdl.load([path], root=project.root, include=folders, define=define)
     if has_errors(result.diagnostics):
         raise InputError(list(result.diagnostics))
-    console.findings(result.diagnostics, result.sources)
     return result.model.tecs[0]
 
 

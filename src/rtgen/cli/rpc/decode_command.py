@@ -44,7 +44,7 @@ def decode_(
     With both options it is the reply to that request. Some replies depend on their request: on
     sizes, on what was NULL. Without it, sizes are taken that fit, and nothing for NULL.
     """
-    called = function_of(read_unit(console, cdl, include), function, peer)
+    called = function_of(read_unit(cdl, include), function, peer)
     try:
         value = _decoded(called, request, reply)
     except RpcError as error:

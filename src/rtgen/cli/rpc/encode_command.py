@@ -43,7 +43,7 @@ def encode_(
     With both options it is the reply to that request. Some replies depend on their request: on
     sizes, on what was NULL. Without it, sizes are taken that fit, and nothing for NULL.
     """
-    called = function_of(read_unit(console, cdl, include), function, peer)
+    called = function_of(read_unit(cdl, include), function, peer)
     try:
         data = _encoded(called, request, reply)
     except (ArgumentError, JsonError) as error:

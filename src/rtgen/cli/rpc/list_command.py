@@ -21,7 +21,7 @@ def list_(console: Console, cdl: Path, include: tuple[str, ...], peer: Peer) -> 
 
     A signature with what OpaqueRPC cannot carry is listed with the reason.
     """
-    unit = read_unit(console, cdl, include)
+    unit = read_unit(cdl, include)
     lines = []
     for signature in signatures_of(unit):
         lines.append(signature.scoped)

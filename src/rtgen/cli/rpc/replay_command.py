@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import struct
-import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, cast
@@ -15,12 +14,13 @@ from rtgen.cli.common import NO, OK, Console, with_console, write_out
 from rtgen.cli.rpc.codecs import Function, Service
 from rtgen.cli.rpc.common import (
     Peer,
-    read_unit,
     refused,
     service_of,
     with_peer,
 )
 from rtgen.cli.rpc.values import Json, JsonError
+from rtgen.diagnostics import InputError, has_errors
+from rtgen.frontends.cdl import read_text
 from rtgen.layouts.tdr import Basic, Counted, FixedArray, Item, Node, Nothing, Record
 from rtgen.model.tecs import Scalar, TecsUnit
 from rtgen.runtime.opaque_rpc import ArgumentError, RpcError, make_tdr
@@ -47,7 +47,7 @@ def replay_(console: Console, traces: Path, verbose: bool, peer: Peer) -> int:
         raise refused(f"{traces}: {error}") from error
     if not isinstance(recorded, dict) or recorded.get("format") != _FORMAT:
         raise refused(f"{traces}: no file of the format {_FORMAT}")
-    replay = _Replay(console, recorded, peer)
+    replay = _Replay(recorded, peer)
     cases = [*recorded["cases"], *recorded.get("shared_channel_cases", [])]
     found = [(case["id"], list(replay.differences(case))) for case in cases]
     equal = sum(not differences for _, differences in found)
@@ -63,10 +63,7 @@ def replay_(console: Console, traces: Path, verbose: bool, peer: Peer) -> int:
 class _Replay:
     """The services of a file of recorded calls, each made once."""
 
-    def __init__(
-        self, console: Console, recorded: Mapping[str, Any], peer: Peer
-    ) -> None:
-        self._console = console
+    def __init__(self, recorded: Mapping[str, Any], peer: Peer) -> None:
         self._recorded = recorded
         self._peer = peer
         self._units: dict[str, TecsUnit] = {}
@@ -114,10 +111,10 @@ class _Replay:
             if text is None:
                 raise refused(f"the signature {name!r} is missing")
             text = self._recorded.get("allocator_cdl", "") + text
-            with tempfile.TemporaryDirectory() as folder:
-                path = Path(folder) / "recorded.cdl"
-                path.write_text(text, "utf-8")
-                self._units[name] = read_unit(self._console, path)
+            unit, found = read_text(text, f"{name}.cdl")
+            if has_errors(found):
+                raise InputError(list(found))
+            self._units[name] = unit
         return self._units[name]
 
 
