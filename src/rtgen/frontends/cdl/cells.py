@@ -128,6 +128,8 @@ class Cells:
         entity = Entity(Kind.CELL, (*around, name), place.unit, None, span)
         cell = Cell(entity, type_, node.celltype, place, scope, inside, guessed=guessed)
         entity.component = cell
+        if isinstance(type_, Composite):
+            self._own_allocators(cell, type_)
         if inside is not None:
             known = inside.inner.get(name)
             before: Entity | Scope | None = known.entity if known is not None else None
@@ -169,6 +171,18 @@ class Cells:
             )
         )
         return cell, False
+
+    def _own_allocators(self, cell: Cell, type_: Composite) -> None:
+        """Allocators that a composite has inside are those of its cells."""
+        span = cell.entity.place
+        for port in type_.ports:
+            for (function, parameter), allocator in port.allocators.items():
+                if allocator.entry:
+                    name = f"{port.name}_{function}_{parameter}"
+                    target = Target(cell, allocator.entry, None, span, span, cell.place)
+                    join = Join(name, None, span, cell.place, target=target)
+                    made = CellAllocator(port.name, None, function, parameter, join)
+                    cell.allocators.append(made)
 
     def _define(self, cell: Cell, node: tree.Cell, place: Place) -> None:
         span = place.span(node.name)

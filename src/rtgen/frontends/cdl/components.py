@@ -226,12 +226,12 @@ class Components:
             self._check_callers(cell)
 
     def _check_callers(self, cell: known.Cell) -> None:
-        for port in cell.celltype.ports if cell.celltype is not None else ():
-            if port.fixed is not None and cell.callers.get(port.name, 0) > 1:
+        for port, name in cell.celltype.fixed() if cell.celltype is not None else ():
+            if cell.callers.get(name, 0) > 1:
                 self._report(
                     rules.MANY_CALLERS.at(
                         cell.span or cell.entity.place,
-                        f"{cell.name}.{port.name} has a fixed join, and is joined elsewhere, too",
+                        f"{cell.name}.{name} has a fixed join, and is joined elsewhere, too",
                         related=[Related(port.span, "the fixed join")],
                     )
                 )

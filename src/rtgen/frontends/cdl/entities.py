@@ -239,6 +239,12 @@ class Celltype:
         """The celltypes of the cells that a cell of this type stands for."""
         yield self
 
+    def fixed(self) -> Iterator[tuple[Port, str]]:
+        """The ports with a fixed join, with the names that they have here."""
+        for port in self.ports:
+            if port.fixed is not None:
+                yield port, port.name
+
 
 @dataclass(eq=False, slots=True)
 class Exported:
@@ -275,6 +281,16 @@ class Composite(Celltype):
         for cell in self.inner.values():
             if cell.celltype is not None:
                 yield from cell.celltype.real()
+
+    def fixed(self) -> Iterator[tuple[Port, str]]:
+        """The ports with a fixed join, those of inner cells under their outer names."""
+        yield from Celltype.fixed(self)
+        for cell in self.inner.values():
+            for port, name in (
+                cell.celltype.fixed() if cell.celltype is not None else ()
+            ):
+                if name in cell.exported:
+                    yield port, cell.exported[name].name
 
 
 @dataclass(frozen=True, slots=True)

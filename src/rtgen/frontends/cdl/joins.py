@@ -117,15 +117,15 @@ class Joins:
 
     def fixed(self, cell: Cell) -> None:
         """Make the fixed joins of a cell, at the callers."""
-        for port in cell.celltype.ports if cell.celltype is not None else ():
-            if port.fixed is None or port.fixed_place is None:
-                continue
+        for port, entry in cell.celltype.fixed() if cell.celltype is not None else ():
+            assert port.fixed is not None
+            assert port.fixed_place is not None
             found = component(port.fixed_place.lookup(port.fixed.owner))
             caller = self.nearest(found, cell) if isinstance(found, Celltype) else found
             assert cell.span is not None
             if isinstance(caller, Cell):
                 name = port.fixed.port.text
-                join = self._made(caller, name, -1, cell, port.name, cell.span)
+                join = self._made(caller, name, -1, cell, entry, cell.span)
                 self._define(caller, join)
             elif isinstance(found, Celltype):
                 self._report(
