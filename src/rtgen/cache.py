@@ -64,6 +64,7 @@ class Cache:
             project.prelude,
             project.kcode,
             list(map(str, project.tecs_path)),
+            project.node_id,
             [
                 project.package,
                 project.skeleton_package,

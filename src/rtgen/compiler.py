@@ -55,10 +55,13 @@ class Compilation:
 
 def read(project: Project) -> FrontendResult:
     """The model of the project's definitions."""
-    of_tecs = [path for path in project.sources if path.suffix.lower() == ".cdl"]
-    of_idl = [path for path in project.sources if path not in of_tecs]
+    from rtgen.frontends import together
+
+    of_tecs = _ending_with(project.sources, ".cdl")
+    of_devices = _ending_with(project.sources, ".eds", ".dcf")
+    of_idl = _ending_with(project.sources, ".idl")
     results: list[FrontendResult] = []
-    if of_idl or not of_tecs:
+    if of_idl or not (of_tecs or of_devices):
         from rtgen.frontends import idl
 
         results.append(
@@ -83,25 +86,15 @@ def read(project: Project) -> FrontendResult:
                 prelude=project.prelude == "kernel",
             )
         )
-    return results[0] if len(results) == 1 else _together(results)
+    if of_devices:
+        from rtgen.frontends import eds
+
+        results.append(eds.load(of_devices, root=project.root, node_id=project.node_id))
+    return results[0] if len(results) == 1 else together(results)
 
 
-def _together(results: Sequence[FrontendResult]) -> FrontendResult:
-    """What several front ends read, as one."""
-    from rtgen.frontends import FrontendResult
-    from rtgen.model import Model
-
-    models = [result.model for result in results]
-    return FrontendResult(
-        model=Model(
-            files=tuple(file for model in models for file in model.files),
-            declarations=tuple(d for model in models for d in model.declarations),
-            tecs=tuple(unit for model in models for unit in model.tecs),
-        ),
-        diagnostics=tuple(in_order(d for r in results for d in r.diagnostics)),
-        sources={name: text for r in results for name, text in r.sources.items()},
-        dependencies=tuple(d for r in results for d in r.dependencies),
-    )
+def _ending_with(paths: Sequence[Path], *suffixes: str) -> list[Path]:
+    return [path for path in paths if path.suffix.lower() in suffixes]
 
 
 def read_system(
@@ -200,7 +193,8 @@ def compile_project(project: Project) -> Compilation:
             diagnostics += emission.diagnostics
     return Compilation(
         artifacts=() if has_errors(diagnostics) else tuple(artifacts),
-        inputs={file.key: file.sha256 for file in result.model.files},
+        inputs={file.key: file.sha256 for file in result.model.files}
+        | {device.key: device.sha256 for device in result.model.devices},
         diagnostics=tuple(in_order(diagnostics)),
         dependencies=_hashes(result),
         sources=result.sources,

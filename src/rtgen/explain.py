@@ -14,6 +14,7 @@ MODULES = (
     "rtgen.backends.tecs.rules",
     "rtgen.backends.types.rules",
     "rtgen.frontends.cdl.rules",
+    "rtgen.frontends.eds.rules",
     "rtgen.frontends.idl.rules",
     "rtgen.frontends.rts_profile",
     "rtgen.lint.rules",

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from decimal import Decimal
 from typing import Any, TypeAlias
 
-from rtgen import indented_json, tecs_inspect
+from rtgen import device_inspect, indented_json, tecs_inspect
 from rtgen.diagnostics import Diagnostic
 from rtgen.model import (
     Attribute,
@@ -53,10 +53,13 @@ def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
     declarations = [_declaration(d, model) for d in defined(model.declarations)]
     return {
         "format": FORMAT,
-        "files": [f.name for f in model.files] + [s.file for s in model.systems],
+        "files": [f.name for f in model.files]
+        + [d.file for d in model.devices]
+        + [s.file for s in model.systems],
         "declarations": [
             *declarations,
             *map(tecs_inspect.declaration, tecs_inspect.shown(model.tecs)),
+            *map(device_inspect.declaration, model.devices),
             *map(_system, model.systems),
         ],
         "diagnostics": [as_json(d) for d in diagnostics],
@@ -338,6 +341,8 @@ def tree(model: Model) -> str:
             lines += _indented(_declaration_lines(d, model))
         for t in components.get(file.name, ()):
             lines += _indented(tecs_inspect.lines(t))
+    for described in model.devices:
+        lines += [described.file, *_indented(device_inspect.lines(described))]
     for system in model.systems:
         lines += [system.file, f"  system {system.name}"]
         lines += [f"    {c.instance}: {c.type}" for c in system.components]

@@ -24,7 +24,7 @@ PRELUDES = ("kernel", "none")
 KCODES = ("auto", "euc", "sjis", "utf8", "none")
 """The encodings of CDL files."""
 
-SUFFIXES = (".idl", ".cdl")
+SUFFIXES = (".idl", ".cdl", ".eds", ".dcf")
 """What the front ends read, in lower case."""
 
 _RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
@@ -37,7 +37,8 @@ class Project:
     `root` is the absolute folder of rtgen.toml (else the working folder), which the keys of inputs
     are relative to. `sources` and `include` are paths as they are shown to the user. `output` and
     `skeletons` are absolute, and neither may lead out of `base`. `tecs_path` are the folders of
-    the environment's TECSPATH, which imports of CDL are looked for in at last.
+    the environment's TECSPATH, which imports of CDL are looked for in at last. `node_id` is the
+    node that devices are read for.
     """
 
     root: Path
@@ -58,6 +59,7 @@ class Project:
     extensibility: str = "final"
     components: tuple[tuple[str, str], ...] = ()
     lint: tuple[tuple[str, str, Span], ...] = ()
+    node_id: int | None = None
 
     @property
     def skeleton_package(self) -> str:

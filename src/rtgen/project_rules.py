@@ -117,8 +117,8 @@ SOURCE_KIND = Rule(
     Severity.ERROR,
     """
 A path was given that does not end like a definition file. The kind of a file is told by its
-suffix: `.idl` for OMG IDL; `.cdl` for TECS; `.xml` for a system (RtsProfile), where a command
-takes one.
+suffix: `.idl` for OMG IDL; `.cdl` for TECS; `.eds` and `.dcf` for CANopen devices; `.xml` for a
+system (RtsProfile), where a command takes one.
 """,
 )
 

@@ -24,24 +24,32 @@ from rtgen.cli.common import (
 @click.command()
 @with_definitions
 @with_cache
+@click.option(
+    "--node-id",
+    type=click.IntRange(1, 127),
+    metavar="N",
+    help="Show devices as node N; default: a DCF's own node-id.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON (rtgen-inspect/1).")
 @with_console
 def inspect(
     console: Console,
     definitions: Definitions,
     no_cache: bool,
+    node_id: int | None,
     as_json: bool,
 ) -> int:
-    """Show the resolved model of definitions or systems.
+    """Show the resolved model of definitions, devices or systems.
 
-    PATH is a definition file, a folder of them, or a system (RtsProfile, *.xml). Without PATH
-    the sources of rtgen.toml are shown.
+    PATH is a definition file (*.idl, *.cdl, *.eds, *.dcf), a folder of them, or a system
+    (RtsProfile, *.xml). Without PATH the sources of rtgen.toml are shown.
     """
     profiles = [p for p in definitions.paths if p.lower().endswith(".xml")]
     others = tuple(p for p in definitions.paths if p not in profiles)
     project = None
     if others or not profiles:
         project = project_of(replace(definitions, paths=others))
+        project = replace(project, node_id=node_id)
     run = compiler.inspect(
         project,
         [Path(p) for p in profiles],

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtgen.diagnostics import Diagnostic
+from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.model import Model
 
 
@@ -31,3 +31,20 @@ class FrontendResult:
     diagnostics: tuple[Diagnostic, ...]
     sources: Mapping[str, str]
     dependencies: tuple[Dependency, ...]
+
+
+def together(results: Sequence[FrontendResult]) -> FrontendResult:
+    """What several front ends read, as one."""
+    models = [result.model for result in results]
+    return FrontendResult(
+        model=Model(
+            files=tuple(f for m in models for f in m.files),
+            declarations=tuple(d for m in models for d in m.declarations),
+            systems=tuple(s for m in models for s in m.systems),
+            tecs=tuple(u for m in models for u in m.tecs),
+            devices=tuple(d for m in models for d in m.devices),
+        ),
+        diagnostics=tuple(in_order(d for r in results for d in r.diagnostics)),
+        sources={name: text for r in results for name, text in r.sources.items()},
+        dependencies=tuple(d for r in results for d in r.dependencies),
+    )

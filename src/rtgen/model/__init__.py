@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from rtgen.model.canopen import Device
 from rtgen.model.components import (
     Activation,
     Component,
@@ -77,6 +78,7 @@ __all__ = [
     "Const",
     "ConstantValue",
     "Declaration",
+    "Device",
     "Direction",
     "Documented",
     "Enum",
@@ -145,6 +147,7 @@ class Model:
     declarations: tuple[Declaration, ...] = ()
     systems: tuple[System, ...] = ()
     tecs: tuple[TecsUnit, ...] = ()
+    devices: tuple[Device, ...] = ()
     _by_name: dict[ScopedName, Declaration] = field(
         init=False, repr=False, compare=False, default_factory=dict
     )

@@ -1,0 +1,134 @@
+"""A CANopen device for a reader: as part of `rtgen-inspect/1`, or as lines of text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any, TypeAlias
+
+from rtgen.model.canopen import (
+    Access,
+    DataType,
+    Device,
+    Pdo,
+    PdoEntry,
+    Value,
+    Variable,
+    resolved,
+)
+
+Json: TypeAlias = dict[str, Any]
+
+
+def declaration(d: Device) -> Json:
+    """The device; the data types that DummyUsage allows as gaps come first among its objects."""
+    info = d.info
+    return {
+        "kind": "device",
+        "name": d.name,
+        "file": d.file,
+        "line": d.span.line,
+        "vendor_id": d.vendor_id,
+        "product_code": d.product_code,
+        "vendor": info.vendor_name,
+        "product": info.product_name,
+        "revision": info.revision_number,
+        "node_id": d.node_id,
+        "bit_rate": None if d.commissioning is None else d.commissioning.bit_rate,
+        "bit_rates": list(info.bit_rates),
+        "lss": info.lss,
+        "objects": [*map(_dummy, d.dummies)]
+        + [_variable(v, d.node_id) for v in d.variables],
+        "pdos": [_pdo(p, d.node_id) for p in d.pdos],
+        "doc": d.file_info.description,
+        "annotations": [],
+    }
+
+
+def _dummy(code: int) -> Json:
+    return {
+        "index": code,
+        "subindex": 0,
+        "name": f"Dummy{code:04X}",
+        "data_type": code,
+        "access": Access.CONST.value,
+        "default": None,
+        "value": None,
+        "low": None,
+        "high": None,
+        "unit": None,
+        "factor": None,
+        "pdo": False,
+    }
+
+
+def _variable(v: Variable, node_id: int | None) -> Json:
+    return {
+        "index": v.index,
+        "subindex": v.subindex,
+        "name": v.name,
+        "data_type": int(v.data_type),
+        "access": v.written_access,
+        "default": _value(v.default, node_id),
+        "value": _value(v.value, node_id),
+        "low": _value(v.low, node_id),
+        "high": _value(v.high, node_id),
+        "unit": v.unit or None,
+        "factor": v.factor,
+        "pdo": v.pdo_mappable,
+    }
+
+
+def _pdo(p: Pdo, node_id: int | None) -> Json:
+    return {
+        "direction": p.direction.value,
+        "number": p.number,
+        "cob_id": _value(p.cob_id, node_id),
+        "transmission_type": p.transmission_type,
+        "inhibit_time": p.inhibit_time,
+        "event_timer": p.event_timer,
+        "sync_start": p.sync_start,
+        "entries": [*map(_entry, p.entries)],
+        "default_entries": [*map(_entry, p.default_entries)],
+    }
+
+
+def _entry(entry: PdoEntry) -> Json:
+    return {"index": entry.index, "subindex": entry.subindex, "bits": entry.bits}
+
+
+def _value(value: Value | None, node_id: int | None) -> Any:
+    """A value as JSON has it: octets as hexadecimal digits, what is no number in JSON as text."""
+    match resolved(value, node_id):
+        case bytes() as octets:
+            return octets.hex()
+        case float() as number if not math.isfinite(number):
+            return str(number)
+        case None | int() | float() | str() as plain:
+            return plain
+        case formula:
+            return str(formula)
+
+
+def lines(d: Device) -> Iterator[str]:
+    """The device for people: a line for each variable and each PDO."""
+    node = "" if d.node_id is None else f" (node {d.node_id})"
+    yield f"device {d.name}{node}"
+    for thing in d.objects:
+        yield f"  {thing.index:04X}h {thing.name}: {thing.type.name}"
+        for v in thing.variables:
+            value = _value(v.current, d.node_id)
+            shown = "" if value is None else f" = {value}"
+            yield f"    {v.subindex}: {_type(v)} {v.written_access} {v.name}{shown}"
+    for p in d.pdos:
+        cob_id = _value(p.cob_id, d.node_id)
+        number = f"{cob_id:X}h" if isinstance(cob_id, int) else cob_id
+        kind = f"transmission type {p.transmission_type}"
+        yield f"  {p.direction} {p.number}: COB-ID {number}, {kind}"
+        for entry in p.entries:
+            yield f"    {entry.index:04X}h:{entry.subindex} {entry.bits} bits"
+
+
+def _type(v: Variable) -> str:
+    code = v.data_type
+    return code.name if isinstance(code, DataType) else f"type {code:04X}h"

@@ -1,0 +1,112 @@
+"""Compact sub-objects: one section for all members, and lists of what differs (CiA 306, 4.6.4)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from rtgen.frontends.eds import numbers
+from rtgen.frontends.eds.findings import Findings
+from rtgen.frontends.eds.ini import Section
+from rtgen.frontends.eds.lists import check_count
+from rtgen.frontends.eds.outline import ObjectSections
+from rtgen.frontends.eds.rules import objects as rules
+from rtgen.frontends.eds.variables import VariableReader
+from rtgen.model.canopen import Access, DataType, Object, ObjectType, Variable
+
+MOST = 254
+
+
+def expand(
+    head: Section,
+    index: int,
+    name: str,
+    sections: ObjectSections,
+    reader: VariableReader,
+    findings: Findings,
+) -> dict[int, Variable]:
+    """The variables that CompactSubObj stands for, by sub-index; none without it."""
+    entry = head.get("CompactSubObj")
+    count = None if entry is None else numbers.number(entry, findings)
+    if entry is None:
+        return {}
+    if count is None or not 0 <= count <= MOST:
+        taken = MOST if count is not None and count > MOST else 0
+        message = f"CompactSubObj is {entry.value[:20]}, not 0 to {MOST}"
+        findings.add(rules.COMPACT_COUNT, entry.span, message)
+        count = taken
+    subs = head.get("SubNumber")
+    if count and subs is not None and numbers.parse(subs.value) != numbers.Number(0):
+        message = "SubNumber and CompactSubObj exclude each other"
+        findings.add(rules.COMPACT_COUNT, subs.span, message)
+    if not count:
+        return {}
+    one = reader.read(head, index, 1, name)
+    if one is None:
+        return {}
+    first = Variable(
+        index=index,
+        subindex=0,
+        name="Highest sub-index supported",
+        data_type=DataType.UNSIGNED8,
+        access=Access.RO,
+        written_access=Access.RO.value,
+        span=head.span,
+        value_span=entry.span,
+        default=count,
+    )
+    made = {0: first}
+    for subindex in range(1, count + 1):
+        made[subindex] = replace(one, subindex=subindex, name=f"{name}{subindex}")
+    names = sections.names.get(index)
+    for subindex, entry in () if names is None else names.numbered():
+        if subindex in made and entry.value:
+            made[subindex] = replace(made[subindex], name=entry.value)
+    return made
+
+
+def configure(
+    made: dict[int, Variable],
+    index: int,
+    sections: ObjectSections,
+    reader: VariableReader,
+    findings: Findings,
+) -> None:
+    """Gives variables the values and denotations of the lists, where they have none."""
+    values = sections.values.get(index)
+    if values is not None:
+        reader.tell_of_dcf(values, whole=True)
+        for subindex, entry in values.numbered():
+            variable = made.get(subindex)
+            if variable is not None and variable.value is None and entry.value:
+                told = numbers.value(entry, variable.data_type, findings)
+                made[subindex] = replace(variable, value=told, value_span=entry.span)
+    names = sections.denotations.get(index)
+    for subindex, entry in () if names is None else names.numbered():
+        variable = made.get(subindex)
+        if variable is not None and not variable.denotation:
+            made[subindex] = replace(variable, denotation=entry.value)
+
+
+def check_lists(
+    sections: ObjectSections, known: Mapping[int, Object], findings: Findings
+) -> None:
+    """Tells of lists, and of entries in them, that belong to no compact sub-object."""
+    for lists in (sections.names, sections.values, sections.denotations):
+        for index, section in lists.items():
+            _check_list(section, known.get(index), findings)
+
+
+def _check_list(section: Section, of: Object | None, findings: Findings) -> None:
+    composed = of is not None and of.type in (ObjectType.ARRAY, ObjectType.RECORD)
+    if of is None or not composed:
+        message = f"[{section.name}] belongs to no ARRAY or RECORD"
+        findings.add(rules.NOT_COMPACT, section.span, message)
+        return
+    subindices = {v.subindex for v in of.variables}
+    entries = dict(section.numbered())
+    for subindex, entry in entries.items():
+        if subindex not in subindices:
+            message = f"{of.name} has no sub-index {subindex}"
+            findings.add(rules.NOT_COMPACT, entry.key_span, message)
+    check_count(section, "NrOfEntries", len(entries), findings)

@@ -1,0 +1,123 @@
+"""PDOs that a file counts, but does not describe (CompactPDO; CiA 306, 4.5.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from rtgen.diagnostics import Span
+from rtgen.model.canopen import (
+    INVALID,
+    PDOS,
+    RPDO_COMMUNICATION,
+    TPDO_COMMUNICATION,
+    Access,
+    DataType,
+    DeviceInfo,
+    NodeRelative,
+    Object,
+    ObjectType,
+    Value,
+    Variable,
+)
+
+_U8, _U16, _U32 = DataType.UNSIGNED8, DataType.UNSIGNED16, DataType.UNSIGNED32
+_COMMUNICATION = (
+    (1, "COB-ID", _U32),
+    (2, "Transmission type", _U8),
+    (3, "Inhibit time", _U16),
+    (4, "Compatibility entry", _U8),
+    (5, "Event timer", _U16),
+    (6, "SYNC start value", _U8),
+)
+_ENTRIES = 64
+_PREDEFINED = 4
+_EVENT_DRIVEN = 255
+_NAMES = {
+    RPDO_COMMUNICATION: ("RPDO", 0x200),
+    TPDO_COMMUNICATION: ("TPDO", 0x180),
+}
+
+
+def implied(info: DeviceInfo, known: Collection[int], span: Span) -> Iterator[Object]:
+    """The objects of these PDOs, at the lowest free indices; `known` are the indices taken."""
+    if not info.compact_pdo:
+        return
+    for base, count in (
+        (RPDO_COMMUNICATION, info.rpdos),
+        (TPDO_COMMUNICATION, info.tpdos),
+    ):
+        free = (n for n in range(PDOS) if base + n not in known)
+        described = sum(base <= index < base + PDOS for index in known)
+        for _ in range(max(0, (count or 0) - described)):
+            yield from _pdo(base, next(free), info.compact_pdo, known, span)
+
+
+def _pdo(
+    base: int, number: int, subs: int, known: Collection[int], span: Span
+) -> Iterator[Object]:
+    name, cob_id = _NAMES[base]
+    first = number < _PREDEFINED
+    defaults: dict[int, Value] = {
+        1: NodeRelative(cob_id + 0x100 * number) if first else INVALID,
+        2: _EVENT_DRIVEN,
+    }
+    members = [
+        _variable(base + number, sub, label, type_, span, defaults.get(sub, 0))
+        for sub, label, type_ in _COMMUNICATION
+        if subs >> sub - 1 & 1
+    ]
+    label = f"{name} {number + 1} communication parameter"
+    yield _object(base + number, label, members, span)
+    mapping = base + 0x200 + number
+    if mapping not in known:
+        entries = [
+            _variable(mapping, sub, f"Mapped object {sub}", _U32, span, 0)
+            for sub in range(1, _ENTRIES + 1)
+        ]
+        label = f"{name} {number + 1} mapping parameter"
+        yield _object(mapping, label, entries, span, used=0)
+
+
+def _object(
+    index: int,
+    name: str,
+    members: list[Variable],
+    span: Span,
+    used: int | None = None,
+) -> Object:
+    highest = members[-1].subindex if members else 0
+    label = (
+        "Highest sub-index supported" if used is None else "Number of mapped objects"
+    )
+    value = highest if used is None else used
+    access = Access.CONST if used is None else Access.RW
+    first = _variable(index, 0, label, _U8, span, value, access)
+    return Object(
+        index=index,
+        name=name,
+        type=ObjectType.RECORD,
+        variables=(first, *members),
+        span=span,
+    )
+
+
+def _variable(
+    index: int,
+    subindex: int,
+    name: str,
+    type_: DataType,
+    span: Span,
+    default: Value,
+    access: Access = Access.RW,
+) -> Variable:
+    return Variable(
+        index=index,
+        subindex=subindex,
+        name=name,
+        data_type=type_,
+        access=access,
+        written_access=access.value,
+        span=span,
+        value_span=span,
+        default=default,
+    )

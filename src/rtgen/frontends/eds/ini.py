@@ -1,0 +1,247 @@
+"""The lexical form of EDS and DCF files: sections and keys, each with its place (CiA 306, 4.2)."""
+
+from __future__ import annotations
+
+import codecs
+import re
+from bisect import bisect_left
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from rtgen.diagnostics import Span
+from rtgen.frontends.eds.findings import Findings
+from rtgen.frontends.eds.rules import lexical
+
+MAX_BYTES = 16 * 1024 * 1024
+MAX_LINE = 64 * 1024
+
+_FALLBACK = "rtgen-windows-1252"
+_KEY = re.compile(r"\s*([^=]*?)\s*=\s*(.*?)\s*", re.DOTALL)
+_HEADER = re.compile(r"\s*\[+([^\[\]]*)\]*\s*(.*?)\s*", re.DOTALL)
+_CLEAN_HEADER = re.compile(r"\s*\[[^\[\]]*\]\s*")
+_NOT_ASCII = re.compile(r"[^\x00-\x7f]")
+_PATH = re.compile(r"[^\s=\[\]]+\.(?:eds|dcf)\s*", re.IGNORECASE)
+
+
+def _as_latin_1(error: UnicodeError) -> tuple[str, int]:
+    assert isinstance(error, UnicodeDecodeError)
+    return error.object[error.start : error.end].decode("latin-1"), error.end
+
+
+codecs.register_error(_FALLBACK, _as_latin_1)
+
+
+@dataclass(slots=True, eq=False)
+class Entry:
+    """`key=value`. Columns are 1-based; `value` has no blanks around it."""
+
+    file: str
+    line: int
+    column: int
+    key: str
+    value: str
+    value_column: int
+
+    @property
+    def span(self) -> Span:
+        """Where the value stands, or the key if there is none."""
+        start, text = self.value_column, self.value
+        if not text:
+            start, text = self.column, self.key
+        return Span(self.file, self.line, start, self.line, start + len(text))
+
+    @property
+    def key_span(self) -> Span:
+        """Where the key stands."""
+        end = self.column + len(self.key)
+        return Span(self.file, self.line, self.column, self.line, end)
+
+
+@dataclass(slots=True, eq=False)
+class Section:
+    """A section: its name as written, and its entries by lower-case key."""
+
+    name: str
+    span: Span
+    entries: dict[str, Entry] = field(default_factory=dict)
+
+    def get(self, key: str) -> Entry | None:
+        """The entry of that key, if it has a value."""
+        entry = self.entries.get(key.lower())
+        return entry if entry is not None and entry.value else None
+
+    def text(self, key: str) -> str:
+        """The value of that key, or empty."""
+        entry = self.entries.get(key.lower())
+        return "" if entry is None else entry.value
+
+    def numbered(self) -> Iterator[tuple[int, Entry]]:
+        """The entries whose keys are decimal numbers, in order of the file."""
+        for key, entry in self.entries.items():
+            if key.isascii() and key.isdigit() and len(key) <= 6:
+                yield int(key), entry
+
+
+@dataclass(slots=True, eq=False)
+class Document:
+    """A file as text and as sections by lower-case name, in order."""
+
+    file: str
+    text: str
+    sections: dict[str, Section]
+    _headers: list[tuple[int, str]] | None = None
+
+    def section_at(self, line: int) -> str | None:
+        """The name of the section that a line stands in; None for a header."""
+        if self._headers is None:
+            self._headers = [
+                (number, found[1].strip())
+                for number, text in enumerate(self.text.split("\n"), 1)
+                if text.lstrip()[:1] == "[" and (found := _HEADER.fullmatch(text))
+            ]
+        at = bisect_left(self._headers, (line, "")) - 1
+        following = self._headers[at + 1 : at + 2]
+        if at < 0 or (following and following[0][0] == line):
+            return None
+        return self._headers[at][1]
+
+    @property
+    def start(self) -> Span:
+        """The first place of the file, for what the whole of it lacks."""
+        return Span(self.file, 1, 1, 1, 1)
+
+
+def read(data: bytes, file: str, findings: Findings) -> Document:
+    """The sections of a file; `file` is the path for messages."""
+    document = Document(file, "", {})
+    if len(data) > MAX_BYTES:
+        message = f"the file is larger than {MAX_BYTES:,} bytes"
+        findings.add(lexical.TOO_LARGE, document.start, message)
+        return document
+    text, encoding = _decode(data)
+    document.text = text = text.replace("\r\n", "\n").replace("\r", "\n")
+    if "\0" in text:
+        message = "this is not a text file: it holds a NUL byte"
+        line = text.count("\n", 0, text.index("\0")) + 1
+        findings.add(lexical.BINARY, Span(file, line, 1, line, 2), message)
+        return document
+    if _PATH.fullmatch(text):
+        message = f"the file holds nothing but the path {text.strip()}"
+        hint = "this is a symbolic link as text: give the file that it leads to"
+        findings.add(lexical.A_LINK, document.start, message, hint=hint)
+        return document
+    _Reader(document, findings, encoding).run()
+    return document
+
+
+def _decode(data: bytes) -> tuple[str, str]:
+    for mark, name, encoding in (
+        (codecs.BOM_UTF8, "UTF-8 with a byte-order mark", "utf-8-sig"),
+        (codecs.BOM_UTF16_LE, "UTF-16", "utf-16"),
+        (codecs.BOM_UTF16_BE, "UTF-16", "utf-16"),
+    ):
+        if data.startswith(mark):
+            return data.decode(encoding, errors="replace"), name
+    try:
+        return data.decode("utf-8"), "UTF-8"
+    except UnicodeDecodeError:
+        return data.decode("cp1252", errors=_FALLBACK), "Windows-1252"
+
+
+class _Reader:
+    """Goes through the lines of a text."""
+
+    def __init__(self, document: Document, findings: Findings, encoding: str) -> None:
+        self._document = document
+        self._findings = findings
+        self._encoding = encoding
+        self._section: Section | None = None
+
+    def run(self) -> None:
+        text, file = self._document.text, self._document.file
+        odd = _NOT_ASCII.search(text)
+        if odd is not None or self._encoding not in ("UTF-8", "Windows-1252"):
+            at = 0 if odd is None else odd.start()
+            row = text.count("\n", 0, at) + 1
+            column = at - (text.rfind("\n", 0, at) + 1) + 1
+            span = Span(file, row, column, row, column + (odd is not None))
+            message = f"the file is not ASCII; it is read as {self._encoding}"
+            self._findings.add(lexical.NOT_ASCII, span, message)
+        for number, line in enumerate(text.split("\n"), 1):
+            if len(line) > MAX_LINE:
+                message = (
+                    f"line of {len(line):,} characters; at most {MAX_LINE:,} are read"
+                )
+                span = Span(file, number, 1, number, 2)
+                self._findings.add(lexical.TOO_LARGE, span, message)
+                self._document.text = text[:MAX_LINE]
+                self._document.sections.clear()
+                return
+            stripped = line.lstrip()
+            if stripped and stripped[0] != ";":
+                self._line(number, line, stripped[0])
+
+    def _line(self, number: int, line: str, first: str) -> None:
+        if first == "[":
+            self._header(number, line)
+        elif first == "#":
+            message = "a comment starts with ';'"
+            self._findings.add(
+                lexical.STRAY_COMMENT, self._whole(number, line), message
+            )
+        elif (found := _KEY.fullmatch(line)) is not None:
+            self._entry(number, found)
+        else:
+            message = "this line is neither a section nor a key; it is ignored"
+            self._findings.add(lexical.STRAY_LINE, self._whole(number, line), message)
+
+    def _whole(self, number: int, line: str) -> Span:
+        start = len(line) - len(line.lstrip()) + 1
+        return Span(self._document.file, number, start, number, len(line.rstrip()) + 1)
+
+    def _header(self, number: int, line: str) -> None:
+        found = _HEADER.fullmatch(line)
+        name = "" if found is None else found[1].strip()
+        span = self._whole(number, line)
+        clean = _CLEAN_HEADER.fullmatch(line) is not None
+        behind = "" if found is None else found[2]
+        if not name or (not clean and behind[:1] != ";"):
+            message = "malformed header of a section"
+            self._findings.add(lexical.BAD_HEADER, span, message)
+        elif behind:
+            message = "a comment stands on a line of its own"
+            self._findings.add(lexical.STRAY_COMMENT, span, message)
+        self._section = None
+        if not name:
+            self._section = Section(name, span)
+            return
+        known = self._document.sections.get(name.lower())
+        if known is None:
+            known = Section(name, span)
+            self._document.sections[name.lower()] = known
+        else:
+            message = f"there is a section [{known.name}] in line {known.span.line}"
+            self._findings.add(lexical.SAME_SECTION, span, message)
+        self._section = known
+
+    def _entry(self, number: int, found: re.Match[str]) -> None:
+        entry = Entry(
+            self._document.file,
+            number,
+            found.start(1) + 1,
+            found[1],
+            found[2],
+            found.start(2) + 1,
+        )
+        if self._section is None:
+            message = "this key stands before the first section; it is ignored"
+            self._findings.add(lexical.OUTSIDE, entry.key_span, message)
+        elif not entry.key:
+            message = "there is no key before the '='; the line is ignored"
+            span = self._whole(number, found.string)
+            self._findings.add(lexical.STRAY_LINE, span, message)
+        else:
+            known = self._section.entries.setdefault(entry.key.lower(), entry)
+            if known is not entry:
+                message = f"{known.key} is given in line {known.line} already"
+                self._findings.add(lexical.SAME_KEY, entry.key_span, message)

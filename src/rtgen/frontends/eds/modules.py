@@ -1,0 +1,122 @@
+"""Modular devices: what the modules in their slots add to the object dictionary (CiA 306, 4.7)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from rtgen.frontends.eds.findings import Findings
+from rtgen.frontends.eds.ini import Section
+from rtgen.frontends.eds.lists import check_count
+from rtgen.frontends.eds.numbers import number, parse
+from rtgen.frontends.eds.objects import ObjectReader
+from rtgen.frontends.eds.outline import ModuleSections, Outline
+from rtgen.frontends.eds.rules import modules as rules
+from rtgen.frontends.eds.variables import VariableReader
+from rtgen.model.canopen import Module, Object, ObjectType, Variable
+
+_HIGHEST = 254
+_MOST_SLOTS = 254
+
+
+class ModuleReader:
+    """Reads the modules of one file, and applies those that are connected."""
+
+    def __init__(self, outline: Outline, findings: Findings, dcf: bool) -> None:
+        self._outline = outline
+        self._findings = findings
+        self._dcf = dcf
+
+    def kinds(self) -> tuple[Module, ...]:
+        """The kinds of module that the device takes."""
+        section = self._outline.plain.get("supportedmodules")
+        count = 0
+        if section is not None:
+            entry = section.get("NrOfEntries")
+            told = None if entry is None else number(entry, self._findings)
+            count = told if told is not None and told >= 0 else 0
+        for key, sections in sorted(self._outline.modules.items()):
+            if not 1 <= key <= count and sections.first is not None:
+                message = f"[SupportedModules] counts {count} modules, not module {key}"
+                self._findings.add(rules.NO_MODULE, sections.first.span, message)
+        return tuple(
+            Module(key, info.text("ProductName"), info.text("OrderCode"))
+            for key, sections in sorted(self._outline.modules.items())
+            if (info := sections.info) is not None
+        )
+
+    def connected(self) -> tuple[int, ...]:
+        """The numbers of the modules in the slots, in order."""
+        section = self._outline.plain.get("connectedmodules")
+        if section is None:
+            return ()
+        entries = sorted(section.numbered(), key=lambda pair: pair[0])[:_MOST_SLOTS]
+        check_count(section, "NrOfEntries", len(entries), self._findings)
+        found = []
+        for _, entry in entries:
+            told = parse(entry.value)
+            if told is None or told.value not in self._outline.modules:
+                message = f"there is no module {entry.value[:20]}"
+                self._findings.add(rules.NO_MODULE, entry.span, message)
+            else:
+                found.append(told.value)
+        return tuple(found)
+
+    def apply(self, objects: list[Object], connected: Sequence[int]) -> list[Object]:
+        """The object dictionary with these modules in the slots."""
+        dictionary = {o.index: o for o in objects}
+        for key in connected:
+            sections = self._outline.modules[key]
+            reader = ObjectReader(sections.fixed, self._findings, self._dcf)
+            for added in reader.read():
+                dictionary.setdefault(added.index, added)
+            self._extend(dictionary, sections)
+        return [dictionary[index] for index in sorted(dictionary)]
+
+    def _extend(self, dictionary: dict[int, Object], sections: ModuleSections) -> None:
+        for index, section in sorted(sections.extensions.items()):
+            count = self._count(section)
+            entry = section.get("ObjExtend")
+            step = parse(entry.value) if entry is not None else None
+            reader = VariableReader(self._findings, {}, self._dcf)
+            name = reader.name(section, f"Object {index:04X}h") if count else ""
+            one = reader.read(section, index, 1, name) if count else None
+            for _ in range(count if one is not None else 0):
+                assert one is not None
+                if not _append(dictionary, index, one, step.value if step else 0):
+                    message = f"there is no room for it in {index:04X}h"
+                    self._findings.add(rules.NOTHING_TO_EXTEND, section.span, message)
+                    break
+
+    def _count(self, section: Section) -> int:
+        """How many sub-objects a module adds; a list by type is added up."""
+        entry = section.get("Count")
+        if entry is None:
+            return 1
+        whole = entry.value.replace(";", ",").split(",")
+        counts = [parse(text.strip()) for text in whole[:_HIGHEST]]
+        return min(_MOST_SLOTS, sum(c.value for c in counts if c and c.value > 0))
+
+
+def _append(
+    dictionary: dict[int, Object], index: int, one: Variable, step: int
+) -> bool:
+    """Adds a sub-object behind the last one, in a further object if this one is full."""
+    while (of := dictionary.get(index)) is not None:
+        if of.type not in (ObjectType.ARRAY, ObjectType.RECORD):
+            return False
+        last = max((v.subindex for v in of.variables), default=0)
+        if last < _HIGHEST:
+            added = replace(
+                one, index=index, subindex=last + 1, name=f"{one.name}{last + 1}"
+            )
+            counted = tuple(
+                replace(v, default=last + 1) if v.subindex == 0 else v
+                for v in of.variables
+            )
+            dictionary[index] = replace(of, variables=(*counted, added))
+            return True
+        if step <= 0 or index + step > 0xFFFF:
+            return False
+        index += step
+    return False

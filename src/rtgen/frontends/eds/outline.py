@@ -1,0 +1,177 @@
+"""What each section of a file is: the names of sections (CiA 306, 4.5 to 4.8), and their keys."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from rtgen.frontends.eds.findings import Findings
+from rtgen.frontends.eds.ini import Document, Section
+from rtgen.frontends.eds.rules import lexical, objects
+
+COMMISSIONING = "devicecomissioning"
+LISTS = ("mandatoryobjects", "optionalobjects", "manufacturerobjects")
+
+K = TypeVar("K")
+
+_OTHER_NAMES = {"devicecommissioning": COMMISSIONING}
+
+PLAIN = {
+    "fileinfo": "FileInfo",
+    "deviceinfo": "DeviceInfo",
+    COMMISSIONING: "DeviceComissioning",
+    "dummyusage": "DummyUsage",
+    "comments": "Comments",
+    "mandatoryobjects": "MandatoryObjects",
+    "optionalobjects": "OptionalObjects",
+    "manufacturerobjects": "ManufacturerObjects",
+    "supportedmodules": "SupportedModules",
+    "connectedmodules": "ConnectedModules",
+    "dynamicchannels": "DynamicChannels",
+    "tools": "Tools",
+}
+"""The sections of fixed name, by lower-case name."""
+
+_OBJECT = re.compile(
+    r"(0x)?([0-9a-f]{2,4})(?:sub([0-9a-f]{1,8})|(name|value|denotation|objectlinks))?"
+)
+_MODULE = re.compile(r"m([0-9]{1,5})(moduleinfo|comments|fixedobjects|subextends|"
+                     r"fixed|subext)(.*)")  # fmt: skip
+_TOOL = re.compile(r"tool[0-9]+")
+
+
+@dataclass(slots=True, eq=False)
+class ObjectSections:
+    """The sections of objects, by index and sub-index."""
+
+    heads: dict[int, Section] = field(default_factory=dict)
+    subs: dict[int, dict[int, Section]] = field(default_factory=dict)
+    names: dict[int, Section] = field(default_factory=dict)
+    values: dict[int, Section] = field(default_factory=dict)
+    denotations: dict[int, Section] = field(default_factory=dict)
+    links: dict[int, Section] = field(default_factory=dict)
+
+    def all(self) -> Iterator[Section]:
+        """Those that describe an object or a sub-object."""
+        yield from self.heads.values()
+        for subs in self.subs.values():
+            yield from subs.values()
+
+
+@dataclass(slots=True, eq=False)
+class ModuleSections:
+    """The sections of a kind of module."""
+
+    info: Section | None = None
+    fixed: ObjectSections = field(default_factory=ObjectSections)
+    extensions: dict[int, Section] = field(default_factory=dict)
+    first: Section | None = None
+
+
+@dataclass(slots=True, eq=False)
+class Outline:
+    """All sections of a file by what they are."""
+
+    plain: dict[str, Section] = field(default_factory=dict)
+    objects: ObjectSections = field(default_factory=ObjectSections)
+    modules: dict[int, ModuleSections] = field(default_factory=dict)
+    further: list[Section] = field(default_factory=list)
+
+
+def outline(document: Document, findings: Findings) -> Outline:
+    """Sorts the sections of a file."""
+    result = Outline()
+    for name, section in document.sections.items():
+        _place(name, section, result, findings)
+    return result
+
+
+def _place(name: str, section: Section, result: Outline, findings: Findings) -> None:
+    plain = _OTHER_NAMES.get(name, name)
+    if plain in PLAIN:
+        if plain != name:
+            _spelling(section, PLAIN[plain], findings)
+        _keep(result.plain, plain, section, findings)
+    elif _TOOL.fullmatch(name):
+        result.plain[name] = section
+    elif (found := _MODULE.fullmatch(name)) is not None:
+        _place_module(found, section, result, findings)
+    elif not _place_object(name, "", section, result.objects, findings):
+        message = f"[{section.name}] is no section of CiA 306"
+        findings.add(lexical.UNKNOWN_SECTION, section.span, message)
+        result.further.append(section)
+
+
+def _place_module(
+    found: re.Match[str], section: Section, result: Outline, findings: Findings
+) -> None:
+    module = result.modules.setdefault(int(found[1]), ModuleSections())
+    module.first = module.first or section
+    prefix = section.name[: found.start(3)]
+    match found[2], found[3]:
+        case "moduleinfo", "":
+            module.info = section
+        case "comments" | "fixedobjects" | "subextends", "":
+            pass
+        case "fixed", rest if _place_object(
+            rest, prefix, section, module.fixed, findings
+        ):
+            pass
+        case "subext", rest if re.fullmatch("[0-9a-f]{4}", rest):
+            module.extensions[int(rest, 16)] = section
+        case _:
+            message = f"[{section.name}] is no section of CiA 306"
+            findings.add(lexical.UNKNOWN_SECTION, section.span, message)
+            result.further.append(section)
+
+
+def _place_object(
+    name: str, prefix: str, section: Section, into: ObjectSections, findings: Findings
+) -> bool:
+    """Keeps the section if its name (without the prefix) is that of an object."""
+    found = _OBJECT.fullmatch(name)
+    if found is None:
+        return False
+    zero_x, digits, sub, kind = found.groups()
+    if len(digits) < 4 and not (zero_x or any(c.isdigit() for c in digits)):
+        return False
+    index = int(digits, 16)
+    subindex = None if sub is None else int(sub, 16)
+    if subindex is not None and subindex > 0xFF:
+        message = f"there is no sub-index {sub}; the section is passed over"
+        findings.add(objects.BAD_SUBINDEX, section.span, message)
+        return True
+    padded = sub is not None and len(sub) > 1 and sub[0] == "0"
+    if zero_x or len(digits) < 4 or padded:
+        rest = "" if subindex is None else f"sub{subindex:X}"
+        _spelling(section, f"{prefix}{index:04X}{rest}{(kind or '').title()}", findings)
+    if subindex is not None:
+        _keep(into.subs.setdefault(index, {}), subindex, section, findings)
+        return True
+    places = {
+        None: into.heads,
+        "name": into.names,
+        "value": into.values,
+        "denotation": into.denotations,
+        "objectlinks": into.links,
+    }
+    _keep(places[kind], index, section, findings)
+    return True
+
+
+def _spelling(section: Section, standard: str, findings: Findings) -> None:
+    message = f"[{section.name}] is taken for [{standard}]"
+    findings.add(lexical.OTHER_SPELLING, section.span, message)
+
+
+def _keep(
+    places: dict[K, Section], key: K, section: Section, findings: Findings
+) -> None:
+    known = places.setdefault(key, section)
+    if known is not section:
+        message = f"[{known.name}] in line {known.span.line} is the same section"
+        findings.add(lexical.SAME_SECTION, section.span, message)
+        for name, entry in section.entries.items():
+            known.entries.setdefault(name, entry)

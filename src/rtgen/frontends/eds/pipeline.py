@@ -1,0 +1,234 @@
+"""The front end as a whole: EDS and DCF files in, devices and findings out."""
+
+from __future__ import annotations
+
+import os
+import stat
+from collections.abc import Sequence
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+
+from rtgen.diagnostics import Diagnostic, Span, in_order
+from rtgen.frontends import Dependency, FrontendResult
+from rtgen.frontends.eds import ini, keys, lists
+from rtgen.frontends.eds.compact_pdo import implied
+from rtgen.frontends.eds.findings import Findings
+from rtgen.frontends.eds.information import Information
+from rtgen.frontends.eds.modules import ModuleReader
+from rtgen.frontends.eds.objects import ObjectReader
+from rtgen.frontends.eds.outline import Outline, outline
+from rtgen.frontends.eds.pdos import PdoReader
+from rtgen.frontends.eds.rules import information as information_rules
+from rtgen.frontends.eds.rules import lexical
+from rtgen.frontends.suggestions import nearest
+from rtgen.model import Model
+from rtgen.model.canopen import (
+    PDOS,
+    RPDO_COMMUNICATION,
+    TPDO_COMMUNICATION,
+    Device,
+    DeviceInfo,
+    Object,
+)
+from rtgen.typemap.canopen_names import module_name
+
+
+def load(
+    paths: Sequence[Path], *, root: Path, node_id: int | None = None
+) -> FrontendResult:
+    """Read device descriptions into one model.
+
+    `root` is the project's folder, to which the keys of files are relative. `node_id` is the node
+    that the devices are read for; without it, a DCF's own. Whatever is wrong with the input is in
+    the diagnostics, sorted; nothing is raised for it. A file with an error gives no device.
+    """
+    run = _Run(root, node_id)
+    shown = {os.path.normpath(path.absolute()): path for path in reversed(paths)}
+    for absolute in dict.fromkeys(os.path.normpath(path.absolute()) for path in paths):
+        run.read(Path(absolute), shown[absolute])
+    return run.result()
+
+
+class _Run:
+    def __init__(self, root: Path, node_id: int | None) -> None:
+        self._root = root.resolve()
+        self._node_id = node_id
+        self._devices: list[Device] = []
+        self._diagnostics: list[Diagnostic] = []
+        self._texts: dict[str, str] = {}
+        self._dependencies: list[Dependency] = []
+
+    def result(self) -> FrontendResult:
+        return FrontendResult(
+            model=Model(devices=tuple(self._devices)),
+            diagnostics=tuple(in_order(self._diagnostics)),
+            sources=self._texts,
+            dependencies=tuple(self._dependencies),
+        )
+
+    def read(self, path: Path, shown: Path) -> None:
+        name = shown.as_posix()
+        data = self._bytes(path, name)
+        if data is None:
+            return
+        digest = sha256(data).hexdigest()
+        self._dependencies.append(Dependency(path, digest))
+        findings = Findings()
+        device, text = read_bytes(
+            data, name, findings, key=self._key(path), node_id=self._node_id
+        )
+        self._texts[name] = text
+        self._diagnostics += findings.diagnostics
+        self._devices += [device] if device is not None else []
+
+    def _bytes(self, path: Path, name: str) -> bytes | None:
+        start = Span(name, 1, 1, 1, 1)
+        try:
+            mode = path.stat().st_mode
+            if stat.S_ISREG(mode):
+                with path.open("rb") as stream:
+                    return stream.read(ini.MAX_BYTES + 1)
+        except (FileNotFoundError, NotADirectoryError):
+            self._dependencies.append(Dependency(path, None))
+            beside = (p.name for p in path.parent.glob("*.[ed][dc][sf]"))
+            meant = nearest(path.name, beside)
+            hint = f"did you mean {meant}?" if meant else None
+            message = f"{name} does not exist"
+            self._diagnostics.append(lexical.MISSING_FILE.at(start, message, hint=hint))
+            return None
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            message = f"{name} cannot be read: {reason}"
+            self._diagnostics.append(lexical.UNREADABLE.at(start, message))
+            return None
+        self._dependencies.append(Dependency(path, None))
+        message = f"{name} is {'a folder' if stat.S_ISDIR(mode) else 'no regular file'}"
+        self._diagnostics.append(lexical.MISSING_FILE.at(start, message))
+        return None
+
+    def _key(self, path: Path) -> str:
+        real = path.resolve()
+        inside = real.is_relative_to(self._root)
+        return real.relative_to(self._root).as_posix() if inside else path.name
+
+
+def read_bytes(
+    data: bytes,
+    file: str,
+    findings: Findings,
+    *,
+    key: str = "",
+    node_id: int | None = None,
+) -> tuple[Device | None, str]:
+    """The device that a file's bytes describe (None if it has errors), and its text.
+
+    `file` is the path for messages; it ends in `.dcf` for a DCF, in any case.
+    """
+    document = ini.read(data, file, findings)
+    device = None if findings.failed else _described(document, findings, node_id)
+    findings.diagnostics = [_in_section(d, document) for d in findings.diagnostics]
+    if device is None or findings.failed:
+        return None, document.text
+    digest = sha256(data).hexdigest()
+    return replace(device, key=key or file, sha256=digest), document.text
+
+
+def _in_section(found: Diagnostic, document: ini.Document) -> Diagnostic:
+    """The finding with the section that its line stands in."""
+    assert found.span is not None
+    name = document.section_at(found.span.line)
+    if not name:
+        return found
+    return replace(found, message=f"{found.message} (in [{name}])")
+
+
+def _described(
+    document: ini.Document, findings: Findings, node_id: int | None
+) -> Device | None:
+    sections = outline(document, findings)
+    if not (sections.objects.heads or sections.objects.subs):
+        message = "there is no object in this file"
+        hint = "an EDS has sections such as [1000]"
+        findings.add(lexical.NO_DEVICE, document.start, message, hint=hint)
+        return None
+    keys.check(sections, findings)
+    return _device(document, sections, findings, node_id)
+
+
+def _device(
+    document: ini.Document,
+    sections: Outline,
+    findings: Findings,
+    node_id: int | None,
+) -> Device:
+    dcf = document.file.lower().endswith(".dcf")
+    about = Information(document, sections, findings, dcf)
+    about.check_sections()
+    info = about.device_info()
+    commissioning = about.commissioning()
+    if node_id is None and commissioning is not None:
+        node_id = commissioning.node_id
+    objects = ObjectReader(sections.objects, findings, dcf).read()
+    lists.check(document, sections, objects, findings)
+    modules = ModuleReader(sections, findings, dcf)
+    kinds, connected = modules.kinds(), modules.connected()
+    objects = modules.apply(objects, connected)
+    known = {o.index for o in objects}
+    objects += implied(info, known, document.start)
+    objects.sort(key=lambda o: o.index)
+    dummies = about.dummies()
+    pdos = PdoReader(objects, info, dummies, node_id, findings).read()
+    device = Device(
+        name=module_name(Path(document.file).stem),
+        file=document.file,
+        key=document.file,
+        sha256="",
+        span=document.start,
+        node_id=node_id,
+        file_info=about.file_info(),
+        info=info,
+        commissioning=commissioning,
+        objects=tuple(objects),
+        pdos=pdos,
+        dummies=dummies,
+        comments=about.comments(),
+        modules=kinds,
+        connected=connected,
+        further=tuple(
+            (s.name, tuple((e.key, e.value) for e in s.entries.values()))
+            for s in sections.further
+        ),
+    )
+    _check_counts(info, objects, sections, findings)
+    _check_identity(device, sections, findings)
+    return device
+
+
+def _check_counts(
+    info: DeviceInfo, objects: Sequence[Object], sections: Outline, findings: Findings
+) -> None:
+    section = sections.plain.get("deviceinfo")
+    for key, told, base in (
+        ("NrOfRXPDO", info.rpdos, RPDO_COMMUNICATION),
+        ("NrOfTXPDO", info.tpdos, TPDO_COMMUNICATION),
+    ):
+        found = sum(base <= o.index < base + PDOS for o in objects)
+        entry = None if section is None else section.get(key)
+        if entry is not None and told is not None and told != found:
+            message = f"{key} is {told}; {found} are described"
+            findings.add(information_rules.PDO_COUNT, entry.span, message)
+
+
+def _check_identity(device: Device, sections: Outline, findings: Findings) -> None:
+    section = sections.plain.get("deviceinfo")
+    for key, told, subindex in (
+        ("VendorNumber", device.info.vendor_number, 1),
+        ("ProductNumber", device.info.product_number, 2),
+    ):
+        variable = device.find(0x1018, subindex)
+        other = None if variable is None else variable.current
+        entry = None if section is None else section.get(key)
+        if entry is not None and told and other and told != other:
+            message = f"{key} is 0x{told:X}, but 1018h sub-index {subindex} is another"
+            findings.add(information_rules.OTHER_IDENTITY, entry.span, message)

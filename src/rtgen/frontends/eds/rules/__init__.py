@@ -1,0 +1,20 @@
+"""The rules of the EDS front end, grouped by hundreds as the codes are."""
+
+from rtgen.diagnostics import Rule
+from rtgen.frontends.eds.rules import (
+    information,
+    lexical,
+    modules,
+    objects,
+    pdos,
+    values,
+)
+
+RULES: tuple[Rule, ...] = (
+    *lexical.RULES,
+    *information.RULES,
+    *objects.RULES,
+    *values.RULES,
+    *pdos.RULES,
+    *modules.RULES,
+)

@@ -1,0 +1,411 @@
+"""CANopen devices as EDS and DCF files describe them (CiA 306), for the protocol of CiA 301.
+
+Numbers are as the object dictionary has them: PDO times in units of 100 us (inhibit) and of ms
+(event), COB-IDs with their flag bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from enum import IntEnum, StrEnum
+from functools import cached_property
+from typing import TypeAlias
+
+from rtgen.diagnostics import Span
+
+RPDO_COMMUNICATION = 0x1400
+RPDO_MAPPING = 0x1600
+TPDO_COMMUNICATION = 0x1800
+TPDO_MAPPING = 0x1A00
+PDOS = 512
+"""How many PDOs of one direction there can be."""
+
+INVALID = 1 << 31
+"""Flag of a PDO's COB-ID: the PDO does not exist."""
+NO_RTR = 1 << 30
+"""Flag of a TPDO's COB-ID: it does not answer remote frames."""
+EXTENDED = 1 << 29
+"""Flag of a COB-ID: it is a CAN identifier of 29 bits."""
+
+
+class ObjectType(IntEnum):
+    """What an entry of the object dictionary is (CiA 301, table 42)."""
+
+    NULL = 0x0
+    DOMAIN = 0x2
+    DEFTYPE = 0x5
+    DEFSTRUCT = 0x6
+    VAR = 0x7
+    ARRAY = 0x8
+    RECORD = 0x9
+
+
+class DataType(IntEnum):
+    """The basic data types and their codes (CiA 301, table 44).
+
+    VISIBLE_CHAR is not of CiA 301: RTC-CANopen uses the code for a character.
+    """
+
+    BOOLEAN = 0x01
+    INTEGER8 = 0x02
+    INTEGER16 = 0x03
+    INTEGER32 = 0x04
+    UNSIGNED8 = 0x05
+    UNSIGNED16 = 0x06
+    UNSIGNED32 = 0x07
+    REAL32 = 0x08
+    VISIBLE_STRING = 0x09
+    OCTET_STRING = 0x0A
+    UNICODE_STRING = 0x0B
+    TIME_OF_DAY = 0x0C
+    TIME_DIFFERENCE = 0x0D
+    DOMAIN = 0x0F
+    INTEGER24 = 0x10
+    REAL64 = 0x11
+    INTEGER40 = 0x12
+    INTEGER48 = 0x13
+    INTEGER56 = 0x14
+    INTEGER64 = 0x15
+    UNSIGNED24 = 0x16
+    UNSIGNED40 = 0x18
+    UNSIGNED48 = 0x19
+    UNSIGNED56 = 0x1A
+    UNSIGNED64 = 0x1B
+    VISIBLE_CHAR = 0xA0
+
+
+SIGNED = {
+    DataType.INTEGER8: 8,
+    DataType.INTEGER16: 16,
+    DataType.INTEGER24: 24,
+    DataType.INTEGER32: 32,
+    DataType.INTEGER40: 40,
+    DataType.INTEGER48: 48,
+    DataType.INTEGER56: 56,
+    DataType.INTEGER64: 64,
+}
+"""The signed integer types and their widths in bits."""
+
+UNSIGNED = {
+    DataType.UNSIGNED8: 8,
+    DataType.UNSIGNED16: 16,
+    DataType.UNSIGNED24: 24,
+    DataType.UNSIGNED32: 32,
+    DataType.UNSIGNED40: 40,
+    DataType.UNSIGNED48: 48,
+    DataType.UNSIGNED56: 56,
+    DataType.UNSIGNED64: 64,
+}
+"""The unsigned integer types and their widths in bits."""
+
+BITS = {
+    DataType.BOOLEAN: 1,
+    **SIGNED,
+    **UNSIGNED,
+    DataType.REAL32: 32,
+    DataType.REAL64: 64,
+    DataType.TIME_OF_DAY: 48,
+    DataType.TIME_DIFFERENCE: 48,
+    DataType.VISIBLE_CHAR: 8,
+}
+"""The types of fixed width, in bits as in a PDO; over SDO a BOOLEAN takes a byte."""
+
+STRUCTURES = {
+    0x20: "PDO_COMMUNICATION_PARAMETER",
+    0x21: "PDO_MAPPING",
+    0x22: "SDO_PARAMETER",
+    0x23: "IDENTITY",
+}
+"""The structured types of CiA 301; as the type of one variable they are octets."""
+
+
+class Access(StrEnum):
+    """Who may do what with a variable over the network (CiA 306, 4.6.3.2)."""
+
+    RO = "ro"
+    WO = "wo"
+    RW = "rw"
+    RWR = "rwr"
+    RWW = "rww"
+    CONST = "const"
+
+    @property
+    def readable(self) -> bool:
+        """Whether SDO may read it."""
+        return self is not Access.WO
+
+    @property
+    def writable(self) -> bool:
+        """Whether SDO may write it."""
+        return self not in (Access.RO, Access.CONST)
+
+    @property
+    def in_tpdo(self) -> bool:
+        """Whether a TPDO may carry it."""
+        return self not in (Access.WO, Access.RWW)
+
+    @property
+    def in_rpdo(self) -> bool:
+        """Whether an RPDO may carry it."""
+        return self in (Access.WO, Access.RW, Access.RWW)
+
+
+@dataclass(frozen=True, slots=True)
+class NodeRelative:
+    """A number that depends on the node-id: `$NODEID+offset`."""
+
+    offset: int
+
+    def of(self, node_id: int) -> int:
+        """The number for a node."""
+        return node_id + self.offset
+
+    def __str__(self) -> str:
+        if not self.offset:
+            return "$NODEID"
+        sign = "-" if self.offset < 0 else "+"
+        return f"$NODEID{sign}0x{abs(self.offset):X}"
+
+
+Value: TypeAlias = int | float | str | bytes | NodeRelative
+"""A value of a variable; which of them is told by its data type (bytes: octets and domains)."""
+
+
+def resolved(value: Value | None, node_id: int | None) -> Value | None:
+    """The value for a node; without a node-id what depends on it stays as it is."""
+    if isinstance(value, NodeRelative) and node_id is not None:
+        return value.of(node_id)
+    return value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Variable:
+    """One value of the object dictionary: an object of type VAR or DOMAIN, or a sub-object.
+
+    `data_type` is a DataType where the code is known, else the file's code. `value` is what a DCF
+    configures (ParameterValue). `written_access` is the file's word, in lower case. `value_span` is
+    where the current value stands, or else the variable. Limits,
+    `unit` and `factor` (physical value = factor * value) are None or empty where not given.
+    """
+
+    index: int
+    subindex: int
+    name: str
+    data_type: int
+    access: Access
+    written_access: str
+    span: Span
+    value_span: Span
+    domain: bool = False
+    pdo_mappable: bool = False
+    default: Value | None = None
+    value: Value | None = None
+    low: int | float | NodeRelative | None = None
+    high: int | float | NodeRelative | None = None
+    unit: str = ""
+    factor: float | None = None
+    description: str = ""
+    denotation: str = ""
+    flags: int = 0
+    upload_file: str = ""
+    download_file: str = ""
+
+    @property
+    def current(self) -> Value | None:
+        """The configured value, else the default."""
+        return self.default if self.value is None else self.value
+
+    @property
+    def bits(self) -> int | None:
+        """The width of its type, None for strings and other types without one."""
+        try:
+            return BITS.get(DataType(self.data_type))
+        except ValueError:
+            return None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Object:
+    """An entry of the object dictionary with its variables in order of sub-index."""
+
+    index: int
+    name: str
+    type: ObjectType
+    variables: tuple[Variable, ...]
+    span: Span
+    denotation: str = ""
+    flags: int = 0
+    links: tuple[int, ...] = ()
+
+
+class PdoDirection(StrEnum):
+    """As the device sees it: it transmits a TPDO, and receives an RPDO."""
+
+    TPDO = "tpdo"
+    RPDO = "rpdo"
+
+
+@dataclass(frozen=True, slots=True)
+class PdoEntry:
+    """A stretch of a PDO: the object that is mapped there, or a gap."""
+
+    index: int
+    subindex: int
+    bits: int
+
+    @property
+    def dummy(self) -> bool:
+        """Whether it only fills: mapped by the index of a data type, or no object at all."""
+        return self.index < 0x1000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pdo:
+    """A process data object: `number` from 1; None stands for what the file does not tell.
+
+    `entries` is the current mapping (a DCF's where it has one), `default_entries` the EDS's.
+    `cob_id` has the flag bits. `inhibit_time` is in 100 us, `event_timer` in ms.
+    """
+
+    direction: PdoDirection
+    number: int
+    cob_id: int | NodeRelative | None
+    transmission_type: int | None
+    entries: tuple[PdoEntry, ...]
+    default_entries: tuple[PdoEntry, ...]
+    span: Span
+    inhibit_time: int | None = None
+    event_timer: int | None = None
+    sync_start: int | None = None
+
+    @property
+    def bits(self) -> int:
+        """The length of its data."""
+        return sum(entry.bits for entry in self.entries)
+
+    @property
+    def valid(self) -> bool:
+        """Whether it exists: the COB-ID is known and does not say otherwise."""
+        cob_id = self.cob_id
+        offset = cob_id.offset if isinstance(cob_id, NodeRelative) else cob_id
+        return offset is not None and not offset & INVALID
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FileInfo:
+    """The section FileInfo; texts are empty where missing."""
+
+    file_name: str = ""
+    version: int | None = None
+    revision: int | None = None
+    eds_version: str = "3.0"
+    description: str = ""
+    created: tuple[str, str] = ("", "")
+    created_by: str = ""
+    modified: tuple[str, str] = ("", "")
+    modified_by: str = ""
+    last_eds: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DeviceInfo:
+    """The section DeviceInfo. `bit_rates` are in kbit/s, `granularity` in bits (0: no mapping)."""
+
+    vendor_name: str = ""
+    vendor_number: int | None = None
+    product_name: str = ""
+    product_number: int | None = None
+    revision_number: int | None = None
+    order_code: str = ""
+    bit_rates: tuple[int, ...] = ()
+    boot_up_master: bool = False
+    boot_up_slave: bool = False
+    granularity: int | None = None
+    dynamic_channels: int = 0
+    compact_pdo: int = 0
+    group_messaging: bool = False
+    rpdos: int | None = None
+    tpdos: int | None = None
+    lss: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Commissioning:
+    """The section DeviceComissioning of a DCF. `bit_rate` is in kbit/s."""
+
+    node_id: int | None = None
+    node_name: str = ""
+    bit_rate: int | None = None
+    net_number: int | None = None
+    network_name: str = ""
+    manager: bool = False
+    serial_number: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Module:
+    """A kind of plug-in module of a modular device."""
+
+    number: int
+    product_name: str
+    order_code: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Device:
+    """A device as one EDS or DCF describes it.
+
+    `name` is that of its IDL module. `file` is the displayed path, `key` the one for generated
+    text, `sha256` that of the file's bytes. `node_id` is the one asked for, else a DCF's own.
+    `dummies` are the data types that may be mapped as gaps. `modules` are the kinds of module it
+    can take, `connected` the numbers of those in its slots. `further` holds the sections that are
+    not CiA 306's, as (section, ((key, value), ...)).
+    """
+
+    name: str
+    file: str
+    key: str
+    sha256: str
+    span: Span
+    node_id: int | None
+    file_info: FileInfo
+    info: DeviceInfo
+    commissioning: Commissioning | None
+    objects: tuple[Object, ...]
+    pdos: tuple[Pdo, ...]
+    dummies: tuple[int, ...] = ()
+    comments: str = ""
+    modules: tuple[Module, ...] = ()
+    connected: tuple[int, ...] = ()
+    further: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = field(
+        default=(), repr=False
+    )
+
+    @cached_property
+    def _by_number(self) -> dict[tuple[int, int], Variable]:
+        return {(v.index, v.subindex): v for v in self.variables}
+
+    @property
+    def variables(self) -> Iterator[Variable]:
+        """All variables, by index and sub-index."""
+        return (v for o in self.objects for v in o.variables)
+
+    def find(self, index: int, subindex: int = 0) -> Variable | None:
+        """The variable of that number."""
+        return self._by_number.get((index, subindex))
+
+    @property
+    def vendor_id(self) -> int | None:
+        """DeviceInfo's vendor number, else the identity object's."""
+        return self._identity(self.info.vendor_number, 1)
+
+    @property
+    def product_code(self) -> int | None:
+        """DeviceInfo's product number, else the identity object's."""
+        return self._identity(self.info.product_number, 2)
+
+    def _identity(self, told: int | None, subindex: int) -> int | None:
+        variable = self.find(0x1018, subindex)
+        current = None if variable is None else variable.current
+        return current if told is None and isinstance(current, int) else told

@@ -1,0 +1,93 @@
+"""Findings of the EDS front end as they are printed: a folder each: input.eds and expected.txt.
+
+The sections of `base.eds` that a case does not have are added to its end, so a case holds what is
+odd. `case.toml`, where there is one, says otherwise: `base = false` to add nothing, the `files` to
+read, and in `[fill]` what stands for a mark of the input: a text and how often it is repeated.
+FOLDER is the folder of the case.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rtgen.explain import rules
+from rtgen.frontends import FrontendResult
+from rtgen.frontends.eds import load
+from rtgen.frontends.eds.rules import RULES
+from rtgen.report import report
+
+CASES = Path(__file__).with_name("eds_errors")
+NAMES = sorted(path.name for path in CASES.iterdir() if path.is_dir())
+CODE = re.compile(r"\b(?:error|warning|note)\[([A-Z]+\d{4})\]")
+SECTION = re.compile(rb"^\[([^\]\n]*)\]?", re.MULTILINE)
+
+
+def completed(text: bytes) -> bytes:
+    """The text with the sections of base.eds that it does not have."""
+    base = (CASES / "base.eds").read_bytes()
+    starts = [found.start() for found in SECTION.finditer(base)]
+    blocks = [base[a:b] for a, b in zip(starts, [*starts[1:], None], strict=True)]
+    written = {name.lower() for name in SECTION.findall(text)}
+    missing = [b for b in blocks if SECTION.findall(b)[0].lower() not in written]
+    return text.rstrip(b"\n") + b"\n\n" + b"".join(missing)
+
+
+def prepare(case: Path, folder: Path) -> dict[str, Any]:
+    """Copy a case's input, complete it, and give its settings."""
+    shutil.copytree(case, folder, dirs_exist_ok=True)
+    toml = case / "case.toml"
+    told = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
+    for file in folder.glob("input.*"):
+        content = file.read_bytes()
+        for mark, (text, times) in told.get("fill", {}).items():
+            lines = (text.replace("#", f"{n:04x}") for n in range(times))
+            content = content.replace(mark.encode(), "".join(lines).encode())
+        file.write_bytes(completed(content) if told.get("base", True) else content)
+    return told
+
+
+def findings(
+    name: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> FrontendResult:
+    """What reading a case gives."""
+    told = prepare(CASES / name, folder)
+    monkeypatch.chdir(folder)
+    inputs = sorted(path.name for path in folder.glob("input.*"))
+    return load([Path(file) for file in told.get("files", inputs)], root=folder)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_findings(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool
+) -> None:
+    result = findings(name, tmp_path, monkeypatch)
+    found = report(result.diagnostics, result.sources)
+    found = found.replace(tmp_path.as_posix(), "FOLDER")
+    expected = CASES / name / "expected.txt"
+    if update_golden:
+        expected.write_text(found, encoding="utf-8")
+    assert found == expected.read_text(encoding="utf-8")
+    assert name.partition("_")[0] in CODE.findall(found)
+    assert all(d.span is not None for d in result.diagnostics)
+
+
+def test_base_has_no_findings(tmp_path: Path) -> None:
+    result = load([CASES / "base.eds"], root=CASES)
+    assert result.diagnostics == ()
+    assert len(result.model.devices) == 1
+
+
+def test_every_rule_has_a_case() -> None:
+    found = {
+        code
+        for file in CASES.glob("*/expected.txt")
+        for code in CODE.findall(file.read_text(encoding="utf-8"))
+    }
+    assert {rule.code for rule in RULES} - found == set()
+    assert found <= rules().keys()
