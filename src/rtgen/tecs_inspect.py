@@ -101,6 +101,10 @@ def _body(d: TecsDeclaration) -> Json:
                 "attributes": [*map(_variable, d.attributes)],
                 "variables": [],
                 "cells": [{"name": c.name[-1]} | _cell(c) for c in d.cells],
+                "exports": [
+                    {"name": name, "cell": cell, "port": port}
+                    for name, cell, port in d.exports
+                ],
             }
         case Cell():
             return _cell(d)
@@ -252,6 +256,7 @@ def _parts(d: TecsDeclaration) -> Iterator[str]:
             for cell in d.cells:
                 yield f"cell {cell.name[-1]}: {'::'.join(cell.celltype)}"
                 yield from (f"  {line}" for line in _cell_lines(cell))
+            yield from (f"{name} => {cell}.{port}" for name, cell, port in d.exports)
         case Cell():
             yield from _cell_lines(d)
         case Region():

@@ -551,11 +551,15 @@ class Cell(TecsDeclaration):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Composite(TecsDeclaration):
-    """A composite celltype: its outer ports and attributes, and the cells inside."""
+    """A composite celltype: its outer ports and attributes, and the cells inside.
+
+    `exports` tells what a port outside is inside: its name, the cell and the port of the cell.
+    """
 
     ports: tuple[TecsPort, ...] = ()
     attributes: tuple[TecsVariable, ...] = ()
     cells: tuple[Cell, ...] = ()
+    exports: tuple[tuple[str, str, str], ...] = ()
     singleton: bool = False
     active: bool = False
 

@@ -48,8 +48,6 @@ class Cells:
         self._regions = regions
         self._report = report
         self._singletons: dict[tuple[Celltype, Scope], Cell] = {}
-        self.generators: list[str] = []
-        """The plug-ins of tecsgen that were applied so far, and may have declared anything."""
         self.all: list[Cell] = []
         """The cells that are defined, without inner ones."""
         self.declared: list[Cell] = []
@@ -98,10 +96,10 @@ class Cells:
             )
         elif self._values.incomplete:
             return None, True
-        elif self.generators:
-            made_by = self.generators[-1]
-            message = f"{node.celltype} is not declared here; {made_by} may do it"
-            self._report(rules.MADE_BY_PLUGIN.at(span, message))
+        elif maker := self._regions.applied.of_types:
+            message = f"{node.celltype} is not declared here; {maker} may do it"
+            hint = place.near(node.celltype.parts[-1], *_TYPES)
+            self._report(rules.MADE_BY_PLUGIN.at(span, message, hint=hint))
             return None, True
         elif not place.lost(node.celltype):
             self._report(
@@ -245,8 +243,7 @@ class Cells:
         if generate is not None:
             name = generate.arguments[0]
             assert isinstance(name, tree.Name)
-            self._regions.check_plugin(name, place)
-            self.generators.append(name.text)
+            self._regions.apply(name, place, on_way=False)
         marks = [s for s in given if s.word == "prototype"]
         if marks and (cell.defined or generate is not None):
             reason = "is defined before" if cell.defined else "has a plug-in"
@@ -383,7 +380,7 @@ class Cells:
         name, argument = specifier.arguments
         assert isinstance(name, tree.Name)
         assert isinstance(argument, tree.Text)
-        self._regions.check_plugin(name, place)
+        self._regions.apply(name, place, on_way=True)
         return Plugin(name, argument, place)
 
     def _index(self, subscript: tree.Subscript | None, place: Place) -> int | None:

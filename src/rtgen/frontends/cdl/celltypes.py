@@ -21,8 +21,10 @@ from rtgen.frontends.cdl.entities import (
     component,
     here,
 )
+from rtgen.frontends.cdl.plugins import Applied
 from rtgen.frontends.cdl.rules import celltypes as rules
 from rtgen.frontends.cdl.rules import syntax
+from rtgen.frontends.cdl.rules.cells import MADE_BY_PLUGIN
 from rtgen.frontends.cdl.scopes import Entity, Kind
 from rtgen.frontends.suggestions import nearest
 from rtgen.model.tecs import CArrayType, CPointerType, CType, Signature, resolve
@@ -40,8 +42,9 @@ _NO_EXPRESSION = (tree.Name, tree.Allocation, tree.Restriction)
 class Celltypes:
     """Fills celltypes, and the outside of composites, as their text is read."""
 
-    def __init__(self, values: Values, report: Report) -> None:
+    def __init__(self, values: Values, applied: Applied, report: Report) -> None:
         self._values = values
+        self._applied = applied
         self._report = report
 
     def fill(self, type_: Celltype, node: tree.Celltype) -> None:
@@ -122,7 +125,7 @@ class Celltypes:
     def _signature(self, name: tree.ScopedName, place: Place) -> Signature | None:
         found = place.lookup(name)
         if found is None:
-            if not (place.lost(name) or self._values.incomplete):
+            if not self._unseen(name, place):
                 self._report(
                     rules.UNKNOWN_SIGNATURE.at(
                         place.span(name),
@@ -141,6 +144,16 @@ class Celltypes:
         elif isinstance(found.declaration, Signature):
             return found.declaration
         return None
+
+    def _unseen(self, name: tree.ScopedName, place: Place) -> bool:
+        """Whether something may declare a name that is not known; a plug-in is told."""
+        if place.lost(name) or self._values.incomplete:
+            return True
+        maker = self._applied.of_types
+        if maker is not None:
+            message = f"{name} is not declared here; {maker} may do it"
+            self._report(MADE_BY_PLUGIN.at(place.span(name), message))
+        return maker is not None
 
     def _declared(self, name: ScopedName, place: Place) -> Signature | None:
         """The signature of a name from the root down."""
@@ -224,7 +237,7 @@ class Celltypes:
         if owner is None or not isinstance(type_, Celltype):
             if owner is not None and owner.kind in (Kind.CELL, Kind.CELLTYPE):
                 return None  # broken, and told
-            if owner is None and self._values.incomplete:
+            if owner is None and self._unseen(target.owner, place):
                 return None
             message = f"{target.owner} is no celltype"
             return message, "name a singleton celltype that is declared before", []
@@ -443,7 +456,7 @@ class Celltypes:
     ) -> tuple[Entity, Celltype] | None:
         owner = node.target.owner
         entity = place.lookup(owner)
-        if entity is None and (place.lost(owner) or self._values.incomplete):
+        if entity is None and self._unseen(owner, place):
             return None
         if not isinstance(entity, Entity) or entity.kind not in _REQUIRABLE:
             what = "is not known" if entity is None else f"is a {entity.kind}"

@@ -53,7 +53,7 @@ class Components:
         self._regions = Regions(analysis.root, report)
         self._cells = Cells(values, self._regions, report)
         self._joins = Joins(values, self._regions, self._cells, report)
-        self._celltypes = Celltypes(values, report)
+        self._celltypes = Celltypes(values, self._regions.applied, report)
         self._composites = Composites(self._celltypes, self._cells, self._joins, report)
         self._types: list[known.Celltype] = []
         self._docs: dict[Entity, str] = {}
@@ -103,6 +103,11 @@ class Components:
             ports=tuple(map(_port, composite.ports)),
             attributes=tuple(self._variables(composite, "attr")),
             cells=tuple(self._cell(cell) for cell in composite.inner.values()),
+            exports=tuple(
+                (exported.name, exported.cell.name, exported.member)
+                for exported in composite.exports
+                if isinstance(composite.members.get(exported.name), known.Port)
+            ),
             singleton=composite.singleton,
             active=composite.active,
         )
@@ -153,8 +158,7 @@ class Components:
 
     def applied(self, plugin: tree.Name, place: Place) -> None:
         """Note a plug-in of a signature, celltype or cell: it may declare things."""
-        self._regions.check_plugin(plugin, place)
-        self._cells.generators.append(plugin.text)
+        self._regions.apply(plugin, place, on_way=False)
 
     def _doc(self, place: Place, item: tree.Item) -> str:
         return self._analysis.doc(place.unit, item.start, item.end)

@@ -327,10 +327,10 @@ class Joins:
         unseen = self._values.incomplete and inside is None
         if found is None and (unseen or target.place.lost(name)):
             return None
-        if found is None and self._cells.generators and inside is None:
-            made_by = self._cells.generators[-1]
-            message = f"the cell {name} is not declared here; {made_by} may do it"
-            self._report(rules.MADE_BY_PLUGIN.at(target.span, message))
+        maker = self._regions.applied.of_cells
+        if found is None and maker is not None and inside is None:
+            message = f"the cell {name} is not declared here; {maker} may make it"
+            self._report(rules.MADE_BY_PLUGIN.at(target.span, message, hint=hint))
             return None
         rule = rules.UNKNOWN_CELL if found is None else rules.NOT_A_CELL
         self._report(
@@ -435,10 +435,10 @@ class Joins:
     def _allocator_joins(
         self, cell: Cell, join: Join, callee: Cell, target: Target
     ) -> None:
-        """Join the call ports for allocators to those that the callee names."""
-        assert cell.celltype is not None
-        if join.chain:
-            return  # the plug-in's cell takes its place
+        """Join the call ports for allocators to those that the callee names.
+
+        Plug-ins on the way pass them on.
+        """
         self.resolve(callee)
         for allocator in callee.allocators:
             if (allocator.port, allocator.index) != (target.port, target.index):

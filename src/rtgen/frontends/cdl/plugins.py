@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+
 OURS = frozenset({"RTCPlugin", "RTCPlug-in"})
 """The names of our plug-in; the second is the spelling of the paper."""
 
@@ -99,6 +101,29 @@ DOMAIN = frozenset(
     }
 )
 """Plug-ins of regions that are domains or classes."""
+
+
+@dataclass(slots=True)
+class Applied:
+    """The foreign plug-ins of a unit, as written: what they declare can be used by name.
+
+    `generators` are applied where they stand, and can declare anything; what stands on a way
+    makes cells, once all is read.
+    """
+
+    generators: list[str] = field(default_factory=list)
+    on_ways: list[str] = field(default_factory=list)
+
+    @property
+    def of_types(self) -> str | None:
+        """A plug-in that may have declared a celltype or signature so far."""
+        return self.generators[-1] if self.generators else None
+
+    @property
+    def of_cells(self) -> str | None:
+        """A plug-in that may make a cell."""
+        return next(reversed((*self.generators, *self.on_ways)), None)
+
 
 TECSGEN = THROUGH | GENERATE | DOMAIN
 

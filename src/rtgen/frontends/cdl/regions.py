@@ -36,6 +36,7 @@ class Regions:
 
     def __init__(self, root: Scope, report: Report) -> None:
         self._report = report
+        self.applied = plugins.Applied()
         self._permits: dict[Scope, Permits] = {root: Permits(node=True)}
 
     def of(self, scope: Scope) -> Permits:
@@ -89,7 +90,9 @@ class Regions:
                 permits.node |= word == "node"
                 if group == "protection":
                     permits.free = True
-                    self.check_plugin(arguments[0], place)
+                    name = arguments[0]
+                    assert isinstance(name, tree.Name)
+                    self.apply(name, place, on_way=True)
                 continue
             target = ""
             if word == "to_through":
@@ -116,7 +119,7 @@ class Regions:
         name, argument = arguments
         assert isinstance(name, tree.Name)
         assert isinstance(argument, tree.Text)
-        self.check_plugin(name, place)
+        self.apply(name, place, on_way=True)
         return [Plugin(name, argument, place, origin, scope)]
 
     def _once(
@@ -141,9 +144,12 @@ class Regions:
                 )
             )
 
-    def check_plugin(self, name: object, place: Place) -> None:
-        """Warn of a plug-in that is neither ours nor tecsgen's."""
-        assert isinstance(name, tree.Name)
+    def apply(self, name: tree.Name, place: Place, *, on_way: bool) -> None:
+        """Note a plug-in; warn of one that is neither ours nor tecsgen's."""
+        if plugins.is_ours(name.text):
+            return
+        applied = self.applied
+        (applied.on_ways if on_way else applied.generators).append(name.text)
         if plugins.is_known(name.text):
             return
         written = plugins.class_name(name.text)
