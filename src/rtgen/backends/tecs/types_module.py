@@ -43,7 +43,7 @@ def types_text(unit: TecsUnit, signatures: Iterable[Signature], header: str) -> 
         aliases=aliases,
         constants=list(_constants(unit, taken)),
     )
-    return fit_text(header + text)
+    return fit_text(f"{header}{text.rstrip()}\n")
 
 
 def _class(name: str, record: Record) -> dict[str, object]:
