@@ -16,8 +16,8 @@ from rtgen.frontends.cdl.unit import Unit
 from rtgen.model.tecs import (
     CArrayType,
     CEnumType,
+    CFunctionType,
     CPointerType,
-    CScalarType,
     CStructType,
     CType,
     CTypedefType,
@@ -178,7 +178,9 @@ class _Signature:
         if not suffix.items:
             message = f"'{name.text}' has no parameters"
             self._tell(rules.NO_VOID, suffix, message, "write ( void )")
-        parameters = _Parameters(self._analysis, self._unit, self._scope).of(suffix)
+        reader = _Parameters(self._analysis, self._unit, self._scope)
+        reader.deviate = self.deviate
+        parameters = reader.of(suffix)
         if returns is None:
             return None
         if isinstance(resolve(returns), CPointerType) and not self.deviate:
@@ -323,6 +325,10 @@ class _Parameters(_Signature):
             self._tell(type_rules.VOID_VALUE, name, message)
             return None
         inner = resolve(type_)
+        if isinstance(inner, CFunctionType):
+            message = f"the parameter '{name.text}' cannot be a function"
+            self._tell(rules.FUNCTION_PARAMETER, name, message, "use a pointer to it")
+            return None
         if isinstance(inner, CStructType | CArrayType):
             parameter.good &= self._analysis.types.is_value(
                 type_, self._unit, name, self._scope
@@ -415,7 +421,7 @@ class _Parameters(_Signature):
         if direction is TecsDirection.RECEIVE:
             needed += 1
         most = max(needed, 1)
-        if size and not string and _leads_to_struct(type_):
+        if "size_is" in given and _leads_to_struct(type_):
             most += 1
         if depth < needed:
             more = "a pointer" if needed == 1 else f"{needed} levels of pointers"
@@ -424,14 +430,13 @@ class _Parameters(_Signature):
             self._tell(rules.TOO_FEW_POINTERS, name, message, hint)
             parameter.good = False
             return
-        if is_pointer and depth > most and not _void_behind(type_):
+        if is_pointer and depth > most and not self.deviate:
             message = f"'{name.text}' has {depth} levels of pointers, {most} would do"
             self._tell(rules.TOO_MANY_POINTERS, name, message)
         target = type_
-        for _ in range(max(needed, 1) if is_pointer else 0):
+        for _ in range(depth):
             inner = resolve(target)
-            if not isinstance(inner, CPointerType):
-                break
+            assert isinstance(inner, CPointerType)
             target = inner.target
         if is_pointer:
             self._constness(parameter, target)
@@ -459,7 +464,7 @@ class _Parameters(_Signature):
                 hint = f"write const {target} *{name.text}"
                 self._tell(rules.IN_NOT_CONST, name, message, hint)
                 parameter.good = False
-        elif is_const(target):
+        elif is_const(target) and not self.deviate:
             message = (
                 f"'{name.text}' is {direction}, so what it leads to cannot be const"
             )
@@ -583,10 +588,3 @@ def _leads_to_struct(type_: CType) -> bool:
     while isinstance(found, CPointerType):
         found = resolve(found.target)
     return isinstance(found, CStructType)
-
-
-def _void_behind(type_: CType) -> bool:
-    found = resolve(type_)
-    while isinstance(found, CPointerType):
-        found = resolve(found.target)
-    return isinstance(found, CScalarType) and found.kind is Scalar.VOID

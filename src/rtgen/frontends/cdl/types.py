@@ -52,13 +52,11 @@ _WITH_SIZE = frozenset(
 
 
 def pointer_depth(type_: CType) -> int:
-    """How many pointers, or dimensions of an array, lead to what is not one."""
+    """How many pointers lead to what is not one; arrays do not count."""
     depth = 0
     found = resolve(type_)
-    while isinstance(found, CPointerType | CArrayType):
-        found = resolve(
-            found.target if isinstance(found, CPointerType) else found.element
-        )
+    while isinstance(found, CPointerType):
+        found = resolve(found.target)
         depth += 1
     return depth
 
@@ -361,6 +359,11 @@ class Types:
     def _array(
         self, element: CType, suffix: tree.ArraySuffix, unit: Unit, scope: Scope
     ) -> CType | None:
+        if isinstance(element, CArrayType) and element.size is None:
+            span = unit.span(suffix.start, suffix.end)
+            message = "only the first dimension of an array may be left out"
+            self._report(rules.ARRAY_SIZE.at(span, message))
+            return None
         if suffix.size is None:
             return CArrayType(element, None)
         size = self._analysis.expressions.integer(suffix.size, unit, scope)

@@ -411,6 +411,19 @@ ER put( [in] int8_t a, [in] int8_t a );   // wrong
 """,
 )
 
+FUNCTION_PARAMETER = Rule(
+    "CDL0429",
+    "parameter that is a function",
+    Severity.ERROR,
+    """
+A function cannot be handed over; a pointer to it can, though not to another memory. tecsgen: S2006.
+
+```cdl
+ER watch( [in] void notify( void ) );   // wrong
+```
+""",
+)
+
 RULES = (
     CONTEXT_UNKNOWN,
     SPECIFIER_TWICE,
@@ -441,4 +454,5 @@ RULES = (
     ONEWAY_RETURN,
     ONEWAY_PARAMETER,
     PARAMETER_TWICE,
+    FUNCTION_PARAMETER,
 )
