@@ -31,6 +31,7 @@ def _made() -> dict[str, CType]:
         for name in names.split():
             found[name] = CTypedefType((base,), found[base])
     found["SIZE"] = CScalarType(Scalar.ULONG)
+    found["size_t"] = CScalarType(Scalar.ULONG)
     found["VP"] = CPointerType(CScalarType(Scalar.VOID))
     return found
 
