@@ -1,8 +1,9 @@
 """Findings of the CDL front end as they are printed: a folder each: input.cdl and expected.txt.
 
 `case.toml`, where there is one, says what else is needed: the `files` to read instead of
-input.cdl, the `include` folders, `kcode` and `prelude`; `only` names the codes to be shown, where
-others are many. FOLDER is the folder of the case.
+input.cdl, the `include` folders, `kcode` and `prelude`, and in `[fill]` what stands for a mark of
+the input: a text and how often it is repeated; `only` names the codes to be shown, where others
+are many. FOLDER is the folder of the case.
 """
 
 from __future__ import annotations
@@ -23,7 +24,18 @@ from rtgen.report import report
 
 CASES = Path(__file__).with_name("cdl_errors")
 NAMES = sorted(path.name for path in CASES.iterdir() if path.is_dir())
-FAMILIES = ("CDL05", "CDL06", "CDL07")
+FAMILIES = (
+    "CDL00",
+    "CDL01",
+    "CDL02",
+    "CDL03",
+    "CDL04",
+    "CDL05",
+    "CDL06",
+    "CDL07",
+    "CDL08",
+    "CDL09",
+)
 """The families of rules of which each has a case."""
 
 CODE = re.compile(r"\b(?:error|warning|note)\[([A-Z]+\d{4})\]")
@@ -36,6 +48,10 @@ def findings(
     shutil.copytree(CASES / name, folder, dirs_exist_ok=True)
     toml = folder / "case.toml"
     told = tomllib.loads(toml.read_text(encoding="utf-8")) if toml.exists() else {}
+    for mark, (text, times) in told.get("fill", {}).items():
+        file = folder / "input.cdl"
+        filled = file.read_text(encoding="utf-8").replace(mark, text * times)
+        file.write_text(filled, encoding="utf-8")
     monkeypatch.chdir(folder)
     result = load(
         [Path(file) for file in told.get("files", ["input.cdl"])],

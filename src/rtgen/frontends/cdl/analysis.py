@@ -81,6 +81,10 @@ class Analysis:
         match node:
             case tree.Namespace():
                 inner = self.open_scope(node.name, unit, scope, Kind.NAMESPACE)
+                if not node.items:
+                    message = f"there is nothing in the name space {node.name.text}"
+                    span = unit.span(node.name.start, node.end)
+                    self.report(syntax.EMPTY_BLOCK.at(span, message))
                 if inner is not None:
                     self.items(node.items, unit, inner)
             case tree.Typedef():
@@ -180,15 +184,19 @@ class Analysis:
         place = unit.place(name)
         known = scope.own(name.text)
         if known is not None:
-            related = (
-                [Related(known.place, "first declared here")] if known.place else []
-            )
-            message = f"'{name.text}' is a {known.kind} already"
-            self.report(rules.DECLARED_TWICE.at(place, message, related=related))
+            self._tell_taken(name, unit, known)
             return None
         entity = Entity(kind, (*scope.name, name.text), unit, node, place)
         scope.entities[name.text] = entity
         return entity
+
+    def _tell_taken(self, name: tree.Name, unit: Unit, known: Entity | Scope) -> None:
+        if known.kind is Kind.TYPEDEF and name.text in unit.lost:
+            return  # told by the parser
+        related = [Related(known.place, "first declared here")] if known.place else []
+        message = f"'{name.text}' is a {known.kind} already"
+        place = unit.place(name)
+        self.report(rules.DECLARED_TWICE.at(place, message, related=related))
 
     def open_scope(
         self, name: tree.Name, unit: Unit, scope: Scope, kind: Kind
@@ -197,14 +205,10 @@ class Analysis:
         known = scope.own(name.text)
         if isinstance(known, Scope) and known.kind is kind:
             return known
-        place = unit.place(name)
         if known is not None:
-            related = (
-                [Related(known.place, "first declared here")] if known.place else []
-            )
-            message = f"'{name.text}' is a {known.kind} already"
-            self.report(rules.DECLARED_TWICE.at(place, message, related=related))
+            self._tell_taken(name, unit, known)
             return None
+        place = unit.place(name)
         made = Scope((*scope.name, name.text), scope, kind, place)
         scope.scopes[name.text] = made
         return made

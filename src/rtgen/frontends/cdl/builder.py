@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rtgen.frontends.cdl import tree
+from rtgen.frontends.cdl.words import TERMINALS
 from rtgen.model.tecs import Scalar
 
 if TYPE_CHECKING:
@@ -370,7 +371,9 @@ class Builder:
 
     def specifiers(self, children: Children) -> tree.Specifiers:
         opening, *items, closing = children
-        return tree.Specifiers(tuple(items), opening.start_pos, closing.end_pos)
+        known = tuple(item for item in items if item.word in TERMINALS)
+        broken = len(known) < len(items)
+        return tree.Specifiers(known, broken, opening.start_pos, closing.end_pos)
 
     def specifier(self, children: Children) -> tree.Specifier:
         word, *rest = children

@@ -170,7 +170,7 @@ class _Initial:
                 return None
             wanted = [member.type for member in members]
         else:
-            self._tell(rules.SHAPE, value, f"a {type_} takes a single value, no braces")
+            self._tell(rules.SHAPE, value, f"{type_} takes a single value, no braces")
             return None
         models = [
             self.of(item, element)
@@ -197,7 +197,7 @@ class _Initial:
         if sort is Sort.UNKNOWN or found.sort is Sort.UNKNOWN:
             return found.model
         if found.sort in (Sort.STRING, Sort.POINTER, Sort.STRUCT):
-            message = f"a {found.sort} cannot be a {type_}"
+            message = f"{found.sort.with_article} cannot be {type_}"
             self._tell(rules.OPERATOR_KIND, node, message)
             return None
         if sort is Sort.BOOL:
@@ -205,7 +205,7 @@ class _Initial:
         if sort is Sort.INTEGER:
             return self._integer(node, found, type_)
         if found.sort is Sort.BOOL:
-            message = f"a truth value cannot be a {type_}"
+            message = f"a truth value cannot be {type_}"
             self._tell(rules.OPERATOR_KIND, node, message, "cast it")
             return None
         if isinstance(found.value, int | float):
@@ -223,7 +223,7 @@ class _Initial:
         self, node: tree.Expression, found: Operand, type_: CType
     ) -> Expression | None:
         if found.sort is Sort.FLOAT:
-            hint = f"write ({type_})"
+            hint = f"write ({_plain(type_)})"
             message = f"a floating-point number needs a cast to become {type_}"
             self._tell(rules.NEEDS_CAST, node, message, hint)
             return None
@@ -258,16 +258,21 @@ class _Initial:
         if found.sort is Sort.STRING:
             if _is_characters(target.target):
                 return found.model
-            message = f"a string cannot be a {target}"
+            message = f"a string cannot be {target}"
             self._tell(rules.POINTER_VALUE, node, message)
             return None
         if found.sort is Sort.POINTER:
             return found.model
         if found.sort is Sort.INTEGER and found.value == 0:
             return found.model
-        message = f"a {found.sort} cannot be a {target}"
-        self._tell(rules.POINTER_VALUE, node, message, f"write ({target})")
+        message = f"{found.sort.with_article} cannot be {target}"
+        self._tell(rules.POINTER_VALUE, node, message, f"write ({_plain(target)})")
         return None
+
+
+def _plain(type_: CType) -> str:
+    """The type without qualifiers of its own, as a cast writes it."""
+    return str(type_).removeprefix("const ").removesuffix(" const")
 
 
 def _is_characters(type_: CType) -> bool:

@@ -56,6 +56,11 @@ class Sort(StrEnum):
     STRUCT = "struct"
     UNKNOWN = "value"
 
+    @property
+    def with_article(self) -> str:
+        """The sort in a sentence."""
+        return f"an {self}" if self is Sort.INTEGER else f"a {self}"
+
 
 @dataclass(frozen=True, slots=True)
 class Operand:
@@ -119,7 +124,9 @@ class Expressions:
             return None
         if type(found.value) is not int:
             rule = rules.NOT_CONSTANT if found.value is None else rules.OPERATOR_KIND
-            message = f"a constant integer is wanted here, not a {found.sort}"
+            message = (
+                f"a constant integer is wanted here, not {found.sort.with_article}"
+            )
             if found.value is None:
                 message = "this is not constant"
             self._analysis.report(rule.at(unit.place(written), message))
@@ -139,7 +146,7 @@ class Expressions:
         if found is None:
             return None
         if found.sort not in (Sort.INTEGER, Sort.UNKNOWN):
-            message = f"a size is an integer, not a {found.sort}"
+            message = f"a size is an integer, not {found.sort.with_article}"
             self._analysis.report(rules.OPERATOR_KIND.at(unit.place(written), message))
             return None
         return found.model
@@ -327,7 +334,7 @@ class Look:
             )
         )
         if not fits:
-            message = f"a {operand.sort} cannot be cast to {type_}"
+            message = f"{operand.sort.with_article} cannot be cast to {type_}"
             raise self.bad(rules.OPERATOR_KIND, node, message)
         value = operand.value
         if value is None or sort is Sort.POINTER:
@@ -431,14 +438,15 @@ class Look:
             and left.sort is not Sort.STRUCT
         )
         if not fits:
-            message = f"'{mark}' does not compare a {left.sort} with a {right.sort}"
+            one, two = left.sort.with_article, right.sort.with_article
+            message = f"'{mark}' does not compare {one} with {two}"
             raise self.bad(rules.OPERATOR_KIND, node, message)
         if left.value is None or right.value is None:
             return Operand(Sort.BOOL, None, model)
         return _made(Sort.BOOL, _COMPARISONS[mark](left.value, right.value), model)
 
     def _unfit(self, node: tree.Expression, mark: str, operand: Operand) -> BadError:
-        message = f"'{mark}' cannot be used on a {operand.sort}"
+        message = f"'{mark}' cannot be used on {operand.sort.with_article}"
         return self.bad(rules.OPERATOR_KIND, node, message)
 
 

@@ -48,7 +48,7 @@ _FOREIGN_TYPES = {
     "float_t": "float32_t",
     "size_t": "uint32_t",
 }
-_SUFFIX = re.compile(r"[A-Za-z_]\w*")
+_SEMICOLON = re.compile(r"\s*;")
 _NUMBER_BEFORE = re.compile(r"(?:0x[0-9A-Fa-f]+|[0-9]+\.?[0-9]*)\Z")
 _IDEOGRAPHIC = {"\u3000": " ", "\u3001": ",", "\u3002": "."}
 
@@ -240,7 +240,13 @@ def _stray_brace(s: Situation) -> Mistake | None:
         "this brace closes nothing",
         "remove it, or look for the missing '{'",
         instead=True,
+        resume=_behind_semicolon(s),
     )
+
+
+def _behind_semicolon(s: Situation) -> int:
+    found = _SEMICOLON.match(s.code, s.end)
+    return found.end() if found else s.end
 
 
 def _extra_semicolon(s: Situation) -> Mistake | None:
@@ -350,14 +356,14 @@ def _unknown_type(s: Situation) -> Mistake | None:
         return None
     if at_statement and not is_use:
         return None
+    if s.text == "union":
+        return s.mistake(types.UNKNOWN_TYPE, "CDL has no unions")
     known = s.text in s.unit.lost
     s.unit.lost.add(s.text)
     if known:
         return Mistake(None, ("TYPE_NAME",), instead=True)
     if s.text in _FOREIGN_TYPES:
         hint = f"CDL calls it {_FOREIGN_TYPES[s.text]}"
-    elif s.text == "union":
-        hint = "CDL has no unions"
     else:
         candidates = {*s.types.declared, *s.types.prelude, *_types()}
         near = nearest(s.text, candidates)
@@ -393,6 +399,7 @@ def _long_long(s: Situation) -> Mistake | None:
 def _type_as_name(s: Situation) -> Mistake | None:
     if s.kind != "TYPE_NAME" or "IDENT" not in s.accepted:
         return None
+    s.unit.lost.add(s.text)
     return s.mistake(
         syntax.TYPE_AS_NAME,
         f"'{s.text}' is a type and can name nothing else",
@@ -465,10 +472,10 @@ _RECOGNISERS: tuple[Callable[[Situation], Mistake | None], ...] = (
     _empty,
     _number,
     _long_long,
-    _qualifier,
     _specifier,
     _unknown_type,
     _missing_semicolon,
+    _qualifier,
     _type_as_name,
     _keyword_as_name,
     _misspelt,
@@ -515,10 +522,19 @@ def bad_character(unit: Unit, start: int) -> tuple[Diagnostic, int]:
     return lexical.BAD_CHARACTER.at(unit.span(start, end), message, hint=hint), end
 
 
-def meant(character: str) -> str | None:
-    """The terminal that a wide character stands for."""
-    mark = _ascii(character)
-    return next((t for t, w in WORDS.items() if w == mark), None) if mark else None
+def meant(text: str) -> str | None:
+    """The terminal that a text without a token likely stands for; None: it is passed over.
+
+    `ERROR` is that of a broken statement.
+    """
+    mark = _ascii(text) if len(text) == 1 else None
+    if mark is not None:
+        return next((t for t, w in WORDS.items() if w == mark), None)
+    if text[0] == "'" and len(text) > 1:
+        return "CHARACTER"
+    if text[0] == "#":
+        return None
+    return "IDENT" if not text[0].isascii() and text.isidentifier() else "ERROR"
 
 
 def _ascii(character: str) -> str | None:

@@ -225,7 +225,7 @@ class _Run:
         parser = self._parser
         if mistake.instead and not mistake.feed:
             self._surplus -= {"{": 1, "}": -1}.get(situation.text, 0)
-            parser.position = situation.end
+            parser.position = mistake.resume or situation.end
             return True
         if not mistake.feed:
             return False
@@ -267,14 +267,14 @@ class _Run:
             if "STRING" in parser.accepts():
                 parser.feed(token("STRING", start, '""'))
             return
-        terminal = meant(self._text[start])
+        terminal = meant(self._text[start:resume])
         if self._errors > MAX_ERRORS:
             self._resume(start)
-        elif resume > start + 1 or terminal is None:
+        elif terminal is None:
             parser.position = resume
         elif terminal in parser.accepts():
             parser.position = resume
-            parser.feed(token(terminal, start, self._text[start]))
+            parser.feed(token(terminal, start, self._text[start:resume]))
         else:
             self._resume(start)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -105,6 +106,7 @@ class _Run:
 
     def result(self) -> FrontendResult:
         sources = [s for s in map(self._open, self._paths) if s is not None]
+        self._check_stems(sources)
         units = [self.unit(source) for source in sources]
         for header in self._headers.sources:
             self._files[header.name] = SourceFile(
@@ -116,6 +118,17 @@ class _Run:
             sources={source.name: source.text for source in self._library.sources},
             dependencies=(*self._library.dependencies, *self._headers.dependencies),
         )
+
+    def _check_stems(self, sources: Sequence[Source]) -> None:
+        """What is generated for a file goes into a folder of its stem."""
+        known: dict[str, Source] = {}
+        for source in sources:
+            stem = re.sub(r"\W", "_", source.path.stem).lower()
+            first = known.setdefault(stem, source)
+            if first is not source:
+                message = f"{first.name} has the same name but for its folder"
+                span = source.span(0, 0)
+                self._report(files.SAME_STEM.at(span, message, hint="rename one"))
 
     def _open(self, path: Path) -> Source | None:
         shown = self._shown[str(path)]
@@ -140,6 +153,7 @@ class _Run:
 
     def unit(self, source: Source) -> TecsUnit:
         """The unit of a main file."""
+        before = self._counts[Severity.ERROR]
         names = frozenset(kernel.TYPES) if self._with_prelude else frozenset[str]()
         reader = Reader(self._library, self._headers, self._define, names, self._report)
         unit = reader.read(source)
@@ -147,7 +161,7 @@ class _Run:
         analysis.incomplete = reader.incomplete
         analysis.run(unit)
         self._note_prelude(analysis)
-        reader.tell_missing(failed=self._counts[Severity.ERROR] > 0)
+        reader.tell_missing(failed=self._counts[Severity.ERROR] > before)
         for read in reader.units:
             self._note(read, main=read is unit)
         return TecsUnit(source.name, source.key, analysis.model())

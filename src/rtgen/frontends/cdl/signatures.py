@@ -363,6 +363,8 @@ class _Parameters(_Signature):
                 parameter.good = False
             else:
                 parameter.given[word] = specifier
+        if bracket.broken:
+            parameter.good = False
         if parameter.direction is None and parameter.good:
             message = f"'{parameter.name.text}' has no direction"
             hint = "add in, out or inout"

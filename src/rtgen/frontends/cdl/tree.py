@@ -264,9 +264,10 @@ SpecifierArgument: TypeAlias = (
 
 @node
 class Specifiers:
-    """A bracket of specifiers."""
+    """A bracket of specifiers; `broken` tells that one was none, which is told."""
 
     items: tuple[Specifier, ...]
+    broken: bool
     start: int
     end: int
 

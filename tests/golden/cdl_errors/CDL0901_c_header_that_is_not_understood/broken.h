@@ -1,0 +1,2 @@
+typedef strange Odd;
+typedef int Speed;

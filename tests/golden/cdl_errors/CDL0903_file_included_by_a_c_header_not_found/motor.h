@@ -1,0 +1,3 @@
+#include <stdint.h>
+#include <board/registers.h>
+typedef int Speed;

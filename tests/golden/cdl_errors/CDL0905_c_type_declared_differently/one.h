@@ -1,0 +1,1 @@
+typedef int Speed; typedef int Same;
