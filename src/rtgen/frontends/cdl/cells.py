@@ -347,6 +347,8 @@ class Cells:
         if isinstance(value, tree.OfComposite) and not isinstance(
             member, Variable | None
         ):
+            if cell.inside is not None:
+                cell.inside.tried.add(value.name.text)
             self._outside(
                 place,
                 value,
@@ -539,6 +541,7 @@ class Cells:
                 if first.index == join.index:
                     problem = f"{join.name}[{join.index}] is joined twice"
             if problem is not None:
+                cell.clashing.add(join.name)
                 self._report(
                     rules.JOINED_TWICE.at(
                         join.span,

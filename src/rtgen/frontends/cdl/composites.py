@@ -93,6 +93,7 @@ class Composites:
         composite, type_ = cell.inside, cell.celltype
         assert composite is not None
         composite.tried.add(name)
+        cell.tried.add(member)
         if type_ is None:
             cell.exported[member] = Exported(name, cell, member, spans[1])
             composite.exports.append(cell.exported[member])
@@ -127,7 +128,6 @@ class Composites:
             )
         else:
             self._fits(inner, outer, spans)
-        cell.tried.add(member)
         exported = Exported(name, cell, member, spans[1])
         if isinstance(inner, Port) and inner.kind == "entry":
             first = composite.export(name)

@@ -357,7 +357,7 @@ class Cell:
     """A cell, or its prototype only, as long as it is not `defined`.
 
     `guessed` tells that a plug-in may have declared the celltype: nothing is known of it. `tried`
-    are ports and attributes that were set to something wrong, which is told.
+    are ports and attributes that were set to something, `clashing` those that were set twice.
     """
 
     entity: Entity
@@ -378,6 +378,7 @@ class Cell:
     resolved: bool = False
     guessed: bool = False
     tried: set[str] = field(default_factory=set)
+    clashing: set[str] = field(default_factory=set)
     callers: dict[str, int] = field(default_factory=dict)
     id: int | None = None
     id_span: Span | None = None

@@ -463,6 +463,7 @@ class Joins:
                 if not allocator.call:
                     continue
                 if port.array:
+                    cell.tried.add(f"{port.name}_{function}_{parameter}")
                     message = (
                         f"{port.name} is an array: its allocators are not passed on"
                     )
@@ -550,7 +551,7 @@ class Joins:
 
     def _check_array(self, cell: Cell, port: Port, joins: list[Join]) -> None:
         numbers = [j.index for j in joins if j.index is not None]
-        if not numbers:
+        if not numbers or port.name in cell.clashing:
             return
         taken = set(numbers) if min(numbers) >= 0 else set(range(len(numbers)))
         size = port.size if port.size is not None else max(taken) + 1
