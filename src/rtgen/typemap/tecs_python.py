@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import builtins
+
 from rtgen.layouts.tdr import (
     Basic,
     Counted,
@@ -15,6 +17,58 @@ from rtgen.layouts.tdr import (
 from rtgen.model import ScopedName
 from rtgen.model.tecs import Scalar, Signature
 from rtgen.typemap.python_names import identifier, module_name
+
+CODEC_NAMES = (
+    "Codec",
+    "FAILURES",
+    "More",
+    "REPLY_LIMIT",
+    "REQUEST_LIMIT",
+    "ReplyOrder",
+    "Room",
+    "Text",
+    "WideText",
+    "argument_error",
+    "cast",
+    "element",
+    "exactly",
+    "is_rpc_error",
+    "leading",
+    "leading_bytes",
+    "magic_error",
+    "present",
+    "quotient",
+    "remainder",
+    "shifted_left",
+    "shifted_right",
+    "size_error",
+    "within",
+)
+"""What generated codecs may import of `rtgen.runtime.opaque_rpc.codecs`."""
+
+TDR_NAMES = (
+    "EOP_NOTHING_FOLLOWS",
+    "EOP_REPLY_FOLLOWS",
+    "INT8",
+    "Items",
+    "NETWORK",
+    "SOP_REPLY",
+    "SOP_REQUEST",
+    "Tdr",
+    "UINT8",
+)
+"""The same of its module `tdr`."""
+
+_OF_MODULES = frozenset(
+    (
+        *CODEC_NAMES,
+        *TDR_NAMES,
+        *("ABC", "Channel", "ClassVar", "Final", "Handlers", "Mapping", "Sequence"),
+        *("TypeAlias", "abstractmethod", "annotations", "dataclass", "field"),
+        *dir(builtins),
+    )
+)
+"""Names that generated modules use, so that no struct or constant has them."""
 
 _IN_CLASSES = ("bool", "bytes", "field", "float", "int", "list", "range", "str")
 """Names that the body of a struct's class uses."""
@@ -42,7 +96,12 @@ def codec_module(signature: Signature) -> str:
 
 def struct_class(tag: ScopedName) -> str:
     """The class of a struct."""
-    return identifier("_".join(tag))
+    return module_level_name("_".join(tag))
+
+
+def module_level_name(name: str) -> str:
+    """The name of a struct's class, a typedef or a constant."""
+    return identifier(name, _OF_MODULES)
 
 
 def member_name(name: str) -> str:

@@ -221,6 +221,20 @@ CASES = {
         {"v": [1.0], "n": 1},
         "672a 0001 | 01 | 3f800000 | 6d5e",
     ),
+    "names that generated code uses itself": Case(
+        "ER f( [in] struct Text Text, [in,size_is(len)] const struct tagBox *tagBox, "
+        "[in] uint8_t len, [in] int8_t returned, [in] int8_t unpacked );",
+        {
+            "Text": {"list": 1, "tagBox": {"_int": 2}, "field": {"_int": 3}},
+            "tagBox": [{"_int": 4}],
+            "len": 1,
+            "returned": 5,
+            "unpacked": 6,
+        },
+        "672a 0001 | 01 | 010203 | 04 | 05 06 | 5a3c",
+        before="struct tagBox { uint8_t _int; }; struct Text { int8_t list;"
+        " struct tagBox tagBox; struct tagBox field; };",
+    ),
     "zero elements": Case(
         "ER f( [in,size_is(n)] const int64_t *v, [in] int8_t n );",
         {"v": [], "n": 0},

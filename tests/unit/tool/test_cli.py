@@ -13,6 +13,7 @@ from small_pipeline import Pipeline
 
 from rtgen import __version__, compiler
 from rtgen.cli import COMMANDS, run
+from rtgen.cli.rpc import COMMANDS as RPC_COMMANDS
 
 GENERATE = ["generate", "a.idl", "b.idl"]
 CHECK = ["check", "a.idl", "b.idl"]
@@ -32,8 +33,12 @@ def test_version_and_help(capfd: pytest.CaptureFixture[str]) -> None:
     assert run(["--help"]) == 0
     shown = capfd.readouterr().out
     assert all(name in shown for name in COMMANDS)
-    for name in COMMANDS:
-        assert run([name, "--help"]) == 0
+    of_rpc = [("rpc", name) for name in RPC_COMMANDS]
+    assert run(["rpc", "--help"]) == 0
+    shown = capfd.readouterr().out
+    assert all(name in shown for name in RPC_COMMANDS)
+    for words in (*((name,) for name in COMMANDS if name != "rpc"), *of_rpc):
+        assert run([*words, "--help"]) == 0
         assert "--diagnostics" in capfd.readouterr().out
 
 

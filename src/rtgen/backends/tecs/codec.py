@@ -8,8 +8,6 @@ from collections.abc import Iterable, Sequence
 from rtgen.backends.python_text import fit_text, string_literal
 from rtgen.backends.rendering import render
 from rtgen.backends.tecs.codec_parts import (
-    CODEC_NAMES,
-    TDR_NAMES,
     Attributes,
     Environment,
     Scope,
@@ -30,6 +28,8 @@ from rtgen.layouts.tdr import (
 )
 from rtgen.model.tecs import Signature, TecsDirection, TecsUnit
 from rtgen.typemap.tecs_python import (
+    CODEC_NAMES,
+    TDR_NAMES,
     annotation,
     argument_annotation,
     codec_class,
@@ -47,7 +47,8 @@ def codec_text(unit: TecsUnit, signature: Signature, header: str) -> str:
     It imports the structs' classes from `_types` beside it. Raises TransferError.
     """
     layout = layout_of(unit, signature)
-    attributes = Attributes()
+    classes = [struct_class(record.struct.name) for record in layout.records]
+    attributes = Attributes(classes)
     records = [
         method
         for record in layout.records
@@ -69,11 +70,10 @@ def codec_text(unit: TecsUnit, signature: Signature, header: str) -> str:
         statements=[*attributes.statements(), *firsts],
         methods=[*methods, *records],
     )
-    return fit_text(header + _head(signature, layout, body) + body)
+    return fit_text(header + _head(signature, classes, body) + body)
 
 
-def _head(signature: Signature, layout: SignatureLayout, body: str) -> str:
-    classes = [struct_class(record.struct.name) for record in layout.records]
+def _head(signature: Signature, classes: Sequence[str], body: str) -> str:
     imports = [
         ("rtgen.runtime.opaque_rpc.codecs", _used(CODEC_NAMES, body)),
         ("rtgen.runtime.opaque_rpc.tdr", _used(TDR_NAMES, body)),
@@ -108,14 +108,14 @@ def _record_methods(record: Record, attributes: Attributes) -> list[str]:
     paths = {i.name: f"value.{member_name(i.name)}" for i in record.items}
     encoder = Encoder(
         attributes,
-        Scope(record.items),
+        Scope(record.items, attributes.classes),
         Environment(record.items, paths),
         lambda item: paths[item.name],
         lambda item: "",
         {},
     )
     write = encoder.body(record.steps)
-    scope = Scope(record.items)
+    scope = Scope(record.items, attributes.classes)
     environment = Environment(record.items, {i.name: scope.of(i) for i in record.items})
     decoder = Decoder(attributes, scope, environment, lambda item: None, {})
     lines = decoder.body(record.steps)
@@ -177,7 +177,7 @@ class _Function:
 
     def _encode_request(self) -> str:
         layout = self._layout
-        scope = Scope(layout.items)
+        scope = Scope(layout.items, self._attributes.classes)
         names = {item.name: scope.of(item) for item in layout.items}
         encoder = Encoder(
             self._attributes,
@@ -207,7 +207,7 @@ class _Function:
 
     def _read_request(self) -> str:
         layout = self._layout
-        scope = Scope(layout.items)
+        scope = Scope(layout.items, self._attributes.classes)
         names = {item.name: scope.of(item) for item in layout.items}
         environment = Environment(layout.items, names)
         decoder = Decoder(
@@ -240,7 +240,7 @@ class _Function:
     def _reply_scope(self) -> tuple[Scope, dict[str, str], Environment]:
         """The scope of a reply, the names of what is kept, the environment of sizes."""
         layout = self._layout
-        scope = Scope([*layout.items, layout.returned])
+        scope = Scope([*layout.items, layout.returned], self._attributes.classes)
         kept = {
             item.name: (
                 scope.new(f"given_{item.name}") if item.outward else scope.of(item)

@@ -19,47 +19,7 @@ from rtgen.layouts.tdr import (
 )
 from rtgen.model.tecs import Expression
 from rtgen.typemap.python_names import identifier
-
-CODEC_NAMES = (
-    "Codec",
-    "FAILURES",
-    "More",
-    "REPLY_LIMIT",
-    "REQUEST_LIMIT",
-    "ReplyOrder",
-    "Room",
-    "Text",
-    "WideText",
-    "argument_error",
-    "cast",
-    "element",
-    "exactly",
-    "is_rpc_error",
-    "leading",
-    "leading_bytes",
-    "magic_error",
-    "present",
-    "quotient",
-    "remainder",
-    "shifted_left",
-    "shifted_right",
-    "size_error",
-    "within",
-)
-"""What generated codecs may import of `rtgen.runtime.opaque_rpc.codecs`."""
-
-TDR_NAMES = (
-    "EOP_NOTHING_FOLLOWS",
-    "EOP_REPLY_FOLLOWS",
-    "INT8",
-    "Items",
-    "NETWORK",
-    "SOP_REPLY",
-    "SOP_REQUEST",
-    "Tdr",
-    "UINT8",
-)
-"""The same of its module `tdr`."""
+from rtgen.typemap.tecs_python import CODEC_NAMES, TDR_NAMES
 
 _LOCALS = (
     *("self", "more", "first", "returned", "room", "parts", "failure"),
@@ -69,9 +29,10 @@ _RESERVED = frozenset((*CODEC_NAMES, *TDR_NAMES, *_LOCALS, *dir(builtins)))
 
 
 class Attributes:
-    """The attributes of a codec: compiled runs, arrays, texts."""
+    """The attributes of a codec: compiled runs, arrays, texts. `classes` are those of structs."""
 
-    def __init__(self) -> None:
+    def __init__(self, classes: Iterable[str]) -> None:
+        self.classes = tuple(classes)
         self._runs: dict[str, str] = {}
         self._others: dict[str, str] = {}
 
@@ -109,9 +70,9 @@ class Attributes:
 class Scope:
     """The local names of a method."""
 
-    def __init__(self, items: Iterable[Item]) -> None:
+    def __init__(self, items: Iterable[Item], classes: Iterable[str] = ()) -> None:
         self._names: dict[str, str] = {}
-        self._taken = set(_RESERVED)
+        self._taken = {*_RESERVED, *classes}
         for item in items:
             self._names[item.name] = self.new(item.name) if item.name else "returned"
         self._loops = numbers(1)

@@ -15,11 +15,11 @@ from rtgen.model.tecs import (
     TecsUnit,
     resolve,
 )
-from rtgen.typemap.python_names import identifier
 from rtgen.typemap.tecs_python import (
     annotation,
     is_mutable,
     member_name,
+    module_level_name,
     struct_class,
     zero,
 )
@@ -61,7 +61,8 @@ def _default(node: Node) -> str:
     if not is_mutable(node):
         return value
     if isinstance(node, Record):
-        return f"field(default_factory={value.removesuffix('()')})"
+        # Looked up late: an earlier member may have the name of the class.
+        return f"field(default_factory=lambda: {value})"
     if value == "[]":
         return "field(default_factory=list)"
     return f"field(default_factory=lambda: {value})"
@@ -83,7 +84,7 @@ def _aliases(unit: TecsUnit, classes: Iterable[str]) -> Iterator[tuple[str, str]
 
 def _constants(unit: TecsUnit, taken: set[str]) -> Iterator[str]:
     for declaration in unit.declarations:
-        name = identifier(declaration.global_name)
+        name = module_level_name(declaration.global_name)
         if (
             not isinstance(declaration, TecsConst)
             or declaration.value is None

@@ -19,7 +19,7 @@ from rtgen.cli.rpc.common import (
     with_peer,
 )
 from rtgen.cli.rpc.values import Json, JsonError
-from rtgen.diagnostics import InputError, has_errors
+from rtgen.diagnostics import has_errors
 from rtgen.frontends.cdl import read_text
 from rtgen.layouts.tdr import Basic, Counted, FixedArray, Item, Node, Nothing, Record
 from rtgen.model.tecs import Scalar, TecsUnit
@@ -71,7 +71,11 @@ class _Replay:
 
     def differences(self, case: Mapping[str, Any]) -> Iterator[str]:
         """What is not as recorded."""
-        service = self._service(case["signature"], case["tdr"])
+        try:
+            service = self._service(case["signature"], case["tdr"])
+        except click.ClickException as error:
+            yield error.message
+            return
         function = service.functions.get(case["function"])
         if function is None:
             yield f"no function {case['function']!r}"
@@ -106,14 +110,19 @@ class _Replay:
         return self._services[key]
 
     def _unit(self, name: str) -> TecsUnit:
+        """The signature with what its text declares, or what those of others do."""
         if name not in self._units:
-            text = self._recorded["signatures"].get(name)
-            if text is None:
+            texts = self._recorded["signatures"]
+            if name not in texts:
                 raise refused(f"the signature {name!r} is missing")
-            text = self._recorded.get("allocator_cdl", "") + text
-            unit, found = read_text(text, f"{name}.cdl")
+            common = self._recorded.get("allocator_cdl", "")
+            unit, found = read_text(common + texts[name], f"{name}.cdl")
             if has_errors(found):
-                raise InputError(list(found))
+                unit, others = read_text(common + "".join(texts.values()), "all.cdl")
+                if has_errors(others):
+                    raise refused(
+                        str(next(d for d in found if has_errors([d])).message)
+                    )
             self._units[name] = unit
         return self._units[name]
 
