@@ -7,6 +7,8 @@ from __future__ import annotations
 
 from typing import Final
 
+from rtgen.runtime.services import ServiceError
+
 E_OK: Final = 0
 E_SYS: Final = -5
 E_PAR: Final = -17
@@ -46,8 +48,8 @@ def SERCD(code: int) -> int:
     return code >> 8
 
 
-class RpcError(Exception):
-    """A call failed on the way to the server or back.
+class RpcError(ServiceError):
+    """A call failed on the way to the server or back. It passes through service ports.
 
     `sub` is the reason's code (`E_MAGIC`, `E_TMOUT`, ...); `code` is `ERCD(E_RPC, sub)`, what a
     function that returns `ER` or `ER_INT` returns then.
