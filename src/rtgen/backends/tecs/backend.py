@@ -24,7 +24,7 @@ from rtgen.backends.tecs.communication import (
 )
 from rtgen.backends.tecs.idl_model import IdlService, IdlSide, idl_side
 from rtgen.backends.tecs.plan import ROOT, TecsPackage, packages
-from rtgen.backends.tecs.rules import NOT_IN_IDL
+from rtgen.backends.tecs.rules import NOT_TRANSFERRED
 from rtgen.backends.tecs.service_modules import ServiceModules, views_module
 from rtgen.backends.tecs.types_module import types_text
 from rtgen.backends.types import BACKEND as TYPES
@@ -53,9 +53,7 @@ class TecsBackend:
         for package in planned:
             side, found = idl_side(package, communication)
             sides.append(side)
-            told = {f.span for f in found}
-            findings += found
-            findings += (f for f in _untransferable(package) if f.span not in told)
+            findings += [*found, *_untransferable(package, side)]
         if has_errors(findings):
             return Emission((), findings)
         shared = replace(options, package=ROOT, skeleton_package=ROOT)
@@ -75,11 +73,13 @@ class TecsBackend:
 BACKEND = TecsBackend()
 
 
-def _untransferable(package: TecsPackage) -> Iterator[Diagnostic]:
-    """What OpaqueRPC cannot carry."""
+def _untransferable(package: TecsPackage, side: IdlSide) -> Iterator[Diagnostic]:
+    """What OpaqueRPC cannot carry, of functions that IDL can have."""
     for service in package.services:
-        for problem in problems(package.unit, service.signature):
-            yield NOT_IN_IDL.at(problem.span, problem.reason, hint=problem.hint)
+        kept = [f for f in service.signature.functions if f.span not in side.refused]
+        signature = replace(service.signature, functions=tuple(kept))
+        for problem in problems(package.unit, signature):
+            yield NOT_TRANSFERRED.at(problem.span, problem.reason, hint=problem.hint)
 
 
 class _Writer:

@@ -103,13 +103,15 @@ class IdlService:
 class IdlSide:
     """All services of a package. `shared` are the declarations that several files have.
 
-    `structs` gives the scoped name in IDL of each struct of CDL.
+    `structs` gives the scoped name in IDL of each struct of CDL, `refused` the places of the
+    functions that IDL cannot have.
     """
 
     model: Model
     services: tuple[IdlService, ...]
     shared: frozenset[ScopedName]
     structs: dict[ScopedName, ScopedName]
+    refused: frozenset[Span]
 
 
 def idl_side(
@@ -126,6 +128,7 @@ def idl_side(
 class _Builder:
     def __init__(self, package: TecsPackage) -> None:
         self.findings: list[Diagnostic] = []
+        self._refused: set[Span] = set()
         self._package = package
         self._unit = package.unit
         self._scopes: dict[ScopedName, _Names] = {}
@@ -200,6 +203,7 @@ class _Builder:
             tuple(services),
             frozenset(shared),
             self._structs,
+            frozenset(self._refused),
         )
 
     def _model(
@@ -328,6 +332,7 @@ class _Builder:
         anonymous: _Anonymous,
     ) -> Operation:
         names = _Names()
+        before = len(self.findings)
         try:
             returns = self._types.returns(function.returns)
         except NotInIdlError as reason:
@@ -345,6 +350,8 @@ class _Builder:
                         span=parameter.span,
                     )
                 )
+        if len(self.findings) > before:
+            self._refused.add(function.span)
         return Operation(
             name=name,
             returns=anonymous.named(returns),

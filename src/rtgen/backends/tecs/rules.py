@@ -144,6 +144,25 @@ MotorMarshaller = "tecs.right_board.motor_marshaller:MotorMarshaller"
 """,
 )
 
+NOT_TRANSFERRED = Rule(
+    "CDL1008",
+    "parameter that OpaqueRPC cannot carry",
+    Severity.ERROR,
+    """\
+A caller on another machine shares no memory with the board, so the size of everything has to be
+told by the signature:
+
+```
+signature sServer {
+    ER f( [out,count_is(*n)] int8_t *data, [out] int32_t *n );     // CDL1008: add size_is
+    ER g( [inout,string] char_t *text );                           // CDL1008: add a length
+};
+```
+
+A size may depend on parameters that travel in the same direction, and before it.
+""",
+)
+
 RULES = (
     UNKNOWN_OPTION,
     BAD_OPTION,
@@ -152,4 +171,5 @@ RULES = (
     SAME_NAME,
     SAME_PACKAGE,
     SAME_COMPONENT,
+    NOT_TRANSFERRED,
 )

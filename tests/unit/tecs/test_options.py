@@ -1,0 +1,166 @@
+"""The options in the argument of RTCPlugin, and what joins have to agree on."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from boards import SERVER, emit, joined, texts
+
+from rtgen.backends.tecs.options import RtcOptions
+from rtgen.backends.tecs.rules import UNKNOWN_OPTION
+
+
+def text_of(folder: Path, name: str, options: str, count: int = 1) -> str:
+    text = joined(SERVER, *["sServer"] * count, options=options)
+    emission, findings = emit(folder, {"server.cdl": text})
+    assert not findings
+    return texts(emission.artifacts)[f"tecs/server/{name}"]
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "message", "place", "hint"),
+    [
+        ("prot=1", "CDL1001", "no option prot", "prot", "did you mean port?"),
+        ("longbits=64", "CDL1001", "no option", "longbits", "did you mean longBits?"),
+        ("quux=1", "CDL1001", "no option quux", "quux", "the options are tdr, reply"),
+        ("port=http", "CDL1002", "from 1 to 65535", "http", None),
+        ("port=0", "CDL1002", "from 1 to 65535", "0", None),
+        ("longBits=48", "CDL1002", "16, 32 or 64", "48", None),
+        ("tdr=middle", "CDL1002", "network, little, big", "middle", "it is network"),
+        ("reply=late", "CDL1002", "tecsgen, paper", "late", None),
+        ("timeout=-1", "CDL1002", "above 0", "-1", "it is 1.0"),
+        ("timeout=nan", "CDL1002", "above 0", "nan", None),
+        ("encoding=utf-16", "CDL1002", "an encoding", "utf-16", None),
+        ("encoding=klingon", "CDL1002", "an encoding", "klingon", None),
+        ("PPAllocatorSize=0", "CDL1002", "whole number above 0", "0", "it is 4096"),
+        ("name=two words", "CDL1002", "letters, digits", "two words", None),
+        ("array=list", "CDL1002", "sequence, any", "list", None),
+        ("baudrate=fast", "CDL1002", "whole number", "fast", "it is 115200"),
+    ],
+)
+def test_wrong_options(
+    tmp_path: Path, options: str, code: str, message: str, place: str, hint: str | None
+) -> None:
+    argument = f"tdr=network, {options}"
+    text = joined(SERVER, "sServer", options=argument)
+    emission, (finding,) = emit(tmp_path, {"server.cdl": text})
+    assert not emission.artifacts
+    assert finding.code == code
+    assert message in finding.message
+    assert (hint or "") in (finding.hint or "")
+    assert finding.span is not None
+    line = text.split("\n")[finding.span.line - 1]
+    assert line[finding.span.column - 1 : finding.span.end_column - 1] == place
+
+
+def test_all_wrong_options_are_told(tmp_path: Path) -> None:
+    text = joined(SERVER, "sServer", options="port=x, quux=1, tdr=y")
+    _, findings = emit(tmp_path, {"server.cdl": text})
+    assert [f.code for f in findings] == ["CDL1002", "CDL1001", "CDL1002"]
+
+
+def test_every_option_is_explained() -> None:
+    for name in (f.metadata["name"] for f in RtcOptions.__dataclass_fields__.values()):
+        assert f"`{name}`" in UNKNOWN_OPTION.explanation
+
+
+def test_options_of_tecsgen_are_left_to_it(tmp_path: Path) -> None:
+    plain = text_of(tmp_path, "server_marshaller.py", "")
+    left = text_of(tmp_path, "server_marshaller.py", "taskPriority=11, stackSize=4096")
+    assert left.split("\n")[1:] == plain.split("\n")[1:]
+
+
+@pytest.mark.parametrize(
+    ("options", "codec"),
+    [
+        ("", "ServerCodec()"),
+        ("tdr=little", 'ServerCodec(make_tdr("little"))'),
+        ("longBits=64", 'ServerCodec(make_tdr("network", long_bits=64))'),
+        ("reply=paper, PPAllocatorSize=99", 'ServerCodec(reply="paper", limit=99)'),
+        ("encoding=cp932", 'ServerCodec(encoding="cp932")'),
+    ],
+)
+def test_codecs(tmp_path: Path, options: str, codec: str) -> None:
+    for name in ("server_marshaller.py", "server_server.py"):
+        assert f"codec or {codec}\n" in text_of(tmp_path, name, options)
+
+
+@pytest.mark.parametrize(
+    ("options", "lines"),
+    [
+        ("", ["mode2", "conf.mode1.port: none", "conf.mode2.port: 8931"]),
+        ("port=9000", ["mode2", "conf.mode2.port: 9000"]),
+        ("port=9000+$count$", ["mode2", "conf.mode2.port: 9000"]),
+        (
+            "address=10.0.0.7",
+            ["conf.mode2.ipaddr: 10.0.0.7", "conf.mode1.ipaddr: none"],
+        ),
+        (
+            "device=/dev/ttyUSB0, baudrate=9600, timeout=2.5",
+            [
+                "mode1",
+                "conf.mode1.type: SERIA",
+                "conf.mode1.port: /dev/ttyUSB0",
+                "conf.mode1.baudrate: 9600",
+                "conf.mode1.timeout: 2.5",
+                "conf.mode2.baudrate: none",
+                "conf.mode2.type: TCP",
+            ],
+        ),
+    ],
+)
+def test_configuration_files(tmp_path: Path, options: str, lines: list[str]) -> None:
+    text = text_of(tmp_path, "OpaqueRpcCommunication0.conf", options)
+    for line in lines:
+        wanted = f"configuration.active_config: {line}" if "." not in line else line
+        assert f"{wanted}\n" in text
+    assert text.startswith("configuration.active_config: ")
+
+
+def test_joins_are_numbered(tmp_path: Path) -> None:
+    text = text_of(tmp_path, "OpaqueRpcCommunication2.conf", "", count=3)
+    assert "conf.mode2.port: 8933\n" in text
+
+
+def test_a_name_for_the_communication_rtc(tmp_path: Path) -> None:
+    assert "8931" in text_of(tmp_path, "Left.conf", "name=Left")
+
+
+def test_joins_that_differ(tmp_path: Path) -> None:
+    text = joined(SERVER, "sServer", options="tdr=little")
+    more = joined("", "sServer", options="tdr=big, reply=paper")
+    for name in ("tServer0", "tClient0", "Server0", "Client0"):
+        more = more.replace(f" {name} ", f" Other{name} ").replace(
+            f"{name}.", f"Other{name}."
+        )
+    _, (finding,) = emit(tmp_path, {"server.cdl": text + more})
+    assert finding.code == "CDL1004"
+    assert "differ in tdr, reply" in finding.message
+
+
+def test_signatures_of_one_name(tmp_path: Path) -> None:
+    text = (
+        "namespace nA { signature sOne { ER f( void ); }; };\n"
+        "namespace nB { signature sOne { ER f( void ); }; };\n"
+    )
+    _, findings = emit(tmp_path, {"a.cdl": joined(text, "nA::sOne", "nB::sOne")})
+    assert [f.code for f in findings] == ["CDL1005"]
+
+
+def test_files_of_one_name(tmp_path: Path) -> None:
+    (tmp_path / "left").mkdir()
+    (tmp_path / "right").mkdir()
+    text = joined(SERVER, "sServer")
+    _, findings = emit(tmp_path, {"left/board.cdl": text, "right/Board.cdl": text})
+    assert [f.code for f in findings] == ["CDL1006", "CDL1007"]
+
+
+def test_component_types_of_one_name(tmp_path: Path) -> None:
+    text = joined(SERVER, "sServer")
+    emission, (finding,) = emit(tmp_path, {"left.cdl": text, "right.cdl": text})
+    assert finding.code == "CDL1007"
+    entries = texts(emission.artifacts)["tecs/entry_points.txt"]
+    assert (
+        "ServerMarshaller = tecs.left.server_marshaller:ServerMarshaller\n" in entries
+    )
