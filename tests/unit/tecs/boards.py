@@ -47,7 +47,7 @@ namespace nBoard {
               [out,string(24)] char_t *joined, [in,string] const uint16_t *wide );
     ER part( [in,size_is(n,8)] const Point *points, [in] uint8_t n, [out] Point *sum,
              [out,size_is(3)] bool_t *flags );
-    long_t wide( [in] const uint8_t grid[2][3], [out] char_t label[4] );
+    long_t wide( [in] const uint8_t grid[2][3], [out,size_is(4)] char_t *label );
     [oneway] void stop( [in] uchar_t why );
     [oneway] ER stop_all( void );
     void class( [in] int32_t None, [in] int32_t any, [in] int32_t self, [in] int32_t Self,

@@ -149,10 +149,8 @@ def test_signatures_of_one_name(tmp_path: Path) -> None:
 
 
 def test_files_of_one_name(tmp_path: Path) -> None:
-    (tmp_path / "left").mkdir()
-    (tmp_path / "right").mkdir()
     text = joined(SERVER, "sServer")
-    _, findings = emit(tmp_path, {"left/board.cdl": text, "right/Board.cdl": text})
+    _, findings = emit(tmp_path, {"left-board.cdl": text, "left_board.cdl": text})
     assert [f.code for f in findings] == ["CDL1006", "CDL1007"]
 
 

@@ -114,12 +114,12 @@ SAME_PACKAGE = Rule(
     "two CDL files with one package",
     Severity.ERROR,
     """\
-What a CDL file gives stands in `tecs/<name of the file>/`. Two files of the same name, in
-whatever folders, would overwrite each other:
+What a CDL file gives stands in `tecs/<name of the file>/`, where the name has to be a Python
+identifier: other characters become `_`. Two files with one such name would overwrite each other:
 
 ```
-specs/left/board.cdl
-specs/right/board.cdl       // CDL1006, if both have a join through RTCPlugin
+specs/left-board.cdl
+specs/left_board.cdl        // CDL1006, if both have a join through RTCPlugin
 ```
 
 Rename one of them.

@@ -1,0 +1,168 @@
+"""One line in a CDL file: what it makes, counted, and what is left when it goes.
+
+The paper (Table 3) counts lines without comments and blank lines for one function without
+arguments; so does this, for what it has too.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import tokenize
+from pathlib import Path
+
+import pytest
+from boards import emit, joined, texts
+
+from rtgen.cli import run
+
+DOCS = Path(__file__).parents[3] / "docs" / "tecs.md"
+SIGNATURE = "signature sServer { ER func( void ); };\n"
+LINE = '  [through(RTCPlugin,"")]\n'
+PROJECT = '[sources]\npaths = ["cdl"]\n'
+
+PARTS = {
+    "marshaller code": (
+        "tecs/board/server_marshaller.py",
+        "tecs/board/server_codec.py",
+        "tecs/board/components/server_marshaller/server_marshaller_base.py",
+        "tecs/board/_idl/server.py",
+    ),
+    "communication code": (
+        "tecs/opaque_rpc_communication.py",
+        "tecs/components/opaque_rpc_communication/opaque_rpc_communication_base.py",
+        "tecs/_idl/opaque_rpc.py",
+    ),
+    "IDL": ("tecs/board/Server.idl", "tecs/OpaqueRpc.idl"),
+    "server code": ("tecs/board/server_server.py",),
+    "client skeleton": ("tecs/board/ServerClient.py",),
+    "profile, scripts, settings, tecsgen's plug-in": (
+        "tecs/board/RTC.xml",
+        "tecs/board/build.sh",
+        "tecs/board/build.bat",
+        "tecs/board/OpaqueRpcCommunication0.conf",
+        "tecs/board/RTCPlugin.rb",
+    ),
+}
+"""What the paper's authors wrote by hand, then what they did not have."""
+
+
+def lines(path: str, text: str) -> int:
+    """The lines of code: no comments, no docstrings, no blank lines."""
+    if path.endswith(".py"):
+        return _python_lines(text)
+    text = re.sub(r"/\*.*?\*/|<!--.*?-->", "", text, flags=re.DOTALL)
+    marks = ("//", "#", "rem ") if not path.endswith(".idl") else ("//",)
+    kept = (line.strip() for line in text.split("\n"))
+    return sum(bool(line) and not line.startswith(marks) for line in kept)
+
+
+def _python_lines(text: str) -> int:
+    layout = (
+        tokenize.COMMENT,
+        tokenize.NL,
+        tokenize.NEWLINE,
+        tokenize.INDENT,
+        tokenize.DEDENT,
+        tokenize.ENDMARKER,
+    )
+    found: set[int] = set()
+    before = tokenize.NEWLINE
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        is_docstring = token.type == tokenize.STRING and before in layout
+        if token.type not in layout and not is_docstring:
+            found.update(range(token.start[0], token.end[0] + 1))
+        if token.type not in (tokenize.COMMENT, tokenize.NL):
+            before = token.type
+    return len(found)
+
+
+def counted(folder: Path) -> dict[str, int]:
+    emission, _ = emit(folder, {"board.cdl": joined(SIGNATURE, "sServer")})
+    made = texts(emission.artifacts)
+    return {
+        part: sum(lines(path, made[path]) for path in paths)
+        for part, paths in PARTS.items()
+    }
+
+
+def test_the_lines_that_one_line_makes(tmp_path: Path) -> None:
+    """`docs/tecs.md` tells these figures beside those of the paper."""
+    counts = counted(tmp_path)
+    assert joined(SIGNATURE, "sServer").count("RTCPlugin") == 1
+    assert all(counts.values())
+    if not DOCS.exists():
+        pytest.skip("docs/tecs.md is missing")
+    told = dict(
+        re.findall(r"^\| ([^|]+?) \| (\d+) \|$", DOCS.read_text(), re.MULTILINE)
+    )
+    wanted = {part: str(count) for part, count in counts.items()}
+    wanted["together"] = str(sum(counts.values()))
+    assert {part: told.get(part) for part in wanted} == wanted
+
+
+def generated(folder: Path) -> set[str]:
+    below = folder / "generated"
+    return {p.relative_to(below).as_posix() for p in below.rglob("*") if p.is_file()}
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    (tmp_path / "cdl").mkdir()
+    (tmp_path / "rtgen.toml").write_text(PROJECT)
+    (tmp_path / "cdl" / "board.cdl").write_text(joined(SIGNATURE, "sServer"))
+    assert run(["generate"]) == 0
+    return tmp_path
+
+
+def test_a_client_is_the_users(project: Path) -> None:
+    client = project / "generated" / "tecs" / "board" / "ServerClient.py"
+    client.write_text("# mine\n")
+    assert run(["generate"]) == 0
+    assert client.read_text() == "# mine\n"
+    assert run(["check"]) == 0
+    assert run(["check", "--no-cache"]) == 0
+
+
+def test_without_the_line_all_goes_but_what_is_the_users(project: Path) -> None:
+    board = project / "cdl" / "board.cdl"
+    text = board.read_text()
+    assert text.count(LINE) == 1
+    client = project / "generated" / "tecs" / "board" / "ServerClient.py"
+    client.write_text("# mine\n")
+    (client.parent / "notes.txt").write_text("mine, too\n")
+    board.write_text(text.replace(LINE, ""))
+    assert run(["generate"]) == 0
+    assert generated(project) == {
+        ".rtgen.json",
+        "tecs/board/ServerClient.py",
+        "tecs/board/notes.txt",
+    }
+    assert client.read_text() == "# mine\n"
+    assert run(["check"]) == 1  # notes.txt is a stray, as ever
+    (client.parent / "notes.txt").unlink()
+    assert run(["check"]) == 0
+    board.write_text(text)
+    assert run(["generate"]) == 0
+    assert client.read_text() == "# mine\n"
+    assert run(["check"]) == 0
+
+
+def test_a_client_that_is_deleted_is_made_again(project: Path) -> None:
+    client = project / "generated" / "tecs" / "board" / "ServerClient.py"
+    client.unlink()
+    assert run(["check"]) == 0
+    assert run(["generate"]) == 0
+    assert client.exists()
+
+
+def test_a_client_that_is_deleted_after_the_line_is_forgotten(project: Path) -> None:
+    board = project / "cdl" / "board.cdl"
+    board.write_text(board.read_text().replace(LINE, ""))
+    assert run(["generate"]) == 0
+    (project / "generated" / "tecs" / "board" / "ServerClient.py").unlink()
+    assert run(["generate"]) == 0
+    assert generated(project) == {".rtgen.json"}
+    assert run(["check"]) == 0
