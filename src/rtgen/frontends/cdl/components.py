@@ -305,10 +305,10 @@ class Components:
         type_ = cell.celltype
         for name, exported in cell.exported.items():
             member = type_.members.get(name) if type_ is not None else None
-            if isinstance(member, known.Variable) and name not in cell.joins:
+            if isinstance(member, known.Variable):
                 yield name, Reference(f"composite.{exported.name}")
         for join in cell.order:
-            if join.initial is not None:
+            if join.initial is not None and join.name not in cell.exported:
                 yield join.name, join.initial
 
     def _lowered_joins(self, cell: known.Cell) -> Iterator[Join]:

@@ -437,15 +437,20 @@ class Joins:
     ) -> None:
         """Join the call ports for allocators to those that the callee names.
 
-        Plug-ins on the way pass them on.
+        A plug-in between regions has its own allocators at the caller's side.
         """
+        far = bool(join.chain) and callee.region is not cell.region
         self.resolve(callee)
         for allocator in callee.allocators:
             if (allocator.port, allocator.index) != (target.port, target.index):
                 continue
             source = allocator.join
+            name = f"{join.name}_{allocator.function}_{allocator.parameter}"
+            if far:
+                cell.tried.add(name)
+                continue
             made = Join(
-                name=f"{join.name}_{allocator.function}_{allocator.parameter}",
+                name=name,
                 index=join.index,
                 span=join.span,
                 place=source.place,
