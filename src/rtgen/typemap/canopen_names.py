@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import keyword
 import re
+from collections import Counter
+from collections.abc import Iterable
 from unicodedata import combining, normalize
 
+from rtgen.model.canopen import Variable
+from rtgen.typemap import idl_words
+
 _PARTS = re.compile(r"[A-Za-z0-9]+")
+_OTHER = re.compile(r"[^A-Za-z0-9]+")
 
 
 def module_name(stem: str) -> str:
@@ -18,3 +25,44 @@ def module_name(stem: str) -> str:
 def _ascii(text: str) -> str:
     """The text with letters without their marks; it keeps what has no like in ASCII."""
     return "".join(c for c in normalize("NFKD", text) if not combining(c))
+
+
+def identifier(name: str) -> str:
+    """The name as an identifier: ASCII, other characters as `_`, runs of them as one."""
+    text = _OTHER.sub("_", _ascii(name))
+    return text if text[:1].isalpha() else f"o_{text.lstrip('_')}"
+
+
+def field_names(variables: Iterable[Variable]) -> dict[tuple[int, int], str]:
+    """The identifiers of a device's variables by index and sub-index.
+
+    Names that differ in case only, or that are keywords of IDL or Python, bear the number.
+    """
+    numbers = {(v.index, v.subindex): identifier(v.name) for v in variables}
+    counts = Counter(name.lower() for name in numbers.values())
+    names = {
+        number: (
+            name
+            if counts[name.lower()] == 1 and not _is_keyword(name)
+            else _numbered(name, number)
+        )
+        for number, name in numbers.items()
+    }
+    counts = Counter(name.lower() for name in names.values())
+    return {
+        number: (
+            name
+            if counts[name.lower()] == 1 or name != numbers[number]
+            else _numbered(name, number)
+        )
+        for number, name in names.items()
+    }
+
+
+def _numbered(name: str, number: tuple[int, int]) -> str:
+    index, subindex = number
+    return f"{name}_{index:04X}_{subindex:02X}"
+
+
+def _is_keyword(name: str) -> bool:
+    return idl_words.escaped(name) != name or keyword.iskeyword(name)

@@ -1,0 +1,168 @@
+"""The layout of a PDO's data (CiA 301, 7.3.3 and 7.5.2.36): what one `struct` call can do.
+
+Entries follow each other from bit 0 of the first octet on, without gaps of their own, little
+endian. A field that begins and ends at an octet is a slot of its own; fields that do not, share a
+slot from one octet boundary to the next, and come out of it by shifts. Widths that `struct` has no
+letter for are read in parts, the last of which carries the sign: 24 bits are `Hb`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+from rtgen.model.canopen import SIGNED, UNSIGNED, DataType
+
+MAX_BITS = 64
+
+
+class PdoLayoutError(ValueError):
+    """The mapping cannot be laid out; the message says why."""
+
+
+class Kind(StrEnum):
+    """How a field's bits are to be understood; times count as one unsigned number."""
+
+    BOOLEAN = "bool"
+    SIGNED = "signed"
+    UNSIGNED = "unsigned"
+    REAL = "real"
+    CHARACTER = "character"
+    TEXT = "text"
+    OCTETS = "octets"
+
+
+@dataclass(frozen=True, slots=True)
+class Mapped:
+    """An entry of a mapping: the field's name (None for a gap), data type and length."""
+
+    name: str | None
+    data_type: int
+    bits: int
+
+
+@dataclass(frozen=True, slots=True)
+class PdoField:
+    """A field: `shift` is its first bit in the slot."""
+
+    name: str
+    kind: Kind
+    bits: int
+    shift: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A letter of the struct format and the bits that it takes."""
+
+    letter: str
+    bits: int
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """Octets that are read together: the parts, low ones first, and the fields in them.
+
+    `whole` says that the one field is the slot, so nothing is to be shifted or masked.
+    """
+
+    parts: tuple[Part, ...]
+    fields: tuple[PdoField, ...]
+    whole: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PdoLayout:
+    """A PDO's data: its slots in order, and how many octets it has."""
+
+    slots: tuple[Slot, ...]
+    size: int
+
+    @property
+    def format(self) -> str:
+        """The format of the one `struct.Struct`."""
+        return "<" + "".join(part.letter for slot in self.slots for part in slot.parts)
+
+    @property
+    def fields(self) -> tuple[PdoField, ...]:
+        """The fields in order."""
+        return tuple(field for slot in self.slots for field in slot.fields)
+
+
+def layout(mapped: Sequence[Mapped]) -> PdoLayout:
+    """The layout of a mapping. Raises PdoLayoutError."""
+    bits = sum(entry.bits for entry in mapped)
+    if bits > MAX_BITS:
+        raise PdoLayoutError(f"{bits} bits; a PDO has up to {MAX_BITS}")
+    slots: list[Slot] = []
+    shared: list[PdoField] = []
+    filled = 0
+    for entry in mapped:
+        if entry.bits < 1:
+            raise PdoLayoutError(f"{entry.name or 'a gap'} has no bits")
+        kind = None if entry.name is None else _kind(entry)
+        if not filled and entry.bits % 8 == 0:
+            slots.append(_slot(entry, kind))
+            continue
+        if entry.name is not None and kind is not None:
+            if kind in (Kind.TEXT, Kind.OCTETS):
+                raise PdoLayoutError(f"{entry.name} does not begin and end at an octet")
+            shared.append(PdoField(entry.name, kind, entry.bits, filled))
+        filled += entry.bits
+        if filled % 8 == 0:
+            slots.append(_shared(shared, filled // 8))
+            shared, filled = [], 0
+    if filled:
+        slots.append(_shared(shared, (filled + 7) // 8))
+    return PdoLayout(tuple(slots), (bits + 7) // 8)
+
+
+def _kind(entry: Mapped) -> Kind:
+    code = entry.data_type
+    if code in SIGNED:
+        return Kind.SIGNED
+    if code in UNSIGNED or code in (DataType.TIME_OF_DAY, DataType.TIME_DIFFERENCE):
+        return Kind.UNSIGNED
+    if code == DataType.BOOLEAN:
+        return Kind.BOOLEAN
+    if code in (DataType.REAL32, DataType.REAL64):
+        wanted = 32 if code == DataType.REAL32 else 64
+        if entry.bits != wanted:
+            raise PdoLayoutError(f"{entry.name} has {entry.bits} bits, not {wanted}")
+        return Kind.REAL
+    if code == DataType.VISIBLE_CHAR:
+        if entry.bits != 8:
+            raise PdoLayoutError(f"{entry.name} has {entry.bits} bits, not 8")
+        return Kind.CHARACTER
+    return Kind.TEXT if code == DataType.VISIBLE_STRING else Kind.OCTETS
+
+
+def _slot(entry: Mapped, kind: Kind | None) -> Slot:
+    """The slot of a field, or of a gap, that begins and ends at an octet."""
+    size = entry.bits // 8
+    if entry.name is None or kind is None:
+        return Slot((Part(f"{size}x", entry.bits),), (), whole=True)
+    parts: tuple[Part, ...]
+    if kind is Kind.REAL:
+        parts = (Part("f" if size == 4 else "d", entry.bits),)
+    elif kind in (Kind.TEXT, Kind.OCTETS):
+        parts = (Part(f"{size}s", entry.bits),)
+    else:
+        parts = tuple(_parts(size, signed=kind is Kind.SIGNED))
+    return Slot(parts, (PdoField(entry.name, kind, entry.bits),), whole=True)
+
+
+def _shared(fields: Sequence[PdoField], size: int) -> Slot:
+    if not fields:
+        return Slot((Part(f"{size}x", 8 * size),), (), whole=True)
+    return Slot(tuple(_parts(size, signed=False)), tuple(fields), whole=False)
+
+
+def _parts(size: int, signed: bool) -> Iterator[Part]:
+    """Letters for an integer of that many octets, low ones first; the last has the sign."""
+    for width, letter in ((8, "Q"), (4, "I"), (2, "H"), (1, "B")):
+        if size >= width:
+            size -= width
+            last = signed and size == 0
+            yield Part(letter.lower() if last else letter, 8 * width)

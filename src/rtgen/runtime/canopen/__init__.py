@@ -1,0 +1,1 @@
+"""CANopen at run time: what generated proxies, devices and codecs import."""
