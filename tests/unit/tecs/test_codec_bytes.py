@@ -10,7 +10,8 @@ import pytest
 from rtgen.cli.rpc.codecs import Function, Service
 from rtgen.diagnostics import has_errors
 from rtgen.frontends.cdl import read_text
-from rtgen.layouts.tdr import TransferError, problems
+from rtgen.layouts.tdr import TransferError
+from rtgen.layouts.tdr_messages import problems
 from rtgen.model.tecs import Signature
 from rtgen.runtime.opaque_rpc import (
     E_MAGIC,

@@ -29,7 +29,8 @@ from rtgen.backends.tecs.service_modules import ServiceModules, views_module
 from rtgen.backends.tecs.types_module import types_text
 from rtgen.backends.types import BACKEND as TYPES
 from rtgen.diagnostics import Diagnostic, has_errors
-from rtgen.layouts.tdr import Record, layout_of, problems
+from rtgen.layouts.tdr import Record
+from rtgen.layouts.tdr_messages import layout_of, problems
 from rtgen.model import Declaration, Model, SourceFile
 from rtgen.model.tecs import TecsConst
 from rtgen.typemap.idl_python import PythonNames

@@ -24,8 +24,8 @@ from rtgen.layouts.tdr import (
     Run,
     SignatureLayout,
     Step,
-    layout_of,
 )
+from rtgen.layouts.tdr_messages import layout_of
 from rtgen.model.tecs import Signature, TecsDirection, TecsUnit
 from rtgen.typemap.tecs_python import (
     CODEC_NAMES,

@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator
 
 from rtgen.backends.python_text import comment_text, docstring, fit_text, string_literal
 from rtgen.backends.rendering import render
-from rtgen.layouts.tdr import Node, Record, layout_of
+from rtgen.layouts.tdr import Node, Record
+from rtgen.layouts.tdr_messages import layout_of
 from rtgen.model.tecs import (
     CStructType,
     Signature,

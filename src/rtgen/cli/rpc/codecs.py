@@ -24,8 +24,8 @@ from rtgen.layouts.tdr import (
     FunctionLayout,
     Item,
     SignatureLayout,
-    layout_of,
 )
+from rtgen.layouts.tdr_messages import layout_of
 from rtgen.model.tecs import Signature, TecsUnit
 from rtgen.runtime.opaque_rpc import (
     E_BOVR,

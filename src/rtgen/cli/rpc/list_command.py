@@ -8,7 +8,7 @@ import click
 
 from rtgen.cli.common import OK, Console, with_console, write_out
 from rtgen.cli.rpc.common import Peer, read_unit, signatures_of, with_cdl, with_peer
-from rtgen.layouts.tdr import problems
+from rtgen.layouts.tdr_messages import problems
 from rtgen.model.tecs import Sizes, TecsFunction, TecsParameter
 
 
