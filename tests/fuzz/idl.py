@@ -1,10 +1,10 @@
-"""Fuzzes the reading of IDL, of octets by what is generated from it, and of EDS.
+"""Fuzzes the reading of IDL, of octets by what is generated from it, of CDL and of EDS.
 
     python tests/fuzz/idl.py KIND [--first N] [--count M] [--jobs J] [--failures DIR]
     python tests/fuzz/idl.py KIND --show N
     python tests/fuzz/idl.py --replay FILE
 
-KIND is grammar, mutation, octets or eds.
+KIND is grammar, mutation, octets, cdl or eds.
 A case's number decides its input, as long as the fuzzer and, for mutations, the definition
 files of this repository stay as they are. Each input that shows a defect is kept in DIR.
 """
@@ -20,6 +20,7 @@ from collections import defaultdict
 from functools import partial
 from pathlib import Path
 
+from cdl import CdlTarget
 from eds import EdsTarget
 from fuzzing import SECONDS, Factory, Failure, Report, Watch, attempt, run
 from idl_grammar import is_valid, program
@@ -31,6 +32,7 @@ KINDS: dict[str, Factory] = {
     "grammar": partial(IdlTarget, make=program, is_valid=is_valid),
     "mutation": partial(IdlTarget, make=mutant),
     "octets": OctetsTarget,
+    "cdl": CdlTarget,
     "eds": EdsTarget,
 }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from rtgen.frontends.cdl import tree
-from rtgen.frontends.cdl.words import TERMINALS
+from rtgen.frontends.cdl.words import TERMINALS, WORDS
 from rtgen.model.tecs import Scalar
 
 if TYPE_CHECKING:
@@ -31,6 +31,15 @@ def _end(node: Any) -> int:
 
 def _name(token: Token) -> tree.Name:
     return tree.Name(str(token), token.start_pos, token.end_pos)
+
+
+def _word(token: Token) -> str:
+    """The keyword that a token is, or was taken for."""
+    return WORDS[token.type]
+
+
+def _keyword(token: Token) -> tree.Name:
+    return tree.Name(_word(token), token.start_pos, token.end_pos)
 
 
 def _nodes(children: Children, *kinds: type) -> tuple[Any, ...]:
@@ -158,13 +167,13 @@ class Builder:
         return tree.QualifiedType(tuple(qualifiers), type_, start, type_.end)
 
     def qualifier(self, children: Children) -> tree.Name:
-        return _name(children[0])
+        return _keyword(children[0])
 
     def basic_type(self, children: Children) -> tree.BasicType:
         *sign, word = children
         return tree.BasicType(
-            _SCALARS[word],
-            str(sign[0]) if sign else None,
+            _SCALARS[_word(word)],
+            _word(sign[0]) if sign else None,
             _start(children[0]),
             word.end_pos,
         )
@@ -201,7 +210,7 @@ class Builder:
         )
 
     def enum_keyword(self, children: Children) -> tree.Name:
-        return _name(children[0])
+        return _keyword(children[0])
 
     def enum_type(self, children: Children) -> tree.EnumSpecifier:
         keyword = children[0]
@@ -440,7 +449,7 @@ class Builder:
     def port(self, children: Children) -> tree.Port:
         keyword, signature, name, *subscript = children
         return tree.Port(
-            str(keyword),
+            _word(keyword),
             signature,
             _name(name),
             subscript[0] if subscript else None,
@@ -452,7 +461,7 @@ class Builder:
     def joined_port(self, children: Children) -> tree.Port:
         keyword, signature, name, _, target = children
         return tree.Port(
-            str(keyword),
+            _word(keyword),
             signature,
             _name(name),
             None,
@@ -468,7 +477,7 @@ class Builder:
     def attributes(self, children: Children) -> tree.Attributes:
         keyword, _, *items, end = children
         return tree.Attributes(
-            str(keyword), tuple(items), keyword.start_pos, end.end_pos
+            _word(keyword), tuple(items), keyword.start_pos, end.end_pos
         )
 
     def require(self, children: Children) -> tree.Require:
@@ -481,7 +490,9 @@ class Builder:
 
     def factory(self, children: Children) -> tree.Factory:
         keyword, _, *items, end = children
-        return tree.Factory(str(keyword), tuple(items), keyword.start_pos, end.end_pos)
+        return tree.Factory(
+            _word(keyword), tuple(items), keyword.start_pos, end.end_pos
+        )
 
     def factory_call(self, children: Children) -> tree.FactoryCall:
         function, _, file, format_, *arguments, end = children

@@ -33,11 +33,7 @@ from rtgen.model.tecs import (
 if TYPE_CHECKING:
     from rtgen.frontends.cdl.analysis import Analysis
 
-_CHARACTERS = (
-    *(Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR, Scalar.INT8, Scalar.UINT8),
-    *(Scalar.INT16, Scalar.UINT16, Scalar.INT32, Scalar.UINT32),
-)
-_FINITE_32 = 3.5e38
+_CHARACTERS = (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR)
 
 
 class Constants:
@@ -185,7 +181,7 @@ class _Initial:
         sort = sort_of(type_)
         target = resolve(type_)
         if isinstance(target, CArrayType):
-            if found.sort is Sort.STRING and _is_characters(target.element):
+            if found.sort is Sort.STRING and is_character(target.element):
                 return found.model
             self._tell(rules.SHAPE, node, "an array takes its values in braces")
             return None
@@ -256,7 +252,7 @@ class _Initial:
         if found.sort is Sort.UNKNOWN or isinstance(found.model, CastExpression):
             return found.model
         if found.sort is Sort.STRING:
-            if _is_characters(target.target):
+            if is_character(target.target):
                 return found.model
             message = f"a string cannot be {target}"
             self._tell(rules.POINTER_VALUE, node, message)
@@ -275,7 +271,7 @@ def _plain(type_: CType) -> str:
     return str(type_).removeprefix("const ").removesuffix(" const")
 
 
-def _is_characters(type_: CType) -> bool:
+def is_character(type_: CType) -> bool:
     found = resolve(type_)
     return isinstance(found, CScalarType) and found.kind in _CHARACTERS
 

@@ -328,10 +328,7 @@ class Look:
             operand.sort is Sort.UNKNOWN
             or (sort in numbers and operand.sort in numbers)
             or (sort is Sort.INTEGER and operand.sort is Sort.POINTER)
-            or (
-                sort is Sort.POINTER
-                and operand.sort in (Sort.INTEGER, Sort.POINTER, Sort.STRING)
-            )
+            or (sort is Sort.POINTER and operand.sort in (Sort.INTEGER, Sort.POINTER))
         )
         if not fits:
             message = f"{operand.sort.with_article} cannot be cast to {type_}"

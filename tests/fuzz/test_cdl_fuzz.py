@@ -1,0 +1,21 @@
+"""The CDL front end takes anything: units of the model and coded findings, in bounded time."""
+
+from pathlib import Path
+
+from cdl import CdlTarget
+from fuzzing import run
+
+
+def test_definitions() -> None:
+    report = run(CdlTarget, range(600))
+    assert not report.failures, report.failures[0].detail
+    assert report.labels["read"] > 20
+    assert report.labels["errors"] > 300
+    assert len(report.labels) > 100
+
+
+def test_random_octets(tmp_path: Path) -> None:
+    target = CdlTarget(tmp_path)
+    for data in (b"", b"\n", b"[", b"=", b"\xff\xfe", b'"', b"<", bytes(range(1, 256))):
+        for number in range(6):
+            list(target.check(number, data))
