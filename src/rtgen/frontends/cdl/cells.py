@@ -62,7 +62,7 @@ class Cells:
         inside: Composite | None = None,
     ) -> None:
         """Take a cell, or its prototype."""
-        type_, guessed = self._celltype(node, place)
+        type_, guessed = self._celltype(node, place, inside)
         cell, fresh = self._cell(node, place, inside, type_, guessed)
         words = specifiers.CELL if inside is None else specifiers.INNER_CELL
         given = specifiers.accepted(
@@ -79,11 +79,21 @@ class Cells:
         self.all.append(cell)
         self._count(cell)
 
-    def _celltype(self, node: tree.Cell, place: Place) -> tuple[Celltype | None, bool]:
+    def _celltype(
+        self, node: tree.Cell, place: Place, inside: Composite | None
+    ) -> tuple[Celltype | None, bool]:
         """The celltype of a cell, and whether a plug-in may have declared it."""
         found = place.lookup(node.celltype)
         if found is not None and found.kind in _TYPES:
             known = component(found)
+            if inside is not None and found is inside.entity:
+                self._report(
+                    rules.UNKNOWN_CELLTYPE.at(
+                        place.span(node.celltype),
+                        f"{inside.name} cannot have a cell of itself",
+                        related=[Related(inside.entity.place, "declared here")],
+                    )
+                )
             return (known if isinstance(known, Celltype) else None), False
         span = place.span(node.celltype)
         if found is not None:

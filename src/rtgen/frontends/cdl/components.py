@@ -93,8 +93,8 @@ class Components:
             return
         composite = known.Composite(entity, place)
         self._specify(composite, item, place)
-        entity.component = composite
         self._composites.fill(composite, node)
+        entity.component = composite
         entity.declaration = Composite(
             name=entity.name,
             file=entity.place.file,

@@ -93,6 +93,7 @@ DOMAIN = frozenset(
         "ClassPlugin",
         "DomainPlugin",
         "FMPClassPlugin",
+        "FMPPlugin",
         "HRMPClassPlugin",
         "HRMPDomainPlugin",
         "HRMPPlugin",
@@ -100,7 +101,7 @@ DOMAIN = frozenset(
         "HRPPlugin",
     }
 )
-"""Plug-ins of regions that are domains or classes."""
+"""Plug-ins of regions that are domains or classes; there their names lack `Plugin`."""
 
 
 @dataclass(slots=True)
@@ -140,4 +141,4 @@ def is_ours(name: str) -> bool:
 
 def is_known(name: str) -> bool:
     """Whether a name, as written, is our plug-in's or one that tecsgen ships."""
-    return is_ours(name) or class_name(name) in TECSGEN
+    return is_ours(name) or class_name(name) in TECSGEN or f"{name}Plugin" in DOMAIN
