@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import select
 import sys
@@ -29,6 +30,7 @@ from rtgen.runtime.opaque_rpc import (
     SharedChannel,
     SharedUnmarshaller,
 )
+from rtgen.runtime.opaque_rpc.messages import log
 from rtgen.runtime.opaque_rpc.serial import silence
 
 tty = pytest.importorskip("tty", reason="pseudo terminals are POSIX")
@@ -97,6 +99,25 @@ def cable() -> Iterator[tuple[Terminal, Terminal]]:
     os.close(stop)
     for end in ends:
         end.close()
+
+
+@pytest.fixture
+def silent_again() -> Iterator[threading.Event]:
+    """Is set when a server has waited for silence after an error."""
+    event = threading.Event()
+
+    class Listener(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            if "silent again" in record.getMessage():
+                event.set()
+
+    listener = Listener()
+    level = log.level
+    log.addHandler(listener)
+    log.setLevel(logging.INFO)
+    yield event
+    log.removeHandler(listener)
+    log.setLevel(level)
 
 
 @contextmanager
@@ -260,12 +281,12 @@ def test_noise_before_a_request(line: Terminal, noise: bytes) -> None:
     ids=lambda request: request.hex(),
 )
 def test_after_a_bad_request_the_server_waits_for_silence(
-    line: Terminal, bad: bytes
+    line: Terminal, bad: bytes, silent_again: threading.Event
 ) -> None:
     board = Board()
     with serving(line, board):
         line.write(bad + set_request(111))
-        time.sleep(PAUSE)
+        assert silent_again.wait(LONG)
         line.write(set_request(2))
         assert line.read(REPLY_SIZE) == reply(2)
         assert line.read(1, PAUSE) == b""
@@ -273,22 +294,24 @@ def test_after_a_bad_request_the_server_waits_for_silence(
 
 
 @pytest.mark.parametrize("size", range(1, 10))
-def test_a_request_that_is_cut_off(line: Terminal, size: int) -> None:
+def test_a_request_that_is_cut_off(
+    line: Terminal, size: int, silent_again: threading.Event
+) -> None:
     board = Board()
     with serving(line, board, timeout=PAUSE):
         line.write(set_request(1)[:size])
-        time.sleep(3 * PAUSE)
+        assert silent_again.wait(LONG)
         line.write(set_request(2))
         assert line.read(REPLY_SIZE) == reply(2)
     assert board.calls == [("set", 2)]
 
 
-def test_a_target_that_fails(line: Terminal) -> None:
+def test_a_target_that_fails(line: Terminal, silent_again: threading.Event) -> None:
     board = Board()
     board.failing = True
     with serving(line, board):
         line.write(set_request(1))
-        assert line.read(1, PAUSE) == b""
+        assert silent_again.wait(LONG)
         board.failing = False
         line.write(set_request(2))
         assert line.read(REPLY_SIZE) == reply(2)

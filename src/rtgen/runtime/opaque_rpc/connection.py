@@ -12,9 +12,12 @@ from rtgen.runtime.opaque_rpc.messages import log
 
 TIMEOUT = 1.0
 """Seconds that a call may take by default."""
-BLOCK = 4096
-LARGE_BLOCK = 65536
-"""How many bytes one read asks for, and at most asks for."""
+SMALL_BLOCK = 448
+BLOCK = 65536
+"""How many bytes a read asks for that is likely to get few, and at most.
+
+A small block comes from Python's own allocator, which is faster.
+"""
 TIME_OVER = (BlockingIOError, TimeoutError)
 """What a send or receive raises whose time is over."""
 

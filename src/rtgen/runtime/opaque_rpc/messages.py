@@ -48,9 +48,9 @@ class MessageReader(ABC):
     def __init__(self, limit: int = REQUEST_LIMIT) -> None:
         self._data = b""
         self._at = 0
-        self._limit = limit
-        self._last = 0
         self._ready = 0
+        self._start = 0
+        self._limit = limit
         self._deadline: float | None = None
 
     @abstractmethod
@@ -65,29 +65,23 @@ class MessageReader(ABC):
         (E_TMOUT) when it takes too long.
         """
 
-    def start(self) -> bool:
-        """Waits for a message; False at the end of the stream."""
-        if self._at >= len(self._data):
-            self._data = self._wait()
-            self._at = 0
-            if not self._data:
-                return False
-        self.mark()
-        return True
+    def head(self, n: int) -> bytes:
+        """Waits for a message; its first n bytes, or those that are here.
 
-    def mark(self) -> None:
-        """Lets the message begin here; its size and time are counted from now."""
+        Empty at the end of the stream. Size and time of the message are counted from now.
+        """
+        at = self._at
+        data = self._data
+        if at >= len(data):
+            data = self._data = self._wait()
+            at = 0
         self._deadline = None
-        self._last = self._at + self._limit
-        self._ready = min(len(self._data), self._last)
-
-    def peek(self, n: int) -> bytes:
-        """Up to n bytes that are here already."""
-        return self._data[self._at : self._at + n]
-
-    def skip(self, n: int) -> None:
-        """Leaves out n bytes of those that `peek` showed."""
-        self._at += n
+        self._start = at
+        size = len(data)
+        self._ready = size if size - at <= self._limit else at + self._limit
+        head = data[at : at + n]
+        self._at = at + len(head)
+        return head
 
     def more(self, n: int) -> bytes:
         """The next n bytes of the message.
@@ -95,18 +89,16 @@ class MessageReader(ABC):
         Raises ProtocolError (E_NOMEM) before anything is read if the message is larger than the
         limit, ChannelError (E_BOVR) at the end of the stream.
         """
-        start = self._at
-        end = start + n
+        at = self._at
+        end = at + n
         if end > self._ready:
-            self.fill(n)
-            start = self._at
-            end = start + n
+            return self._more(n)
         self._at = end
-        return self._data[start:end]
+        return self._data[at:end]
 
-    def fill(self, n: int) -> None:
-        """Waits until `peek(n)` has n bytes; raises as `more` does."""
-        if self._at + n > self._last:
+    def _more(self, n: int) -> bytes:
+        have = self._at - self._start
+        if have + n > self._limit:
             raise ProtocolError(
                 E_NOMEM, f"a request larger than {self._limit} bytes (PPAllocatorSize)"
             )
@@ -119,9 +111,10 @@ class MessageReader(ABC):
             pieces.append(piece)
             missing -= len(piece)
         self._data = b"".join(pieces)
-        self._last -= self._at
-        self._at = 0
-        self._ready = min(len(self._data), self._last)
+        self._at = n
+        self._start = -have
+        self._ready = min(len(self._data), self._limit - have)
+        return self._data[:n]
 
 
 class PacketReader(MessageReader):
@@ -139,40 +132,34 @@ class PacketReader(MessageReader):
 
 
 def serve_message(reader: MessageReader, handlers: Handlers) -> bytes | None:
-    """Serves the message that `reader.start()` found; its reply, None for a oneway function.
+    """Waits for a message and serves it; its reply, None for a oneway function.
 
     Raises ProtocolError and ChannelError; the function was not executed then.
     """
-    handler = handlers.get(reader.peek(_HEAD))
-    if handler is None:
-        handler = _find(reader, handlers)
-    reader.skip(_HEAD)
+    handler = _find(reader.head(_HEAD), reader.more, handlers)
     return handler(reader.more)
 
 
-def _find(reader: MessageReader, handlers: Handlers) -> Handler:
-    """The handler of a message whose head is not here as a whole, or wrong.
+def _find(head: bytes, more: More, handlers: Handlers) -> Handler:
+    """The handler of a message whose head is perhaps not here as a whole, or wrong.
 
     A wrong byte is told at once, without waiting for the rest of the head.
     """
-    while True:
-        head = reader.peek(_HEAD)
+    while (handler := handlers.get(head)) is None:
         if not any(key.startswith(head[:_SOP]) for key in handlers):
             raise ProtocolError(E_MAGIC, f"no start of a request: {head.hex(' ')}")
         if len(head) == _HEAD:
-            handler = handlers.get(head)
-            if handler is None:
-                raise ProtocolError(
-                    E_ID, f"unknown function id: {head[_SOP:].hex(' ')}"
-                )
-            return handler
-        reader.fill(len(head) + 1)
+            raise ProtocolError(E_ID, f"unknown function id: {head[_SOP:].hex(' ')}")
+        head += more(1)
+    return handler
 
 
 def serve_messages(reader: MessageReader, handlers: Handlers, send: Send) -> None:
     """Serves requests until the stream ends; raises what `serve_message` raises."""
-    while reader.start():
-        reply = serve_message(reader, handlers)
+    next_head, more, find = reader.head, reader.more, handlers.get
+    while head := next_head(_HEAD):
+        handler = find(head) or _find(head, more, handlers)
+        reply = handler(more)
         if reply is not None:
             send(reply)
 
@@ -200,24 +187,25 @@ class SharedUnmarshaller:
 
     def serve(self, reader: MessageReader, send: Send) -> None:
         """Serves requests until the stream ends or is broken (ChannelError)."""
-        while reader.start():
+        while head := reader.head(2):
             try:
-                self._exchange(reader, send)
+                self._exchange(head, reader, send)
             except ProtocolError as error:
                 log.info("passed over: %s", error)
 
-    def _exchange(self, reader: MessageReader, send: Send) -> None:
-        self._expect(reader, SHARED_BEGIN)
+    def _exchange(self, head: bytes, reader: MessageReader, send: Send) -> None:
+        self._expect(head + reader.more(2 - len(head)), SHARED_BEGIN)
         number = int.from_bytes(reader.more(2), self._order, signed=True)
         if not 0 <= number < len(self._handlers):
             raise ProtocolError(E_ID, f"unknown sub-channel {number}")
-        reply = serve_message(reader, self._handlers[number])
+        handler = _find(reader.more(_HEAD), reader.more, self._handlers[number])
+        reply = handler(reader.more)
         if reply is not None:
             send(reply)
-        self._expect(reader, SHARED_END)
+        self._expect(reader.more(2), SHARED_END)
 
-    def _expect(self, reader: MessageReader, magic: int) -> None:
-        found = int.from_bytes(reader.more(2), self._order)
+    def _expect(self, data: bytes, magic: int) -> None:
+        found = int.from_bytes(data, self._order)
         if found != magic:
             raise ProtocolError(
                 E_MAGIC, f"0x{found:04X} in place of 0x{magic:04X} of a shared channel"

@@ -253,18 +253,19 @@ class _SerialReader(MessageReader):
         self._line = line
         self._server = server
 
-    def start(self) -> bool:
-        """Passes over what is no start of a request."""
-        while super().start():
-            while head := self.peek(2):
-                if not any(start.startswith(head) for start in self._server.starts):
-                    self.skip(1)
-                elif len(head) == 2:
-                    self.mark()
-                    return True
-                else:
-                    self.fill(2)
-        return False
+    def head(self, n: int) -> bytes:
+        """See `MessageReader`. Passes over what is no start of a request."""
+        found = super().head(1)
+        while found:
+            if not any(start.startswith(found) for start in self._server.starts):
+                found = found[1:] or super().head(1)
+            elif len(found) == 1:
+                found += self.more(1)
+            else:
+                break
+        self._data = found + self._data[self._at :]
+        self._at = 0
+        return super().head(n) if found else b""
 
     def _wait(self) -> bytes:
         while not self._server.closed:
@@ -316,6 +317,7 @@ class SerialServer:
                 reader = _SerialReader(self._line, self)
                 if not serve(self._service, reader, self._send):
                     self._line.drain(math.inf)
+                    log.info("%s: silent again", self.device)
         except OSError as error:
             if not self.closed:
                 raise ChannelError(E_OBJ, f"{self.device}: {error}") from error

@@ -10,7 +10,7 @@ from time import monotonic, sleep
 
 from rtgen.runtime.opaque_rpc.connection import (
     BLOCK,
-    LARGE_BLOCK,
+    SMALL_BLOCK,
     TIME_OVER,
     TIMEOUT,
     Connection,
@@ -20,7 +20,7 @@ from rtgen.runtime.opaque_rpc.errors import E_BOVR, E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import log
 
 _IDLE = 0.05
-"""After so many seconds without a call a connection is looked at before it is used again."""
+"""So many seconds after a call began, a connection is looked at before it is used again."""
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.1
 _LASTING = (errno.EACCES, errno.EPERM, errno.EADDRNOTAVAIL, errno.ENODEV)
 """Why a connect fails that is not worth another try."""
@@ -45,8 +45,7 @@ class TcpChannel:
         self.bind = bind
         self._lock = threading.Lock()
         self._connection: Connection | None = None
-        self._used = 0.0
-        self._deadline = 0.0
+        self._begun = 0.0
         self._rest = b""
         self._in_pieces = False
 
@@ -60,12 +59,10 @@ class TcpChannel:
             raise ChannelError(E_TMOUT, f"{self}: in use by another call")
         try:
             now = monotonic()
-            self._deadline = now + self.timeout
+            idle, self._begun = now - self._begun, now
             connection = self._connection
-            if connection is None or now - self._used > _IDLE:
-                connection = self._ready()
-            elif connection.seconds != self.timeout:
-                connection.limit(self.timeout)
+            if connection is None or idle > _IDLE or connection.seconds != self.timeout:
+                connection = self._ready(idle)
             sent = connection.send(request)
             if sent != len(request):
                 connection.send_all(request, self._deadline, sent)
@@ -73,7 +70,7 @@ class TcpChannel:
                 return b""
             if self._in_pieces:
                 connection.acknowledge()
-            data = connection.receive(first if first > BLOCK else BLOCK)
+            data = connection.receive(first + SMALL_BLOCK)
             if len(data) == first:
                 return data
             return self._take(connection, data or self._ended(), first)
@@ -106,7 +103,6 @@ class TcpChannel:
         if self._rest:
             log.info("%s: %d bytes beyond the reply", self, len(self._rest))
             self._drop()
-        self._used = monotonic()
         self._lock.release()
 
     def reset(self) -> None:
@@ -124,6 +120,10 @@ class TcpChannel:
             self.reset()
         elif (connection := self._connection) is not None:
             connection.shut()
+
+    @property
+    def _deadline(self) -> float:
+        return self._begun + self.timeout
 
     def _drop(self) -> None:
         connection, self._connection = self._connection, None
@@ -154,17 +154,17 @@ class TcpChannel:
             while missing > 0:
                 connection.acknowledge()
                 connection.limit(self._deadline - monotonic())
-                piece = connection.receive(min(max(missing, BLOCK), LARGE_BLOCK))
+                piece = connection.receive(min(missing + SMALL_BLOCK, BLOCK))
                 pieces.append(piece or self._ended())
                 missing -= len(piece)
             data = b"".join(pieces)
         self._rest = data[n:]
         return data[:n]
 
-    def _ready(self) -> Connection:
-        """The connection, looked at after a pause, or a new one."""
+    def _ready(self, idle: float) -> Connection:
+        """The connection with its time limited, looked at after a pause, or a new one."""
         connection = self._connection
-        if connection is None or not connection.is_quiet():
+        if connection is None or (idle > _IDLE and not connection.is_quiet()):
             self._drop()
             connection = self._connection = self._connect()
         connection.limit(self._deadline - monotonic())

@@ -13,7 +13,7 @@ from types import TracebackType
 from rtgen.runtime.opaque_rpc.codecs import REQUEST_LIMIT
 from rtgen.runtime.opaque_rpc.connection import (
     BLOCK,
-    LARGE_BLOCK,
+    SMALL_BLOCK,
     TIME_OVER,
     TIMEOUT,
     Connection,
@@ -50,7 +50,7 @@ class _SocketReader(MessageReader):
             try:
                 if self._in_pieces:
                     connection.acknowledge()
-                return connection.receive(BLOCK)
+                return connection.receive(SMALL_BLOCK)
             except TIME_OVER:
                 continue
             except ConnectionError as error:
@@ -66,7 +66,7 @@ class _SocketReader(MessageReader):
         try:
             connection.acknowledge()
             connection.limit(self._deadline - monotonic())
-            return connection.receive(min(max(size, BLOCK), LARGE_BLOCK))
+            return connection.receive(min(size + SMALL_BLOCK, BLOCK))
         except TIME_OVER as error:
             raise ChannelError(
                 E_TMOUT, f"a request took longer than {self._timeout} s"
