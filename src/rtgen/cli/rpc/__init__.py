@@ -8,8 +8,10 @@ import click
 
 COMMANDS = {
     "list": "List the functions of the signatures.",
+    "call": "Call a function of a device.",
     "encode": "Print the bytes of a request or a reply.",
     "decode": "Print the values in a request or a reply.",
+    "serve": "Stand in for a device.",
     "replay": "Compare recorded calls with freshly generated codecs.",
 }
 """Command to its line of help; the module `<command>_command` has a function `<command>_`."""

@@ -1,0 +1,109 @@
+"""`rtgen rpc call`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import cast
+
+import click
+
+from rtgen.cli.common import FAILED, OK, Console, with_console, write_out
+from rtgen.cli.rpc.codecs import Function
+from rtgen.cli.rpc.common import (
+    Peer,
+    function_of,
+    parsed,
+    printed,
+    read_unit,
+    refused,
+    with_cdl,
+    with_peer,
+)
+from rtgen.cli.rpc.values import JsonError
+from rtgen.diagnostics import ToolError
+from rtgen.runtime.opaque_rpc import (
+    ArgumentError,
+    Channel,
+    RpcError,
+    SerialChannel,
+    TcpChannel,
+)
+from rtgen.runtime.opaque_rpc.codecs import is_rpc_error
+
+
+@click.command("call")
+@click.argument("words", metavar="[HOST:PORT] SIG.FUNC [JSON]", nargs=-1)
+@click.option("--serial", metavar="DEV", help="Call over a serial line.")
+@click.option("--baud", type=click.IntRange(min=1), default=115200, show_default=True)
+@with_cdl
+@with_peer
+@with_console
+def call_(
+    console: Console,
+    cdl: Path,
+    include: tuple[str, ...],
+    words: tuple[str, ...],
+    serial: str | None,
+    baud: int,
+    peer: Peer,
+) -> int:
+    """Call a function of a device and print what it returned.
+
+    JSON is the object of the arguments, {} without it. What comes out is {"return": ..., "outs":
+    {...}}, in one line. A call that failed on the way gives exit code 3; where the function
+    returns ER, its code is printed all the same.
+    """
+    address, rest = ("", words) if serial else (words[:1], words[1:])
+    if not 1 <= len(rest) <= 2:
+        raise click.UsageError("give HOST:PORT or --serial DEV, SIG.FUNC, and JSON")
+    name, text = rest[0], rest[1] if len(rest) > 1 else "{}"
+    function = function_of(read_unit(cdl, include), name, peer)
+    channel: TcpChannel | SerialChannel
+    if serial:
+        channel = SerialChannel(serial, baud, peer.timeout)
+    else:
+        channel = TcpChannel(*host_and_port(*address), timeout=peer.timeout)
+    try:
+        arguments = function.arguments_from_json(parsed(text))
+        returned, outs = _exchange(function, channel, arguments)
+    except (ArgumentError, JsonError) as error:
+        raise refused(str(error)) from error
+    except RpcError as error:
+        if _returns_code(function):
+            write_out(printed({"return": error.code, "outs": None}))
+        raise ToolError(f"{name}: {error}") from error
+    finally:
+        channel.close()
+    write_out(printed(function.result_to_json(returned, outs)))
+    failed = _returns_code(function) and is_rpc_error(cast(int, returned))
+    return FAILED if failed else OK
+
+
+def _returns_code(function: Function) -> bool:
+    """Whether a failure is told by the return value: its type is ER or ER_INT as written."""
+    return str(function.layout.function.returns) in ("ER", "ER_INT")
+
+
+def host_and_port(text: str) -> tuple[str, int]:
+    """The parts of HOST:PORT; raises ClickException."""
+    host, _, port = text.rpartition(":")
+    if not host or not port.isdecimal() or not 0 < int(port) < 65536:
+        raise refused(f"{text!r} is no HOST:PORT")
+    return host.removeprefix("[").removesuffix("]"), int(port)
+
+
+def _exchange(
+    function: Function, channel: Channel, arguments: tuple[object, ...]
+) -> tuple[object, tuple[object, ...] | None]:
+    """Return value and outs; raises RpcError and ArgumentError."""
+    head = channel.begin(function.encode_request(arguments), function.first)
+    if function.oneway:
+        channel.end()
+        return 0, ()
+    try:
+        result = function.read_reply(head, channel.more, function.kept(arguments))
+    except BaseException:
+        channel.reset()
+        raise
+    channel.end()
+    return result

@@ -1,0 +1,119 @@
+"""`rtgen rpc serve`."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import click
+
+from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.cli.rpc.board import MockBoard, ScriptError
+from rtgen.cli.rpc.common import (
+    Peer,
+    read_unit,
+    refused,
+    service_of,
+    with_cdl,
+    with_peer,
+)
+from rtgen.diagnostics import ToolError
+from rtgen.runtime.opaque_rpc import ChannelError, SerialServer, TcpServer
+from rtgen.runtime.opaque_rpc.messages import log
+
+
+@click.command("serve")
+@click.option("--signature", required=True, metavar="SIG", help="What is served.")
+@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS")
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=8931,
+    show_default=True,
+    help="0 takes a free one.",
+)
+@click.option("--serial", metavar="DEV", help="Serve a serial line.")
+@click.option("--baud", type=click.IntRange(min=1), default=115200, show_default=True)
+@click.option(
+    "--script",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="What calls return: a JSON object in each line.",
+)
+@click.option(
+    "--echo", is_flag=True, help="Return 0, inouts unchanged, outs zero (default)."
+)
+@click.option("--verbose", is_flag=True, help="Print each call as JSON.")
+@with_cdl
+@with_peer
+@with_console
+def serve_(
+    console: Console,
+    cdl: Path,
+    include: tuple[str, ...],
+    signature: str,
+    host: str,
+    port: int,
+    serial: str | None,
+    baud: int,
+    script: Path | None,
+    echo: bool,
+    verbose: bool,
+    peer: Peer,
+) -> int:
+    """Stand in for a device until Ctrl-C. The first line printed is `listening HOST:PORT`.
+
+    A line of a script is {"function": ..., "args": {...}, "return": ..., "outs": {...}, "delay":
+    SECONDS}; args, outs and delay may be missing. A call takes the first line that fits its
+    function and arguments and was not used, the last one again and again. A call without a line is
+    not answered: the connection is closed. Outs that a line does not name are as with --echo.
+    """
+    if script is not None and echo:
+        raise click.UsageError("--script and --echo exclude each other")
+    service = service_of(read_unit(cdl, include), signature, peer)
+    text = None
+    if script is not None:
+        try:
+            text = script.read_text("utf-8")
+        except (OSError, UnicodeDecodeError) as error:
+            raise refused(f"{script}: {error}") from error
+    try:
+        board = MockBoard(service, text, print_call=write_out if verbose else None)
+    except ScriptError as error:
+        raise refused(f"{script}:{error.line}: {error}") from error
+    server: TcpServer | SerialServer
+    try:
+        if serial:
+            server = SerialServer(board, serial, baud, peer.timeout)
+            place = serial
+        else:
+            server = TcpServer(board, host, port, peer.timeout)
+            name, number = server.address
+            place = f"[{name}]:{number}" if ":" in name else f"{name}:{number}"
+    except (OSError, ChannelError) as error:
+        raise ToolError(
+            f"cannot serve at {serial or f'{host}:{port}'}: {error}"
+        ) from error
+    log.addHandler(_Report(console))
+    log.setLevel(logging.INFO)
+    write_out(f"listening {place}\n")
+    try:
+        server.serve_forever()
+    except ChannelError as error:
+        raise ToolError(str(error)) from error
+    except KeyboardInterrupt:
+        return OK
+    finally:
+        server.close()
+    return OK
+
+
+class _Report(logging.Handler):
+    """Tells on the console why a connection was given up."""
+
+    def __init__(self, console: Console) -> None:
+        super().__init__()
+        self._console = console
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._console.say(record.getMessage())
