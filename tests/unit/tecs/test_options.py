@@ -148,16 +148,10 @@ def test_signatures_of_one_name(tmp_path: Path) -> None:
     assert [f.code for f in findings] == ["CDL1005"]
 
 
-def test_files_of_one_name(tmp_path: Path) -> None:
-    text = joined(SERVER, "sServer")
-    _, findings = emit(tmp_path, {"left-board.cdl": text, "left_board.cdl": text})
-    assert [f.code for f in findings] == ["CDL1006", "CDL1007"]
-
-
 def test_component_types_of_one_name(tmp_path: Path) -> None:
     text = joined(SERVER, "sServer")
     emission, (finding,) = emit(tmp_path, {"left.cdl": text, "right.cdl": text})
-    assert finding.code == "CDL1007"
+    assert finding.code == "CDL1006"
     entries = texts(emission.artifacts)["tecs/entry_points.txt"]
     assert (
         "ServerMarshaller = tecs.left.server_marshaller:ServerMarshaller\n" in entries

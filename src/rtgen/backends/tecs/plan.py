@@ -11,7 +11,6 @@ from rtgen.backends.tecs.rules import (
     DIFFERENT_OPTIONS,
     SAME_COMPONENT,
     SAME_NAME,
-    SAME_PACKAGE,
 )
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.model import Model, ScopedName, SourceFile, TecsUnit
@@ -97,7 +96,6 @@ def packages(model: Model) -> tuple[list[TecsPackage], list[Diagnostic]]:
         findings += planner.findings
         if package is not None:
             planned.append(package)
-    findings += _same_packages(planned)
     findings += _same_components(planned)
     return planned, findings
 
@@ -190,20 +188,6 @@ class _Planner:
 def _service(signature: Signature, options: RtcOptions) -> Service:
     name = plain_name(signature)
     return Service(signature, name, module_name(name), options)
-
-
-def _same_packages(planned: Sequence[TecsPackage]) -> Iterator[Diagnostic]:
-    seen: dict[str, TecsPackage] = {}
-    for package in planned:
-        other = seen.setdefault(package.stem.casefold(), package)
-        if other is not package:
-            yield SAME_PACKAGE.at(
-                _place(package),
-                f"{package.unit.file} and {other.unit.file} both become "
-                f"{package.folder}",
-                related=[Related(_place(other), "the other is here")],
-                hint="rename one of the files",
-            )
 
 
 def _same_components(planned: Sequence[TecsPackage]) -> Iterator[Diagnostic]:

@@ -109,25 +109,8 @@ Rename one of them.
 """,
 )
 
-SAME_PACKAGE = Rule(
-    "CDL1006",
-    "two CDL files with one package",
-    Severity.ERROR,
-    """\
-What a CDL file gives stands in `tecs/<name of the file>/`, where the name has to be a Python
-identifier: other characters become `_`. Two files with one such name would overwrite each other:
-
-```
-specs/left-board.cdl
-specs/left_board.cdl        // CDL1006, if both have a join through RTCPlugin
-```
-
-Rename one of them.
-""",
-)
-
 SAME_COMPONENT = Rule(
-    "CDL1007",
+    "CDL1006",
     "two component types of one name",
     Severity.WARNING,
     """\
@@ -145,7 +128,7 @@ MotorMarshaller = "tecs.right_board.motor_marshaller:MotorMarshaller"
 )
 
 NOT_TRANSFERRED = Rule(
-    "CDL1008",
+    "CDL1007",
     "parameter that OpaqueRPC cannot carry",
     Severity.ERROR,
     """\
@@ -154,8 +137,8 @@ told by the signature:
 
 ```
 signature sServer {
-    ER f( [out,count_is(*n)] int8_t *data, [out] int32_t *n );     // CDL1008: add size_is
-    ER g( [inout,string] char_t *text );                           // CDL1008: add a length
+    ER f( [out,count_is(*n)] int8_t *data, [out] int32_t *n );     // CDL1007: add size_is
+    ER g( [inout,string] char_t *text );                           // CDL1007: add a length
 };
 ```
 
@@ -169,7 +152,6 @@ RULES = (
     NOT_IN_IDL,
     DIFFERENT_OPTIONS,
     SAME_NAME,
-    SAME_PACKAGE,
     SAME_COMPONENT,
     NOT_TRANSFERRED,
 )
