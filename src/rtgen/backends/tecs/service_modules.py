@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from rtgen.backends.components.base_module import class_names
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.python_text import docstring, fit_text, string_literal
+from rtgen.backends.python_text import WIDTH, docstring, fit_text, string_literal
 from rtgen.backends.rendering import render
 from rtgen.backends.tecs.idl_model import IdlService, IdlSide
 from rtgen.backends.tecs.options import RtcOptions
@@ -235,11 +235,11 @@ class ServiceModules:
         yield "try:"
         yield f"    reply = {call}"
         yield "except RpcError as error:"
-        yield f"    return {', '.join(['error.code', *failed])}"
+        yield "    " + _returning(["error.code", *failed], 12)
         if outs:
             yield "returned, outs = reply"
             yield "if outs is None:"
-            yield f"    return {', '.join(['returned', *failed])}"
+            yield "    " + _returning(["returned", *failed], 12)
             yield "return returned, *outs"
         else:
             yield "return reply[0]"
@@ -295,7 +295,7 @@ class ServiceModules:
             body.append(f"return {call}")
         else:
             body += [f"{', '.join(names_of)} = {call}", *after]
-            body.append(f"return {', '.join(converted)}")
+            body.append(_returning(converted, 8))
         return _Function(
             self._names.operations(self._idl.interface)[operation.name],
             ", ".join(["self", *given]),
@@ -518,6 +518,14 @@ def _tuple_type(types: Sequence[str]) -> str:
     if len(types) > 1:
         return f"tuple[{', '.join(types)}]"
     return types[0] if types else "None"
+
+
+def _returning(values: Sequence[str], indent: int) -> str:
+    """A return statement; a tuple that needs several lines is in brackets."""
+    text = f"return {', '.join(values)}"
+    if indent + len(text) <= WIDTH or len(values) == 1:
+        return text
+    return f"return ({', '.join(values)})"
 
 
 def _local(body: list[str], value: str, name: str) -> str:

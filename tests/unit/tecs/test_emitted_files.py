@@ -1,0 +1,223 @@
+"""The text of what one line makes: black's form, profiles, scripts, the plug-in for tecsgen."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import black
+import pytest
+from boards import MOTOR, SERVER, emit, joined, texts, write
+from lxml import etree
+
+from rtgen.backends.tecs.communication import communication_model
+from rtgen.backends.tecs.idl_model import idl_side
+from rtgen.backends.tecs.plan import packages
+from rtgen.frontends import cdl, idl
+from rtgen.model import Interface, Struct
+
+ROOT = Path(__file__).parents[3]
+RUBY = shutil.which("ruby")
+SH = shutil.which("sh")
+
+FILES = {
+    "server.cdl": joined(SERVER, "sServer"),
+    "board.cdl": joined(MOTOR, "nBoard::sMotor", options="tdr=little, reply=paper"),
+    "anys.cdl": joined(MOTOR, "nBoard::sMotor", options="array=any"),
+}
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("tree")
+    emission, _ = emit(folder, FILES)
+    write(folder, emission.artifacts)
+    return folder
+
+
+def test_python_is_in_blacks_form(tree: Path) -> None:
+    found = sorted((tree / "tecs").rglob("*.py"))
+    assert len(found) > 50
+    for file in found:
+        text = file.read_text(encoding="utf-8")
+        assert black.format_str(text, mode=black.Mode()) == text, file
+
+
+@pytest.mark.slow
+def test_python_is_typed(tree: Path) -> None:
+    command = [
+        sys.executable,
+        "-m",
+        "mypy",
+        "--config-file",
+        str(ROOT / "pyproject.toml"),
+    ]
+    command += ["--strict", "--cache-dir", str(tree / "cache"), "-p", "tecs"]
+    run = subprocess.run(
+        command,
+        cwd=tree,
+        env={"MYPYPATH": f"{ROOT / 'src'}:{tree}", "PATH": ""},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_profiles_are_xml(tree: Path) -> None:
+    profiles = sorted((tree / "tecs").rglob("*.xml"))
+    assert len(profiles) == 7
+    for file in profiles:
+        etree.parse(file)
+    client = (tree / "tecs" / "server" / "RTC.xml").read_text(encoding="utf-8")
+    assert client.count("<rtc:ServiceInterface ") == 1
+    assert 'rtc:direction="Required"' in client
+    assert 'rtc:idlFile="Server.idl" rtc:type="Server"' in client
+
+
+def test_text_depends_on_nothing_else(tree: Path, tmp_path: Path) -> None:
+    emission, _ = emit(tmp_path, FILES)
+    for path, text in texts(emission.artifacts).items():
+        assert (tree / path).read_text(encoding="utf-8") == text
+        assert str(tmp_path) not in text
+        assert not text or text.endswith("\n")
+
+
+def test_the_idl_says_what_the_model_says(tree: Path) -> None:
+    read = cdl.load([tree / "board.cdl"], root=tree)
+    (package,), _ = packages(read.model)
+    side, findings = idl_side(package, communication_model(package.sources))
+    assert not findings
+    again = idl.load([tree / "tecs" / "board" / "Motor.idl"], root=tree).model
+    names = {d.name for d in again.declarations}
+    assert names == {d.name for d in side.services[0].declarations}
+    for declaration in side.services[0].declarations:
+        found = again.find(declaration.name)
+        assert type(found) is type(declaration)
+        if isinstance(declaration, Interface):
+            assert isinstance(found, Interface)
+            pairs = zip(declaration.operations, found.operations, strict=True)
+            for ours, theirs in pairs:
+                assert ours.name == theirs.name
+                assert ours.returns == theirs.returns
+                assert [(p.direction, p.name, p.type) for p in ours.parameters] == [
+                    (p.direction, p.name, p.type) for p in theirs.parameters
+                ]
+        if isinstance(declaration, Struct):
+            assert isinstance(found, Struct)
+            assert [(m.name, m.type) for m in declaration.members] == [
+                (m.name, m.type) for m in found.members
+            ]
+
+
+@pytest.mark.skipif(SH is None, reason="sh is missing")
+def test_the_build_script(tree: Path, tmp_path: Path) -> None:
+    assert SH is not None
+    script = tree / "tecs" / "server" / "build.sh"
+    subprocess.run([SH, "-n", str(script)], check=True)
+    run = subprocess.run(
+        [SH, str(script)],
+        cwd=tmp_path,
+        env={
+            "PYTHON": sys.executable,
+            "STUBS": str(tmp_path / "stubs"),
+            "PATH": f"{Path(sys.executable).parent}:/usr/bin:/bin",
+            "PYTHONDONTWRITEBYTECODE": "1",
+            "PYTHONPATH": str(ROOT / "src"),
+        },
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.endswith("tecs.server: ready\n")
+    if "omniidl is missing" not in run.stderr:
+        assert (tmp_path / "stubs" / "Server_idl.py").exists()
+
+
+STUB = """
+class OpaqueRPCPlugin
+  attr_reader :seen
+  def initialize(arguments, need)
+    @seen = {}
+    @PPAllocatorSize = nil
+    @signature = Object.new
+    @signature.define_singleton_method(:need_PPAllocator?) { |_| need }
+    arguments.each { |name, value| check_plugin_arg(name.to_sym, value) }
+    check_PPAllocator
+    @seen["PPAllocatorSize"] = @PPAllocatorSize
+  end
+  def check_plugin_arg(ident, rhs)
+    raise "P1004 #{ident}" unless %w[taskPriority PPAllocatorSize].include?(ident.to_s)
+    ident == :PPAllocatorSize ? @PPAllocatorSize = rhs : @seen[ident.to_s] = rhs
+  end
+  def check_PPAllocator
+    raise "no PPAllocatorSize" if @PPAllocatorSize.nil? && @signature.need_PPAllocator?(true)
+  end
+  def subst_name(text) = text.sub("$count$", "0")
+  def set_TDRCelltype(value) = @seen["TDRCelltype"] = value
+  def set_clientChannelInitializer(value) = @seen["client"] = value
+  def set_serverChannelInitializer(value) = @seen["server"] = value
+end
+def require_tecsgen_lib(name) = name
+load ARGV[0]
+need, *arguments = ARGV.drop(1)
+puts RTCPlugin.new(arguments.map { |a| a.split("=", 2) }, need == "true").seen.inspect
+"""
+"""What the plug-in uses of tecsgen, with what it is given printed."""
+
+
+@pytest.mark.skipif(RUBY is None, reason="ruby is missing")
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ((), {"PPAllocatorSize": "4096"}),
+        (("timeout=2", "name=Left", "longBits=64"), {"PPAllocatorSize": "4096"}),
+        (("PPAllocatorSize=99",), {"PPAllocatorSize": "99"}),
+        (("taskPriority=3",), {"taskPriority": "3", "PPAllocatorSize": "4096"}),
+        (("tdr=network",), {"PPAllocatorSize": "4096"}),
+        (("tdr=little",), {"TDRCelltype": "tTDR", "PPAllocatorSize": "4096"}),
+        (
+            ("port=40000",),
+            {
+                "server": "portNo=-25536;",
+                "client": 'portNo=-25536; serverAddr=\\"127.0.0.1\\"; ',
+                "PPAllocatorSize": "4096",
+            },
+        ),
+        (
+            ("address=10.0.0.7",),
+            {
+                "client": 'portNo=8931+0; serverAddr=\\"10.0.0.7\\"; ',
+                "PPAllocatorSize": "4096",
+            },
+        ),
+    ],
+)
+def test_the_plug_in_for_tecsgen(
+    tree: Path, tmp_path: Path, arguments: tuple[str, ...], expected: dict[str, str]
+) -> None:
+    assert RUBY is not None
+    plugin = tree / "tecs" / "server" / "RTCPlugin.rb"
+    subprocess.run([RUBY, "-c", str(plugin)], check=True, capture_output=True)
+    stub = tmp_path / "stub.rb"
+    stub.write_text(STUB, encoding="utf-8")
+    command = [RUBY, str(stub), str(plugin), "true", *arguments]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    for name, value in expected.items():
+        assert f'"{name}"=>"{value}"' in run.stdout.replace(" => ", "=>")
+    assert run.stdout.count('"=>') == len(expected)
+
+
+@pytest.mark.skipif(RUBY is None, reason="ruby is missing")
+def test_no_allocator_where_none_is_needed(tree: Path, tmp_path: Path) -> None:
+    assert RUBY is not None
+    stub = tmp_path / "stub.rb"
+    stub.write_text(STUB, encoding="utf-8")
+    plugin = str(tree / "tecs" / "server" / "RTCPlugin.rb")
+    run = subprocess.run(
+        [RUBY, str(stub), plugin, "false"], capture_output=True, text=True, check=True
+    )
+    assert '"PPAllocatorSize"=>nil' in run.stdout.replace(" => ", "=>")
