@@ -50,8 +50,11 @@ class Analysis:
         self.with_prelude = with_prelude
         self.root = Scope((), None)
         self.declarations: list[Entity] = []
-        self.incomplete = False
-        """Whether an import is missing, so that names may be unknown for no fault of theirs."""
+        self.lacking = False
+        """Whether an import is missing."""
+
+        self.excused = False
+        """Whether something is unknown that a missing import may declare."""
 
         self.prelude_used: dict[str, Span] = {}
         self.types = Types(self)
@@ -60,6 +63,12 @@ class Analysis:
         self.constants = Constants(self)
         self._components = Components(self)
         self._tags: dict[ScopedName, Entity] = {}
+
+    @property
+    def incomplete(self) -> bool:
+        """For what is unknown: whether a missing import may declare it, so that it is not told."""
+        self.excused |= self.lacking
+        return self.lacking
 
     def run(self, unit: Unit) -> None:
         """Declare what a unit and its imports declare."""

@@ -214,16 +214,13 @@ class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
     def on_error(self, file: str, line: int, msg: str) -> None:
         self.problems.append(f"{self.spans.get(file, file)}:{line}: {msg}")
 
-    def on_directive_handle(
+    def on_directive_unknown(
         self, directive: Any, toks: Any, ifpassthru: Any, precedingtoks: Any
-    ) -> Any:
-        if directive.value == "pragma":
-            raise OutputDirective(Action.IgnoreAndRemove)
+    ) -> bool:
         if directive.value == "error":
             text = "".join(token.value for token in toks)
             self.on_error(directive.source, directive.lineno, f"#error {text}")
-            raise OutputDirective(Action.IgnoreAndRemove)
-        return super().on_directive_handle(directive, toks, ifpassthru, precedingtoks)
+        return True
 
     def on_comment(self, tok: Any) -> bool:
         return False

@@ -158,10 +158,11 @@ class _Run:
         reader = Reader(self._library, self._headers, self._define, names, self._report)
         unit = reader.read(source)
         analysis = Analysis(self._report, with_prelude=self._with_prelude)
-        analysis.incomplete = reader.incomplete
+        analysis.lacking = reader.incomplete
         analysis.run(unit)
         self._note_prelude(analysis)
-        reader.tell_missing(failed=self._counts[Severity.ERROR] > before)
+        wrong = analysis.excused or self._counts[Severity.ERROR] > before
+        reader.tell_missing(failed=wrong)
         for read in reader.units:
             self._note(read, main=read is unit)
         return TecsUnit(source.name, source.key, analysis.model())

@@ -1,0 +1,290 @@
+"""Reading of CDL files: encodings, imports, C headers, the prelude, the grammar of a whole file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rtgen.diagnostics import Severity
+from rtgen.frontends import FrontendResult
+from rtgen.frontends.cdl import load, read_text
+from rtgen.frontends.cdl.encodings import decode
+from rtgen.model.tecs import (
+    CPointerType,
+    CScalarType,
+    CTypedefType,
+    Scalar,
+    Signature,
+    TecsConst,
+    TecsDeclaration,
+    TecsStruct,
+    TecsTypedef,
+    resolve,
+)
+
+HERE = Path(__file__).parent
+JAPANESE = '/* 表示ソフト */ const char_t *const A = "能力"; const int32_t B = 1;\n'
+
+
+def _codes(result: FrontendResult) -> list[str]:
+    return [d.code for d in result.diagnostics]
+
+
+def _read(
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    include: tuple[str, ...] = (),
+    define: dict[str, str] | None = None,
+    prelude: bool = True,
+    **files: str,
+) -> FrontendResult:
+    """What a folder of files gives; `main_cdl` is the main file."""
+    for name, text in files.items():
+        path = folder / name.replace("__", "/").replace("_", ".")
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    monkeypatch.chdir(folder)
+    return load(
+        [Path("main.cdl")],
+        root=folder,
+        include=[Path(name) for name in include],
+        define=define,
+        prelude=prelude,
+    )
+
+
+def _named(result: FrontendResult, name: str) -> TecsDeclaration:
+    (unit,) = result.model.tecs
+    return next(d for d in unit.declarations if d.name[-1] == name)
+
+
+def test_every_construct(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(HERE)
+    result = load([Path("constructs.cdl")], root=HERE)
+    errors = [d for d in result.diagnostics if d.severity is Severity.ERROR]
+    assert errors == []
+    keys = [file.key for file in result.model.files]
+    assert sorted(keys) == ["constructs.cdl", "parts.cdl", "sized.h", "types.h"]
+    wide = _named(result, "Wide")
+    assert isinstance(wide, TecsTypedef)
+    assert wide.from_c
+    assert resolve(wide.type) == CScalarType(Scalar.LONG_LONG)
+    board = _named(result, "board")
+    assert isinstance(board, TecsStruct)
+    assert [m.name for m in board.members] == ["version", "inside", "flag", "next"]
+    assert str(board.members[0].type) == "uchar_t[6]"
+
+
+@pytest.mark.parametrize("codec", ["utf-8", "utf-8-sig", "euc_jp", "cp932"])
+@pytest.mark.parametrize("asked", ["auto", None])
+def test_encodings(codec: str, asked: str | None) -> None:
+    asked = asked or {"euc_jp": "euc", "cp932": "sjis"}.get(codec, "utf8")
+    text, doubt = decode(JAPANESE.encode(codec), asked)
+    assert doubt is None
+    assert text.removeprefix("\ufeff") == JAPANESE
+
+
+def test_a_wrong_encoding_is_doubted() -> None:
+    text, doubt = decode(JAPANESE.encode("cp932"), "euc")
+    assert text == JAPANESE
+    assert doubt == "the file is not EUC-JP; read as Shift_JIS"
+    assert decode(b"\xff\xff", "auto")[1] is not None
+    assert decode(b"\xe9", "none") == ("é", None)
+
+
+def test_shift_jis_backslashes_end_no_string(tmp_path: Path) -> None:
+    path = tmp_path / "main.cdl"
+    path.write_bytes(JAPANESE.encode("cp932"))
+    result = load([path], root=tmp_path)
+    assert _codes(result) == []
+    text = _named(result, "A")
+    assert isinstance(text, TecsConst)
+    assert text.value == "能力"
+    assert isinstance(_named(result, "B"), TecsConst)
+
+
+def test_imports_are_read_once_and_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _read(
+        tmp_path,
+        monkeypatch,
+        include=("lib",),
+        main_cdl='import( <a.cdl> ); import( "b.cdl" ); const T C = A + B;',
+        lib__a_cdl='import( "b.cdl" ); typedef int32_t T; const T A = B;',
+        lib__b_cdl="const int32_t B = 1;",
+    )
+    assert _codes(result) == ["CDL0008"]
+    (unit,) = result.model.tecs
+    assert [d.scoped for d in unit.declarations] == ["B", "T", "A", "C"]
+    assert [d.file for d in unit.declarations][:2] == ["lib/b.cdl", "lib/a.cdl"]
+    missing = {d.path.name for d in result.dependencies if d.sha256 is None}
+    assert missing == {"a.cdl", "b.cdl"}
+    (main,) = [file for file in result.model.files if file.main]
+    assert main.includes == ("lib/a.cdl",)
+
+
+def test_each_main_file_is_a_unit(tmp_path: Path) -> None:
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.cdl").write_text("const int32_t N = 1;\n")
+    paths = [tmp_path / "one.cdl", tmp_path / "two.cdl"]
+    result = load(paths, root=tmp_path)
+    assert _codes(result) == []
+    assert [unit.key for unit in result.model.tecs] == ["one.cdl", "two.cdl"]
+
+
+def test_missing_kernel_files_are_errors_beside_other_errors() -> None:
+    fine = (
+        'import( <kernel.cdl> ); import_C( "tecs.h" ); signature s { ER f( void ); };'
+    )
+    assert [d.severity for d in read_text(fine)[1]] == [
+        Severity.WARNING,
+        Severity.WARNING,
+        Severity.NOTE,
+    ]
+    wrong = fine + "cell tKernel Kernel { };"
+    errors = {d.code for d in read_text(wrong)[1] if d.severity is Severity.ERROR}
+    assert {"CDL0006", "CDL0900"} <= errors
+
+
+def test_the_prelude() -> None:
+    text = "signature s { ER_UINT f( [in] int_t ID, [out] SYSTIM *PRI ); };"
+    unit, findings = read_text(text)
+    assert [d.code for d in findings] == ["CDL0009"]
+    (signature,) = unit.declarations
+    assert isinstance(signature, Signature)
+    (function,) = signature.functions
+    assert str(function.returns) == "ER_UINT"
+    assert resolve(function.returns) == CScalarType(Scalar.INT)
+    assert [p.name for p in function.parameters] == ["ID", "PRI"]
+    pointer = function.parameters[1].type
+    assert isinstance(pointer, CPointerType)
+    assert resolve(pointer.target) == CScalarType(Scalar.ULONG)
+    strict = {d.code for d in read_text(text, prelude=False)[1]}
+    assert strict == {"CDL0300"}
+
+
+def test_a_declared_type_goes_before_the_prelude() -> None:
+    unit, findings = read_text("typedef int64_t ER; signature s { ER f( void ); };")
+    assert findings == ()
+    signature = unit.declarations[-1]
+    assert isinstance(signature, Signature)
+    returns = signature.functions[0].returns
+    assert isinstance(returns, CTypedefType)
+    assert resolve(returns) == CScalarType(Scalar.INT64)
+
+
+def test_docs_belong_to_what_follows_them() -> None:
+    text = (
+        "/** Moves.\n * Twice. */\nsignature s {\n  // Stops.\n  void f( void );\n};\n"
+    )
+    (signature,) = read_text(text)[0].declarations
+    assert isinstance(signature, Signature)
+    assert signature.doc == "Moves.\nTwice."
+    assert signature.functions[0].doc == "Stops."
+
+
+def test_function_ids_count_from_one() -> None:
+    text = "signature s { void a( void ); void b( void ); [oneway] void c( void ); };"
+    (signature,) = read_text(text)[0].declarations
+    assert isinstance(signature, Signature)
+    found = [(f.id, f.name, f.oneway) for f in signature.functions]
+    assert found == [(1, "a", False), (2, "b", False), (3, "c", True)]
+
+
+def test_mistakes_do_not_hide_one_another() -> None:
+    text = """
+signature s { void f( [in] Unknown a ); void g( int8_t b ); int8_t c; };
+const int32_t A = ;
+celltype t { attr { int32_t x = ; int32_t y = Z; }; entry s e };
+struct u { int8_t a; int8_t a; };
+"""
+    found = [(d.code, d.span.line if d.span else 0) for d in read_text(text)[1]]
+    assert found == [
+        ("CDL0300", 2),
+        ("CDL0406", 2),
+        ("CDL0402", 2),
+        ("CDL0200", 3),
+        ("CDL0200", 4),
+        ("CDL0804", 4),
+        ("CDL0201", 4),
+        ("CDL0307", 5),
+    ]
+
+
+HEADERS = {
+    "typedef unsigned char T;": "uchar_t",
+    "typedef char T;": "char_t",
+    "typedef long unsigned int T;": "unsigned long",
+    "typedef short int T;": "short",
+    "typedef unsigned T;": "unsigned int",
+    "typedef float T;": "float32_t",
+    "typedef _Bool T;": "bool_t",
+    "#include <stdint.h>\ntypedef uint16_t T;": "uint16_t",
+    "#include <stdint.h>\ntypedef intptr_t T;": "intptr_t",
+    "#include <stdbool.h>\ntypedef bool T;": "bool_t",
+    "typedef const int *T;": "const int*",
+    "typedef int T[2][sizeof(int) == 4 ? 3 : 3];": "int[2][3]",
+    "enum { N = 2, M };\ntypedef int T[N * M - (1 << 1)];": "int[4]",
+    "typedef int (*T)(void);": "int(void)*",
+    "typedef struct s *T;": "struct s*",
+    "typedef enum e { A } T;": "enum e",
+    "__extension__ typedef long long T __attribute__((aligned(8)));": "long long",
+    "typedef int T; typedef int T;": "int",
+    'static inline int f(void) { asm("nop"); return 1; }\ntypedef int T;': "int",
+    "#pragma pack(1)\ntypedef int T;": "int",
+    "#ifdef TECSGEN\ntypedef int T;\n#else\n#error no\n#endif": "int",
+    "#define DECLARE(name) typedef int name\nDECLARE(T);": "int",
+}
+
+
+@pytest.mark.parametrize("header", HEADERS)
+def test_types_of_c_headers(
+    header: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _read(
+        tmp_path,
+        monkeypatch,
+        main_cdl='import_C( "types.h" ); typedef T Copy;',
+        types_h=header,
+    )
+    assert _codes(result) == []
+    declared = _named(result, "T")
+    assert isinstance(declared, TecsTypedef)
+    expected = HEADERS[header]
+    if "sizeof" in header:
+        return  # sizes are the C compiler's: only that the rest is read
+    assert str(declared.type) == expected
+
+
+def test_headers_take_definitions_and_search_paths(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _read(
+        tmp_path,
+        monkeypatch,
+        include=("inc",),
+        define={"GIVEN": "1"},
+        main_cdl='import_C( "types.h", "WIDE=2,FLAG" ); typedef T Copy;',
+        inc__types_h='#include "more.h"\n#if WIDE == 2 && FLAG && GIVEN\ntypedef M T;\n#endif\n',
+        inc__more_h="typedef long M;\n",
+    )
+    assert _codes(result) == []
+    assert {file.key for file in result.model.files} == {
+        "main.cdl",
+        "inc/types.h",
+        "inc/more.h",
+    }
+
+
+def test_what_no_header_declares_right_is_told_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _read(
+        tmp_path,
+        monkeypatch,
+        main_cdl='import_C( "types.h" ); const Good A = 1; const Odd B = 1;',
+        types_h="typedef nothing Odd;\ntypedef int Good;\n",
+    )
+    assert _codes(result) == ["CDL0901", "CDL0300"]
