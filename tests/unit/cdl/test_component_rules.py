@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 
 from rtgen.diagnostics import Severity
 from rtgen.frontends.cdl.pipeline import read_text
+from rtgen.frontends.cdl.rules import RULES
 
 FOLDER = Path(__file__).parent
 BASE = (FOLDER / "base.cdl").read_text(encoding="utf-8")
@@ -37,3 +39,18 @@ def test_taken(title: str) -> None:
 @pytest.mark.parametrize("title", REFUSED)
 def test_refused_with_one_finding(title: str) -> None:
     assert errors(REFUSED[title]) == [title.partition(" -> ")[2]]
+
+
+EXAMPLES = {
+    rule.code: example
+    for rule in RULES
+    for example in re.findall(
+        r"```cdl\n// gives this finding\n(.*?)```", rule.explanation, re.S
+    )
+}
+
+
+@pytest.mark.parametrize("code", EXAMPLES)
+def test_examples_of_explain(code: str) -> None:
+    _, found = read_text(EXAMPLES[code])
+    assert code in {d.code for d in found}

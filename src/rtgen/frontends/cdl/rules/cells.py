@@ -10,13 +10,12 @@ UNKNOWN_CELLTYPE = Rule(
     Severity.ERROR,
     """
 A cell is of a celltype or composite that is declared before it, here or in an imported file.
+tecsgen: S1027.
 
 ```cdl
 // gives this finding
 cell tWorker Worker {};
 ```
-
-tecsgen's message: S1027.
 """,
 )
 
@@ -25,15 +24,13 @@ NOT_A_CELLTYPE = Rule(
     "not a celltype",
     Severity.ERROR,
     """
-The name that a cell has in the place of its celltype stands for something else.
+The name that a cell has in the place of its celltype stands for something else. tecsgen: S1028.
 
 ```cdl
 // gives this finding
 signature sWork { void work( void ); };
 cell sWork Worker {};
 ```
-
-tecsgen's message: S1028.
 """,
 )
 
@@ -43,7 +40,7 @@ CELL_MISMATCH = Rule(
     Severity.ERROR,
     """
 A prototype and the cell that it announces have the same name, celltype and region; nothing else
-there has that name.
+there has that name. tecsgen: S1029, S1030, S1031.
 
 ```cdl
 // gives this finding
@@ -53,8 +50,6 @@ celltype tOther { entry sWork eWork; };
 cell tWorker Worker;
 cell tOther Worker {};
 ```
-
-tecsgen's message: S1029, S1030 and S1031.
 """,
 )
 
@@ -63,7 +58,7 @@ CELL_TWICE = Rule(
     "cell defined twice",
     Severity.ERROR,
     """
-A cell has one body. It can be announced by `cell tType Name;` before.
+A cell has one body. It can be announced by `cell tType Name;` before. tecsgen: S1032.
 
 ```cdl
 // gives this finding
@@ -72,8 +67,6 @@ celltype tWorker { entry sWork eWork; };
 cell tWorker Worker {};
 cell tWorker Worker {};
 ```
-
-tecsgen's message: S1032.
 """,
 )
 
@@ -82,7 +75,7 @@ CELL_IN_NAMESPACE = Rule(
     "cell in a name space",
     Severity.ERROR,
     """
-Cells stand at the top or in regions.
+Cells stand at the top or in regions. tecsgen: S9999.
 
 ```cdl
 // gives this finding
@@ -90,8 +83,6 @@ signature sWork { void work( void ); };
 celltype tWorker { entry sWork eWork; };
 namespace nBox { cell ::tWorker Worker {}; };
 ```
-
-tecsgen's message: S9999.
 """,
 )
 
@@ -101,6 +92,7 @@ SECOND_SINGLETON = Rule(
     Severity.ERROR,
     """
 There is one cell of a singleton in a link unit; a composite counts for the cells inside it.
+tecsgen: S1024.
 
 ```cdl
 // gives this finding
@@ -109,8 +101,6 @@ signature sWork { void work( void ); };
 cell tKernel One {};
 cell tKernel Two {};
 ```
-
-tecsgen's message: S1024.
 """,
 )
 
@@ -119,7 +109,7 @@ UNDEFINED_CELL = Rule(
     "cell used, but never defined",
     Severity.ERROR,
     """
-A cell that is announced by a prototype, and used, needs a body.
+A cell that is announced by a prototype, and used, needs a body. tecsgen: S1093.
 
 ```cdl
 // gives this finding
@@ -129,8 +119,6 @@ celltype tWorker { entry sWork eWork; };
 cell tWorker Worker;
 cell tUser User { cWork = Worker.eWork; };
 ```
-
-tecsgen's message: S1093.
 """,
 )
 
@@ -139,7 +127,7 @@ UNUSED_PROTOTYPE = Rule(
     "prototype of a cell that is neither used nor defined",
     Severity.NOTE,
     """
-A prototype announces a cell for a later use.
+A prototype announces a cell for a later use. tecsgen: W1006.
 
 ```cdl
 // gives this finding
@@ -147,8 +135,6 @@ signature sWork { void work( void ); };
 celltype tWorker { entry sWork eWork; };
 cell tWorker Worker;
 ```
-
-tecsgen's message: W1006.
 """,
 )
 
@@ -158,7 +144,7 @@ UNUSED_CELL = Rule(
     Severity.WARNING,
     """
 No call port is joined to the cell; it is not of an active celltype, nor has its celltype a
-factory.
+factory. tecsgen: W1007.
 
 ```cdl
 // gives this finding
@@ -166,8 +152,6 @@ signature sWork { void work( void ); };
 celltype tWorker { entry sWork eWork; };
 cell tWorker Worker {};
 ```
-
-tecsgen's message: W1007.
 """,
 )
 
@@ -177,7 +161,7 @@ PROTOTYPE = Rule(
     Severity.ERROR,
     """
 A cell with `[prototype]` is defined elsewhere, behind it; plug-ins are applied where it is
-defined.
+defined. tecsgen: S9999.
 
 ```cdl
 // gives this finding
@@ -186,8 +170,6 @@ celltype tWorker { entry sWork eWork; };
 cell tWorker Worker {};
 [prototype] cell tWorker Worker {};
 ```
-
-tecsgen's message: S9999.
 """,
 )
 
@@ -196,7 +178,7 @@ UNKNOWN_CELL = Rule(
     "cell not found",
     Severity.ERROR,
     """
-A join names a cell; it may be defined further down.
+A join names a cell; it may be defined further down. tecsgen: S1109, S9999.
 
 ```cdl
 // gives this finding
@@ -205,8 +187,6 @@ celltype tWorker { entry sWork eWork; };
 [active] celltype tUser { call sWork cWork; };
 cell tUser User { cWork = Worker.eWork; };
 ```
-
-tecsgen's message: S1109 and S9999.
 """,
 )
 
@@ -215,7 +195,7 @@ NOT_A_CELL = Rule(
     "not a cell",
     Severity.ERROR,
     """
-The name to the left of the dot in a join stands for something that is no cell.
+The name to the left of the dot in a join stands for something that is no cell. tecsgen: S1110.
 
 ```cdl
 // gives this finding
@@ -224,8 +204,6 @@ celltype tWorker { entry sWork eWork; };
 [active] celltype tUser { call sWork cWork; };
 cell tUser User { cWork = tWorker.eWork; };
 ```
-
-tecsgen's message: S1110.
 """,
 )
 
@@ -234,7 +212,7 @@ UNKNOWN_ENTRY = Rule(
     "cell has no such port",
     Severity.ERROR,
     """
-A join names an entry port of the celltype of the cell.
+A join names an entry port of the celltype of the cell. tecsgen: S1111.
 
 ```cdl
 // gives this finding
@@ -244,8 +222,6 @@ celltype tWorker { entry sWork eWork; };
 cell tWorker Worker {};
 cell tUser User { cWork = Worker.eOther; };
 ```
-
-tecsgen's message: S1111.
 """,
 )
 
@@ -254,7 +230,7 @@ NOT_AN_ENTRY = Rule(
     "not an entry port",
     Severity.ERROR,
     """
-A join leads to an entry port.
+A join leads to an entry port. tecsgen: S1112.
 
 ```cdl
 // gives this finding
@@ -264,8 +240,6 @@ celltype tWorker { entry sWork eWork; };
 cell tUser One { cWork = Two.cWork; };
 cell tUser Two { cWork = One.cWork; };
 ```
-
-tecsgen's message: S1112.
 """,
 )
 
@@ -274,7 +248,8 @@ SIGNATURE_MISMATCH = Rule(
     "call port and entry port of different signatures",
     Severity.ERROR,
     """
-Both ends of a join have the same signature. Signatures that look alike are not the same.
+Both ends of a join have the same signature. Signatures that look alike are not the same. tecsgen:
+S1113.
 
 ```cdl
 // gives this finding
@@ -285,8 +260,6 @@ signature sOther { void work( void ); };
 cell tWorker Worker {};
 cell tUser User { cWork = Worker.eWork; };
 ```
-
-tecsgen's message: S1113.
 """,
 )
 
@@ -296,7 +269,7 @@ LEFT_SUBSCRIPT = Rule(
     Severity.ERROR,
     """
 A call port array is joined with a subscript, `cPort[0]` or `cPort[]`, which is a constant and not
-negative; another call port without.
+negative; another call port without. tecsgen: S1099, S1102, S1103.
 
 ```cdl
 // gives this finding
@@ -306,8 +279,6 @@ celltype tWorker { entry sWork eWork; };
 cell tWorker Worker {};
 cell tUser User { cWork[0] = Worker.eWork; };
 ```
-
-tecsgen's message: S1099, S1102 and S1103.
 """,
 )
 
@@ -317,6 +288,7 @@ RIGHT_SUBSCRIPT = Rule(
     Severity.ERROR,
     """
 The entry port of an array is named with a subscript within its size, another one without.
+tecsgen: S1114, S1115, S1116.
 
 ```cdl
 // gives this finding
@@ -326,8 +298,6 @@ celltype tWorker { entry sWork eWork[2]; };
 cell tWorker Worker {};
 cell tUser User { cWork = Worker.eWork[2]; };
 ```
-
-tecsgen's message: S1114, S1115 and S1116.
 """,
 )
 
@@ -336,7 +306,7 @@ UNKNOWN_NAME = Rule(
     "celltype has no such port or attribute",
     Severity.ERROR,
     """
-What a cell sets is a call port or an attribute of its celltype.
+What a cell sets is a call port or an attribute of its celltype. tecsgen: S1117.
 
 ```cdl
 // gives this finding
@@ -344,8 +314,6 @@ signature sWork { void work( void ); };
 celltype tWorker { entry sWork eWork; };
 cell tWorker Worker { number = 1; };
 ```
-
-tecsgen's message: S1117.
 """,
 )
 
@@ -354,7 +322,7 @@ ENTRY_ON_THE_LEFT = Rule(
     "entry port where a call port should stand",
     Severity.ERROR,
     """
-A join is written at the caller: `cCall = Cell.eEntry;`.
+A join is written at the caller: `cCall = Cell.eEntry;`. tecsgen: S1101.
 
 ```cdl
 // gives this finding
@@ -364,8 +332,6 @@ celltype tWorker { entry sWork eWork; };
 cell tUser User { cWork = Worker.eWork; };
 cell tWorker Worker { eWork = User.cWork; };
 ```
-
-tecsgen's message: S1101.
 """,
 )
 
@@ -374,7 +340,7 @@ VARIABLE_IN_CELL = Rule(
     "variable set by a cell",
     Severity.ERROR,
     """
-A cell sets attributes; a variable has its first value from the celltype.
+A cell sets attributes; a variable has its first value from the celltype. tecsgen: S1100.
 
 ```cdl
 // gives this finding
@@ -382,8 +348,6 @@ signature sWork { void work( void ); };
 celltype tWorker { entry sWork eWork; var { int32_t count; }; };
 cell tWorker Worker { count = 1; };
 ```
-
-tecsgen's message: S1100.
 """,
 )
 
@@ -392,7 +356,7 @@ NOT_A_TARGET = Rule(
     "call port joined to something else",
     Severity.ERROR,
     """
-A call port is joined to `Cell.ePort` or `Cell.ePort[i]`.
+A call port is joined to `Cell.ePort` or `Cell.ePort[i]`. tecsgen: S1108.
 
 ```cdl
 // gives this finding
@@ -401,8 +365,6 @@ celltype tWorker { entry sWork eWork; };
 [active] celltype tUser { call sWork cWork; };
 cell tUser User { cWork = 1; };
 ```
-
-tecsgen's message: S1108.
 """,
 )
 
@@ -412,6 +374,7 @@ JOINED_TWICE = Rule(
     Severity.ERROR,
     """
 A call port, each place of an array, and an attribute are set once. `[]` and numbers do not mix.
+tecsgen: S1127 to S1130.
 
 ```cdl
 // gives this finding
@@ -421,8 +384,6 @@ celltype tWorker { entry sWork eWork; };
 cell tWorker Worker {};
 cell tUser User { cWork = Worker.eWork; cWork = Worker.eWork; };
 ```
-
-tecsgen's message: S1127 to S1130.
 """,
 )
 
@@ -432,7 +393,7 @@ NOT_JOINED = Rule(
     Severity.ERROR,
     """
 Every call port is joined, except with `optional`. A port named `<port>_<function>_<parameter>`
-was made for the allocator of a send or receive parameter.
+was made for the allocator of a send or receive parameter. tecsgen: S1042, S1043.
 
 ```cdl
 // gives this finding
@@ -441,8 +402,6 @@ celltype tWorker { entry sWork eWork; };
 [active] celltype tUser { call sWork cWork; };
 cell tUser User {};
 ```
-
-tecsgen's message: S1042 and S1043.
 """,
 )
 
@@ -452,7 +411,7 @@ ARRAY_HOLE = Rule(
     Severity.ERROR,
     """
 Each place of a call port array is joined, unless it is `optional`, and there are as many as its
-size.
+size. tecsgen: S1044, S1045, S1046.
 
 ```cdl
 // gives this finding
@@ -462,8 +421,6 @@ celltype tWorker { entry sWork eWork; };
 cell tWorker Worker {};
 cell tUser User { cWork[1] = Worker.eWork; };
 ```
-
-tecsgen's message: S1044, S1045 and S1046.
 """,
 )
 
@@ -472,7 +429,7 @@ NO_VALUE = Rule(
     "attribute without a value",
     Severity.ERROR,
     """
-An attribute has its value from the celltype or from the cell.
+An attribute has its value from the celltype or from the cell. tecsgen: S1052.
 
 ```cdl
 // gives this finding
@@ -480,8 +437,6 @@ signature sWork { void work( void ); };
 celltype tWorker { entry sWork eWork; attr { int32_t number; }; };
 cell tWorker Worker {};
 ```
-
-tecsgen's message: S1052.
 """,
 )
 
@@ -490,7 +445,8 @@ BAD_ID = Rule(
     "impossible id",
     Severity.ERROR,
     """
-An id is a constant integer, not zero. Negative ones count from the end.
+An id is a constant integer, not zero. Negative ones count from the end. tecsgen: S1160, S1161,
+S1162.
 
 ```cdl
 // gives this finding
@@ -498,8 +454,6 @@ signature sWork { void work( void ); };
 celltype tWorker { entry sWork eWork; };
 [id( 0 )] cell tWorker Worker {};
 ```
-
-tecsgen's message: S1160, S1161 and S1162.
 """,
 )
 
@@ -508,7 +462,8 @@ ID_TAKEN = Rule(
     "id too large or taken",
     Severity.ERROR,
     """
-The ids of a celltype in a link unit are the numbers from 1 to the number of its cells.
+The ids of a celltype in a link unit are the numbers from 1 to the number of its cells. tecsgen:
+S3001, S3002, S3003.
 
 ```cdl
 // gives this finding
@@ -516,8 +471,6 @@ signature sWork { void work( void ); };
 celltype tWorker { entry sWork eWork; };
 [id( 2 )] cell tWorker Worker {};
 ```
-
-tecsgen's message: S3001, S3002 and S3003.
 """,
 )
 
@@ -526,7 +479,7 @@ REVERSE_JOIN = Rule(
     "reverse join that cannot be",
     Severity.ERROR,
     """
-`eEntry <= Cell.cCall;` stands in a prototype, or the signature is `callback`.
+`eEntry <= Cell.cCall;` stands in a prototype, or the signature is `callback`. tecsgen: S9999.
 
 ```cdl
 // gives this finding
@@ -537,8 +490,6 @@ cell tUser User;
 cell tWorker Worker { eWork <= User.cWork; };
 cell tUser User {};
 ```
-
-tecsgen's message: S9999.
 """,
 )
 
@@ -548,7 +499,7 @@ NOT_REACHED = Rule(
     Severity.ERROR,
     """
 What a celltype requires is looked for among the cells that can be reached from the region of the
-cell: the nearest one counts.
+cell: the nearest one counts. tecsgen: S1025, S1026.
 
 ```cdl
 // gives this finding
@@ -557,8 +508,6 @@ signature sWork { void work( void ); };
 [active] celltype tUser { require tKernel.eWork; };
 cell tUser User {};
 ```
-
-tecsgen's message: S1025 and S1026.
 """,
 )
 
@@ -567,7 +516,8 @@ REQUIRE_OVERRIDDEN = Rule(
     "required port joined by the cell",
     Severity.WARNING,
     """
-The cell joins a port that `require` would join by itself; the join of the cell counts.
+The cell joins a port that `require` would join by itself; the join of the cell counts. tecsgen:
+W1003.
 
 ```cdl
 // gives this finding
@@ -577,8 +527,6 @@ signature sWork { void work( void ); };
 cell tKernel Kernel {};
 cell tUser User { cWork = Kernel.eWork; };
 ```
-
-tecsgen's message: W1003.
 """,
 )
 
@@ -587,7 +535,7 @@ RESTRICT = Rule(
     "region of restrict not found",
     Severity.ERROR,
     """
-`restrict` names regions, from which the cell may be called.
+`restrict` names regions, from which the cell may be called. tecsgen: S9999.
 
 ```cdl
 // gives this finding
@@ -595,8 +543,6 @@ signature sWork { void work( void ); };
 celltype tWorker { entry sWork eWork; };
 [restrict( eWork = { rNowhere } )] cell tWorker Worker {};
 ```
-
-tecsgen's message: S9999.
 """,
 )
 
@@ -606,7 +552,7 @@ RELAY = Rule(
     Severity.ERROR,
     """
 An allocator is passed on from a call port that is joined; neither side is an array, and in a
-composite both ends lead to the same one.
+composite both ends lead to the same one. tecsgen: S1040, S1041, S1167.
 
 ```cdl
 // gives this finding
@@ -626,8 +572,6 @@ celltype tAlloc { entry sAlloc eAlloc; };
 cell tAlloc Alloc {};
 cell tLast Last { eWork_work_data = Alloc.eAlloc; };
 ```
-
-tecsgen's message: S1040, S1041 and S1167.
 """,
 )
 
@@ -653,6 +597,7 @@ MANY_CALLERS = Rule(
     Severity.WARNING,
     """
 An entry port with a fixed join is called from there; the cell is joined from elsewhere, too.
+tecsgen: W1009.
 
 ```cdl
 // gives this finding
@@ -664,8 +609,6 @@ cell tOne One {};
 cell tWorker Worker {};
 cell tUser User { cWork = Worker.eWork; };
 ```
-
-tecsgen's message: W1009.
 """,
 )
 
@@ -675,14 +618,12 @@ GENERATE_TARGET = Rule(
     Severity.ERROR,
     """
 `generate( plug-in, target, "arguments" );` names a signature, celltype, composite or cell that is
-declared before.
+declared before. tecsgen: S9999.
 
 ```cdl
 // gives this finding
 generate( TracePlugin, sWork, "" );
 ```
-
-tecsgen's message: S9999.
 """,
 )
 
@@ -709,7 +650,7 @@ ALLOCATOR_OF_CELL = Rule(
     Severity.ERROR,
     """
 `[allocator( ePort.func.par = Cell.eAlloc )]` names a send or receive parameter of an entry port
-of the cell.
+of the cell. tecsgen: S1117.
 
 ```cdl
 // gives this finding
@@ -717,8 +658,6 @@ signature sWork { void work( [in] int32_t n ); };
 celltype tWorker { entry sWork eWork; };
 [allocator( eWork.work.n = Worker.eWork )] cell tWorker Worker {};
 ```
-
-tecsgen's message: S1117.
 """,
 )
 

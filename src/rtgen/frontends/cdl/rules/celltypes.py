@@ -9,14 +9,12 @@ UNKNOWN_SIGNATURE = Rule(
     "signature not found",
     Severity.ERROR,
     """
-A port names a signature that is declared before it, here or in an imported file.
+A port names a signature that is declared before it, here or in an imported file. tecsgen: S1075.
 
 ```cdl
 // gives this finding
 celltype tWorker { entry sWork eWork; };
 ```
-
-tecsgen's message: S1075.
 """,
 )
 
@@ -25,7 +23,7 @@ NOT_A_SIGNATURE = Rule(
     "not a signature",
     Severity.ERROR,
     """
-The name that a port has in the place of its signature stands for something else.
+The name that a port has in the place of its signature stands for something else. tecsgen: S1076.
 
 ```cdl
 // gives this finding
@@ -33,8 +31,6 @@ signature sWork {};
 celltype tWorker { entry sWork eWork; };
 celltype tUser { call tWorker cWork; entry sWork eWork; };
 ```
-
-tecsgen's message: S1076.
 """,
 )
 
@@ -43,15 +39,13 @@ BAD_PORT_SIZE = Rule(
     "size of a port array",
     Severity.ERROR,
     """
-The size of a port array is a constant integer.
+The size of a port array is a constant integer. tecsgen: S1073, S1074.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { entry sWork eWork[1.5]; };
 ```
-
-tecsgen's message: S1073 and S1074.
 """,
 )
 
@@ -61,15 +55,13 @@ PORT_SPECIFIER = Rule(
     Severity.ERROR,
     """
 `inline` and `allocator` belong to entry ports; `optional`, `omit`, `dynamic` and `ref_desc` to
-call ports.
+call ports. tecsgen: S1077, S1078, S1079, S9999.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { [optional] entry sWork eWork; };
 ```
-
-tecsgen's message: S1077, S1078, S1079 and S9999.
 """,
 )
 
@@ -79,15 +71,13 @@ SPECIFIERS_CLASH = Rule(
     Severity.ERROR,
     """
 A port cannot be `dynamic` or `ref_desc` and at the same time `omit`, nor of a signature without
-functions.
+functions. tecsgen: S9999.
 
 ```cdl
 // gives this finding
 signature sWork { void work( void ); };
 celltype tUser { [dynamic, omit] call sWork cWork; entry sWork eWork; };
 ```
-
-tecsgen's message: S9999.
 """,
 )
 
@@ -96,7 +86,7 @@ SPECIFIER_TWICE = Rule(
     "specifier given twice",
     Severity.ERROR,
     """
-`generate` and `allocator` are given once.
+`generate` and `allocator` are given once. tecsgen: S1014, S1080, S1163.
 
 ```cdl
 // gives this finding
@@ -104,8 +94,6 @@ signature sWork {};
 [generate( CIfGenPlugin, "" ), generate( CIfGenPlugin, "" )]
 celltype tWorker { entry sWork eWork; };
 ```
-
-tecsgen's message: S1014, S1080 and S1163.
 """,
 )
 
@@ -114,15 +102,13 @@ NAME_TWICE = Rule(
     "name declared twice in a celltype",
     Severity.ERROR,
     """
-Ports, attributes and variables of a celltype or composite have different names.
+Ports, attributes and variables of a celltype or composite have different names. tecsgen: S2001.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { entry sWork eWork; attr { int32_t eWork = 1; }; };
 ```
-
-tecsgen's message: S2001.
 """,
 )
 
@@ -132,7 +118,7 @@ BAD_FIXED_JOIN = Rule(
     Severity.ERROR,
     """
 `entry sSig eName <= tOther.cArr;` joins every cell of the celltype to a call port array without a
-size of a singleton.
+size of a singleton. tecsgen: S1152 to S1158.
 
 ```cdl
 // gives this finding
@@ -140,8 +126,6 @@ signature sWork {};
 celltype tOne { call sWork cWork; entry sWork eWork; };
 celltype tWorker { entry sWork eWork <= tOne.cWork; };
 ```
-
-tecsgen's message: S1152 to S1158.
 """,
 )
 
@@ -150,15 +134,13 @@ UNKNOWN_REQUIRED = Rule(
     "required celltype or cell not found",
     Severity.ERROR,
     """
-What `require` names is a celltype or cell that is declared before.
+What `require` names is a celltype or cell that is declared before. tecsgen: S1016, S1017.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { require tKernel.eKernel; entry sWork eWork; };
 ```
-
-tecsgen's message: S1016 and S1017.
 """,
 )
 
@@ -167,7 +149,7 @@ REQUIRED_NOT_SINGLETON = Rule(
     "required celltype is no singleton",
     Severity.ERROR,
     """
-`require` needs no join, so there can be one cell only.
+`require` needs no join, so there can be one cell only. tecsgen: S1018.
 
 ```cdl
 // gives this finding
@@ -175,8 +157,6 @@ signature sWork {};
 celltype tKernel { entry sWork eKernel; };
 celltype tWorker { require tKernel.eKernel; entry sWork eWork; };
 ```
-
-tecsgen's message: S1018.
 """,
 )
 
@@ -185,7 +165,7 @@ REQUIRED_NOT_ENTRY = Rule(
     "required port is no single entry port",
     Severity.ERROR,
     """
-`require` names an entry port that is no array.
+`require` names an entry port that is no array. tecsgen: S1019, S1020.
 
 ```cdl
 // gives this finding
@@ -193,8 +173,6 @@ signature sWork {};
 [singleton] celltype tKernel { entry sWork eKernel; };
 celltype tWorker { require tKernel.eOther; entry sWork eWork; };
 ```
-
-tecsgen's message: S1019 and S1020.
 """,
 )
 
@@ -204,7 +182,7 @@ REQUIRE_CLASH = Rule(
     Severity.ERROR,
     """
 Functions of a port that is required without a name are called by their bare names, so no two of
-them are alike.
+them are alike. tecsgen: S1021, S1022.
 
 ```cdl
 // gives this finding
@@ -214,8 +192,6 @@ signature sB { void work( void ); };
 [singleton] celltype tB { entry sB eB; };
 celltype tWorker { require tA.eA; require tB.eB; entry sA eWork; };
 ```
-
-tecsgen's message: S1021 and S1022.
 """,
 )
 
@@ -224,15 +200,13 @@ UNKNOWN_FACTORY_FUNCTION = Rule(
     "unknown function in a factory",
     Severity.ERROR,
     """
-The only function of a factory is `write`.
+The only function of a factory is `write`. tecsgen: S1134.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { entry sWork eWork; factory { print( "a.cfg", "text" ); }; };
 ```
-
-tecsgen's message: S1134.
 """,
 )
 
@@ -242,14 +216,13 @@ FACTORY_TEXT = Rule(
     Severity.ERROR,
     """
 The first argument of `write` is the name of a file, the second a format; both are strings.
+tecsgen: S1132, S1133.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { entry sWork eWork; factory { write( 1, "text" ); }; };
 ```
-
-tecsgen's message: S1132 and S1133.
 """,
 )
 
@@ -259,15 +232,13 @@ FACTORY_ARGUMENT = Rule(
     Severity.ERROR,
     """
 Behind the format of `write` stand attributes and strings; in `FACTORY`, which is for the celltype
-and not for a cell, nothing.
+and not for a cell, nothing. tecsgen: S1135, S1136, S1137.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { entry sWork eWork; factory { write( "a.cfg", "%s", missing ); }; };
 ```
-
-tecsgen's message: S1135, S1136 and S1137.
 """,
 )
 
@@ -276,15 +247,13 @@ SIZE_IS_OF_NO_POINTER = Rule(
     "size_is of something that is no pointer",
     Severity.ERROR,
     """
-An attribute or variable with `size_is` is a pointer.
+An attribute or variable with `size_is` is a pointer. tecsgen: S1011, S1048 and T1003.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { entry sWork eWork; attr { [size_is( 2 )] int32_t values = 1; }; };
 ```
-
-tecsgen's message: S1011, S1048 and T1003.
 """,
 )
 
@@ -293,15 +262,14 @@ SIZED_INITIALISER = Rule(
     "initialiser that does not fit size_is",
     Severity.ERROR,
     """
-What has `size_is` takes `{ ... }`, with no more values than the size.
+What has `size_is` takes `{ ... }`, with no more values than the size. tecsgen: S1012, S1013,
+S1050, S1051, S1168.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { entry sWork eWork; attr { [size_is( 2 )] int32_t *values = { 1, 2, 3 }; }; };
 ```
-
-tecsgen's message: S1012, S1013, S1050, S1051 and S1168.
 """,
 )
 
@@ -310,15 +278,13 @@ UNSIZED_INITIALISER = Rule(
     "list for a pointer without size_is",
     Severity.ERROR,
     """
-A pointer takes `{ ... }` if `size_is` tells how many there are.
+A pointer takes `{ ... }` if `size_is` tells how many there are. tecsgen: S1159, S1169 and T9999.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { entry sWork eWork; attr { int32_t *values = { 1, 2, 3 }; }; };
 ```
-
-tecsgen's message: S1159, S1169 and T9999.
 """,
 )
 
@@ -328,7 +294,7 @@ SIZE_NOT_CONSTANT = Rule(
     Severity.ERROR,
     """
 The size of an attribute or variable is known for each cell: it is made of constants and
-attributes.
+attributes. tecsgen: S1049.
 
 ```cdl
 // gives this finding
@@ -336,8 +302,6 @@ signature sWork {};
 celltype tWorker { entry sWork eWork; attr { int32_t n; [size_is( n )] int32_t *values; }; };
 cell tWorker Worker { n = C_EXP( "COUNT" ); values = { 1 }; };
 ```
-
-tecsgen's message: S1049.
 """,
 )
 
@@ -346,15 +310,13 @@ OPEN_ARRAY = Rule(
     "array without a size",
     Severity.ERROR,
     """
-An array has a size, except an attribute with `omit`.
+An array has a size, except an attribute with `omit`. tecsgen: S2004, S2005.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { entry sWork eWork; attr { int32_t values[] = { 1, 2 }; }; };
 ```
-
-tecsgen's message: S2004 and S2005.
 """,
 )
 
@@ -363,15 +325,13 @@ NO_ENTRY = Rule(
     "celltype that nobody can call",
     Severity.WARNING,
     """
-A celltype that is not `active`, and has no entry port and no factory, never runs.
+A celltype that is not `active`, and has no entry port and no factory, never runs. tecsgen: W1002.
 
 ```cdl
 // gives this finding
 signature sWork {};
 celltype tWorker { call sWork cWork; };
 ```
-
-tecsgen's message: W1002.
 """,
 )
 
@@ -382,7 +342,7 @@ ALLOCATOR_FORM = Rule(
     """
 In a celltype an allocator is passed on: `[allocator( func.par <= cCall.func.par )]`; in a
 composite it can be an entry port of its own: `[allocator( func.par = eAlloc )]`. A cell names a
-cell: `[allocator( ePort.func.par = Alloc.eAlloc )]`.
+cell: `[allocator( ePort.func.par = Alloc.eAlloc )]`. tecsgen: S1081, S1086, S1174, S1176.
 
 ```cdl
 // gives this finding
@@ -390,8 +350,6 @@ signature sAlloc { void *alloc( [in] int32_t size ); };
 signature sWork { void work( [send( sAlloc ), size_is( n )] uint8_t *data, [in] int32_t n ); };
 celltype tWorker { [allocator( work.data = eWork )] entry sWork eWork; };
 ```
-
-tecsgen's message: S1081, S1086, S1174 and S1176.
 """,
 )
 
@@ -401,14 +359,13 @@ ALLOCATOR_NAME = Rule(
     Severity.ERROR,
     """
 An allocator names a function of the signature, a parameter of it and, behind `<=`, a call port.
+tecsgen: S1082, S1083, S1087, S1088, S1091, S1175.
 
 ```cdl
 // gives this finding
 signature sWork { void work( [in] int32_t n ); };
 celltype tWorker { [allocator( wrok.n <= cWork.work.n )] entry sWork eWork; call sWork cWork; };
 ```
-
-tecsgen's message: S1082, S1083, S1087, S1088, S1091 and S1175.
 """,
 )
 
@@ -418,15 +375,13 @@ ALLOCATOR_DIRECTION = Rule(
     Severity.ERROR,
     """
 Only `send` and `receive` parameters have an allocator; one that is passed on has the same
-direction on both sides.
+direction on both sides. tecsgen: S1084, S1089, S1090.
 
 ```cdl
 // gives this finding
 signature sWork { void work( [in] int32_t n ); };
 celltype tWorker { [allocator( work.n <= cWork.work.n )] entry sWork eWork; call sWork cWork; };
 ```
-
-tecsgen's message: S1084, S1089 and S1090.
 """,
 )
 
@@ -435,7 +390,7 @@ ALLOCATOR_TWICE = Rule(
     "two allocators for one parameter",
     Severity.ERROR,
     """
-Each parameter has one allocator.
+Each parameter has one allocator. tecsgen: S1085.
 
 ```cdl
 // gives this finding
@@ -449,8 +404,6 @@ celltype tWorker {
   call sWork cWork;
 };
 ```
-
-tecsgen's message: S1085.
 """,
 )
 
@@ -459,7 +412,7 @@ NOT_EXPORTED = Rule(
     "port or attribute of a composite that is not connected",
     Severity.ERROR,
     """
-Each port and attribute of a composite stands for one of an inner cell.
+Each port and attribute of a composite stands for one of an inner cell. tecsgen: S1056.
 
 ```cdl
 // gives this finding
@@ -467,8 +420,6 @@ signature sWork {};
 celltype tWorker { entry sWork eWork; };
 composite tBox { entry sWork eWork; cell tWorker Inner {}; };
 ```
-
-tecsgen's message: S1056.
 """,
 )
 
@@ -477,7 +428,7 @@ NOT_DECLARED = Rule(
     "exported name that the composite does not declare",
     Severity.ERROR,
     """
-What an inner cell gives to the outside is declared in the composite, too.
+What an inner cell gives to the outside is declared in the composite, too. tecsgen: S1062.
 
 ```cdl
 // gives this finding
@@ -485,8 +436,6 @@ signature sWork {};
 celltype tWorker { entry sWork eWork; };
 composite tBox { cell tWorker Inner {}; composite.eWork => Inner.eWork; };
 ```
-
-tecsgen's message: S1062.
 """,
 )
 
@@ -495,7 +444,8 @@ UNKNOWN_INNER_CELL = Rule(
     "inner cell not found",
     Severity.ERROR,
     """
-`composite.eName => Cell.eName;` names a cell of the composite that stands before it.
+`composite.eName => Cell.eName;` names a cell of the composite that stands before it. tecsgen:
+S1057.
 
 ```cdl
 // gives this finding
@@ -503,8 +453,6 @@ signature sWork {};
 celltype tWorker { entry sWork eWork; };
 composite tBox { entry sWork eWork; cell tWorker Inner {}; composite.eWork => Other.eWork; };
 ```
-
-tecsgen's message: S1057.
 """,
 )
 
@@ -513,7 +461,7 @@ UNKNOWN_INNER_NAME = Rule(
     "inner cell has no such port or attribute",
     Severity.ERROR,
     """
-What is exported is a port or attribute of the inner cell.
+What is exported is a port or attribute of the inner cell. tecsgen: S1061.
 
 ```cdl
 // gives this finding
@@ -521,8 +469,6 @@ signature sWork {};
 celltype tWorker { entry sWork eWork; };
 composite tBox { entry sWork eWork; cell tWorker Inner {}; composite.eWork => Inner.eOther; };
 ```
-
-tecsgen's message: S1061.
 """,
 )
 
@@ -533,7 +479,7 @@ EXPORT_KIND = Rule(
     """
 A call port is exported as call port (`cIn => composite.cOut` in the cell), an entry port as entry
 port (`composite.eOut => Cell.eIn`), an attribute as attribute (`name = composite.name`); a
-variable not at all.
+variable not at all. tecsgen: S1058, S1059, S1060, S1063, S1065, S1069.
 
 ```cdl
 // gives this finding
@@ -541,8 +487,6 @@ signature sWork {};
 celltype tWorker { entry sWork eWork; call sWork cWork; };
 composite tBox { entry sWork eWork; cell tWorker Inner { cWork => composite.eWork; }; };
 ```
-
-tecsgen's message: S1058, S1059, S1060, S1063, S1065 and S1069.
 """,
 )
 
@@ -552,7 +496,8 @@ EXPORT_MISMATCH = Rule(
     Severity.ERROR,
     """
 Signature, size, `optional`, `omit`, `dynamic`, `ref_desc` of a port, and the type of an attribute
-are the same inside and outside. Types are compared as they are written.
+are the same inside and outside. Types are compared as they are written. tecsgen: S1064, S1066,
+S1067, S1068, S9999.
 
 ```cdl
 // gives this finding
@@ -561,8 +506,6 @@ signature sB {};
 celltype tWorker { entry sA eWork; };
 composite tBox { entry sB eWork; cell tWorker Inner {}; composite.eWork => Inner.eWork; };
 ```
-
-tecsgen's message: S1064, S1066, S1067, S1068 and S9999.
 """,
 )
 
@@ -571,7 +514,7 @@ COMPOSITE_SINGLETON = Rule(
     "composite of a singleton is no singleton",
     Severity.ERROR,
     """
-A composite with an inner cell of a singleton is `singleton`.
+A composite with an inner cell of a singleton is `singleton`. tecsgen: S1053.
 
 ```cdl
 // gives this finding
@@ -579,8 +522,6 @@ signature sWork {};
 [singleton] celltype tWorker { entry sWork eWork; };
 composite tBox { entry sWork eWork; cell tWorker Inner {}; composite.eWork => Inner.eWork; };
 ```
-
-tecsgen's message: S1053.
 """,
 )
 
@@ -589,7 +530,7 @@ NO_SINGLETON_INSIDE = Rule(
     "singleton without a singleton inside",
     Severity.WARNING,
     """
-A composite is said to be `singleton`, but no inner cell is.
+A composite is said to be `singleton`, but no inner cell is. tecsgen: W1004.
 
 ```cdl
 // gives this finding
@@ -601,8 +542,6 @@ celltype tWorker { entry sWork eWork; };
   composite.eWork => Inner.eWork;
 };
 ```
-
-tecsgen's message: W1004.
 """,
 )
 
@@ -611,7 +550,7 @@ COMPOSITE_ACTIVE = Rule(
     "composite and inner cells differ in active",
     Severity.ERROR,
     """
-A composite is `active` if and only if an inner cell is.
+A composite is `active` if and only if an inner cell is. tecsgen: S1054, S1055.
 
 ```cdl
 // gives this finding
@@ -623,8 +562,6 @@ celltype tWorker { entry sWork eWork; };
   composite.eWork => Inner.eWork;
 };
 ```
-
-tecsgen's message: S1054 and S1055.
 """,
 )
 
@@ -633,7 +570,7 @@ JOINED_AND_EXPORTED = Rule(
     "call port joined and exported",
     Severity.ERROR,
     """
-A call port of an inner cell is either joined inside or exported.
+A call port of an inner cell is either joined inside or exported. tecsgen: S1131.
 
 ```cdl
 // gives this finding
@@ -644,8 +581,6 @@ composite tBox {
   cell tWorker One { cWork = One.eWork; cWork => composite.cWork; };
 };
 ```
-
-tecsgen's message: S1131.
 """,
 )
 
@@ -655,7 +590,7 @@ INNER_EXPRESSION = Rule(
     Severity.ERROR,
     """
 The attribute of an inner cell is a constant or `composite.name`, nothing that is computed from
-attributes.
+attributes. tecsgen: S1033.
 
 ```cdl
 // gives this finding
@@ -668,8 +603,6 @@ composite tBox {
   composite.eWork => Inner.eWork;
 };
 ```
-
-tecsgen's message: S1033.
 """,
 )
 
@@ -679,6 +612,7 @@ INNER_NAME = Rule(
     Severity.ERROR,
     """
 Where a name belongs to the inner cell, too, `composite.` tells that the one outside is meant.
+tecsgen: S1034, S1036.
 
 ```cdl
 // gives this finding
@@ -686,8 +620,6 @@ signature sWork {};
 celltype tWorker { entry sWork eWork; call sWork cWork; };
 composite tBox { call sWork cWork; cell tWorker Inner { cWork => cWork; }; };
 ```
-
-tecsgen's message: S1034 and S1036.
 """,
 )
 
@@ -697,7 +629,7 @@ OUTSIDE_COMPOSITE = Rule(
     Severity.ERROR,
     """
 `composite.name` is for inner cells of a composite, as the value of an attribute; a call port is
-exported by `=>`.
+exported by `=>`. tecsgen: S1035, S1107.
 
 ```cdl
 // gives this finding
@@ -705,8 +637,6 @@ signature sWork {};
 celltype tWorker { entry sWork eWork; attr { int32_t number; }; };
 cell tWorker Worker { number = composite.number; };
 ```
-
-tecsgen's message: S1035 and S1107.
 """,
 )
 
@@ -715,7 +645,7 @@ THROUGH_INSIDE = Rule(
     "through in a composite",
     Severity.ERROR,
     """
-A join inside a composite has no plug-ins.
+A join inside a composite has no plug-ins. tecsgen: S1177.
 
 ```cdl
 // gives this finding
@@ -727,8 +657,6 @@ celltype tWorker { entry sWork eWork; };
   cell tUser User { [through( TracePlugin, "" )] cWork = Worker.eWork; };
 };
 ```
-
-tecsgen's message: S1177.
 """,
 )
 
@@ -738,7 +666,7 @@ SIZED_EXPORT = Rule(
     Severity.ERROR,
     """
 If an attribute has `size_is`, the one of the composite has it, too, and the attributes in it are
-exported.
+exported. tecsgen: S1170, S1171, S1172.
 
 ```cdl
 // gives this finding
@@ -751,8 +679,6 @@ composite tBox {
   composite.eWork => Inner.eWork;
 };
 ```
-
-tecsgen's message: S1170, S1171 and S1172.
 """,
 )
 
@@ -761,7 +687,7 @@ NO_EFFECT_ON_COMPOSITE = Rule(
     "idx_is_id of a composite",
     Severity.WARNING,
     """
-`idx_is_id` is a matter of the inner celltypes; for a composite it has no effect.
+`idx_is_id` is a matter of the inner celltypes; for a composite it has no effect. tecsgen: W1005.
 
 ```cdl
 // gives this finding
@@ -773,8 +699,6 @@ celltype tWorker { entry sWork eWork; };
   composite.eWork => Inner.eWork;
 };
 ```
-
-tecsgen's message: W1005.
 """,
 )
 
@@ -784,6 +708,7 @@ ALLOCATOR_MISMATCH = Rule(
     Severity.ERROR,
     """
 The allocator that a composite names for its entry port is the one that the inner cell uses.
+tecsgen: S1173.
 
 ```cdl
 // gives this finding
@@ -804,8 +729,6 @@ composite tBox {
   composite.eAlloc => Outer.eAlloc;
 };
 ```
-
-tecsgen's message: S1173.
 """,
 )
 

@@ -9,15 +9,13 @@ SPECIFIERS_AGAIN = Rule(
     "specifiers where a region is opened again",
     Severity.ERROR,
     """
-A region has its specifiers where it appears first.
+A region has its specifiers where it appears first. tecsgen: S1140.
 
 ```cdl
 // gives this finding
 region rOne {};
 [linkunit] region rOne {};
 ```
-
-tecsgen's message: S1140.
 """,
 )
 
@@ -27,14 +25,13 @@ NAME_OF_ANOTHER = Rule(
     Severity.ERROR,
     """
 A region, or a name space, can be opened again; the name of something else it cannot have.
+tecsgen: S1141, S1151, S2001.
 
 ```cdl
 // gives this finding
 signature sWork { void work( void ); };
 region sWork {};
 ```
-
-tecsgen's message: S1141, S1151 and S2001.
 """,
 )
 
@@ -43,7 +40,7 @@ GOING_OUT = Rule(
     "join out of a region",
     Severity.ERROR,
     """
-A join may leave a region that has `out_through`.
+A join may leave a region that has `out_through`. tecsgen: S1118.
 
 ```cdl
 // gives this finding
@@ -53,8 +50,6 @@ celltype tWorker { entry sWork eWork; };
 cell tWorker Worker {};
 region rOne { cell tUser User { cWork = Worker.eWork; }; };
 ```
-
-tecsgen's message: S1118.
 """,
 )
 
@@ -63,7 +58,7 @@ GOING_TO = Rule(
     "join between regions",
     Severity.ERROR,
     """
-A join from one region to the next has `to_through( that region, ... )` there.
+A join from one region to the next has `to_through( that region, ... )` there. tecsgen: S1119.
 
 ```cdl
 // gives this finding
@@ -74,8 +69,6 @@ region rTwo { cell tWorker Worker {}; };
 [to_through( rThree, TracePlugin, "" )]
 region rOne { cell tUser User { cWork = rTwo::Worker.eWork; }; };
 ```
-
-tecsgen's message: S1119.
 """,
 )
 
@@ -84,7 +77,7 @@ GOING_IN = Rule(
     "join into a region",
     Severity.ERROR,
     """
-A join may enter a region that has `in_through`.
+A join may enter a region that has `in_through`. tecsgen: S1120.
 
 ```cdl
 // gives this finding
@@ -94,8 +87,6 @@ celltype tWorker { entry sWork eWork; };
 region rOne { cell tWorker Worker {}; };
 cell tUser User { cWork = rOne::Worker.eWork; };
 ```
-
-tecsgen's message: S1120.
 """,
 )
 
@@ -104,7 +95,8 @@ LINK_UNITS = Rule(
     "join between link units",
     Severity.ERROR,
     """
-Cells of different link units are different programs: a plug-in is needed between them.
+Cells of different link units are different programs: a plug-in is needed between them. tecsgen:
+S1121.
 
 ```cdl
 // gives this finding
@@ -114,8 +106,6 @@ celltype tWorker { entry sWork eWork; };
 [linkunit, in_through()] region rOne { cell tWorker Worker {}; };
 cell tUser User { cWork = rOne::Worker.eWork; };
 ```
-
-tecsgen's message: S1121.
 """,
 )
 
@@ -124,14 +114,12 @@ KIND_TWICE = Rule(
     "two kinds of one region",
     Severity.ERROR,
     """
-A region is one of `node` and `linkunit`, and one of `domain` and `class`.
+A region is one of `node` and `linkunit`, and one of `domain` and `class`. tecsgen: S1178, S9999.
 
 ```cdl
 // gives this finding
 [linkunit, node] region rOne {};
 ```
-
-tecsgen's message: S1178 and S9999.
 """,
 )
 
@@ -141,7 +129,7 @@ UNKNOWN_PLUGIN = Rule(
     Severity.WARNING,
     """
 The plug-in is neither ours nor one that tecsgen ships. It is left to tecsgen, which looks for it
-on its library path.
+on its library path. tecsgen: P2001.
 
 ```cdl
 // gives this finding
@@ -151,8 +139,6 @@ celltype tWorker { entry sWork eWork; };
 cell tWorker Worker {};
 cell tUser User { [through( RTPPlugin, "" )] cWork = Worker.eWork; };
 ```
-
-tecsgen's message: P2001.
 """,
 )
 
@@ -161,7 +147,8 @@ THROUGH_ATTRIBUTE = Rule(
     "through before something that is no join",
     Severity.WARNING,
     """
-`through` stands before the join of a call port; before anything else it has no effect.
+`through` stands before the join of a call port; before anything else it has no effect. tecsgen:
+S1123.
 
 ```cdl
 // gives this finding
@@ -169,8 +156,6 @@ signature sWork { void work( void ); };
 celltype tWorker { entry sWork eWork; attr { int32_t number; }; };
 cell tWorker Worker { [through( RTCPlugin, "" )] number = 1; };
 ```
-
-tecsgen's message: S1123.
 """,
 )
 
@@ -180,7 +165,7 @@ THROUGH_IGNORED = Rule(
     Severity.WARNING,
     """
 A call port that is `omit`, or has a signature without functions, carries no calls, so nothing is
-put between.
+put between. tecsgen: W9999.
 
 ```cdl
 // gives this finding
@@ -190,8 +175,6 @@ celltype tWorker { entry sNone eNone; };
 cell tWorker Worker {};
 cell tUser User { [through( RTCPlugin, "" )] cNone = Worker.eNone; };
 ```
-
-tecsgen's message: W9999.
 """,
 )
 
@@ -201,7 +184,7 @@ BAD_ARGUMENT = Rule(
     Severity.ERROR,
     """
 The argument is a list `name=value, name=value`. A value may stand between `\\\"` `\\\"`, `'` `'`,
-`%` `%` or `!` `!`; a backslash quotes the next character.
+`%` `%` or `!` `!`; a backslash quotes the next character. tecsgen: P1001, P1002, P1003.
 
 ```cdl
 // gives this finding
@@ -211,8 +194,6 @@ celltype tWorker { entry sWork eWork; };
 cell tWorker Worker {};
 cell tUser User { [through( RTCPlugin, "port 8931" )] cWork = Worker.eWork; };
 ```
-
-tecsgen's message: P1001, P1002 and P1003.
 """,
 )
 
