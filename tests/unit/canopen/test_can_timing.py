@@ -1,0 +1,120 @@
+"""Response times on a CAN bus: the paper's example, and a simulated bus."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from rtgen.layouts.can_timing import (
+    Message,
+    bit_time,
+    frame_bits,
+    load,
+    response_times,
+)
+
+BIT_RATE = 125
+BIT = bit_time(BIT_RATE)
+MS = 1_000_000
+
+
+@pytest.mark.parametrize(
+    ("octets", "standard", "extended"),
+    [(0, 55, 80), (1, 65, 90), (7, 125, 150), (8, 135, 160)],
+)
+def test_frames(octets: int, standard: int, extended: int) -> None:
+    """55 + 10 s and 80 + 10 s bits for s octets."""
+    assert frame_bits(octets) == standard
+    assert frame_bits(octets, extended=True) == extended
+
+
+def test_bit_times() -> None:
+    assert [bit_time(r) for r in (1000, 800, 500, 125, 10)] == [
+        1000,
+        1250,
+        2000,
+        8000,
+        100_000,
+    ]
+
+
+def test_the_example_of_the_paper() -> None:
+    """Three messages of 1 ms: the third one's second instance is the late one."""
+    messages = [
+        Message("A", 1, 7, 2_500_000),
+        Message("B", 2, 7, 3_500_000),
+        Message("C", 3, 7, 3_500_000),
+    ]
+    found = {t.message.name: t.response for t in response_times(messages, BIT_RATE)}
+    assert found == {"A": 2 * MS, "B": 3 * MS, "C": 3_500_000}
+    assert load(messages, BIT_RATE) == pytest.approx(1 / 2.5 + 2 / 3.5)
+
+
+def test_no_bound() -> None:
+    messages = [
+        Message("A", 1, 8, 1_200_000),
+        Message("B", 2, 8, 5 * MS),
+        Message("C", 3, 0, MS),
+    ]
+    found = [t.response for t in response_times(messages, BIT_RATE)]
+    assert found[0] is not None
+    assert found[1:] == [None, None]
+
+
+def test_arbitration() -> None:
+    messages = [
+        Message("extended", 0x100 << 18 | 5, 8, MS, extended=True),
+        Message("later", 0x101, 8, MS),
+        Message("standard", 0x100, 8, MS),
+        Message("urgent", 0x0FF << 18, 8, MS, extended=True),
+    ]
+    found = [t.message.name for t in response_times(messages, 1000)]
+    assert found == ["urgent", "standard", "extended", "later"]
+
+
+def simulated(messages: list[Message], which: int) -> int:
+    """The longest response of a message if all are queued as a longer frame begins."""
+    costs = [frame_bits(m.octets) * BIT for m in messages]
+    now = max(costs[which + 1 :], default=0)
+    sent = [0] * (which + 1)
+    worst = 0
+    while True:
+        waiting = [k for k in range(which + 1) if sent[k] * messages[k].period <= now]
+        if not any(sent[k] * messages[k].period < now or now == 0 for k in waiting):
+            return worst
+        chosen = min(waiting)
+        queued = sent[chosen] * messages[chosen].period
+        now += costs[chosen]
+        sent[chosen] += 1
+        if chosen == which:
+            worst = max(worst, now - queued)
+
+
+@settings(max_examples=300, deadline=None, derandomize=True)
+@given(
+    st.lists(st.tuples(st.integers(0, 8), st.integers(60, 900)), min_size=1, max_size=6)
+)
+def test_against_a_simulated_bus(drawn: list[tuple[int, int]]) -> None:
+    """The critical instant of the analysis, played through frame by frame."""
+    messages = [
+        Message(f"m{n}", n, octets, 4 * period * BIT)
+        for n, (octets, period) in enumerate(drawn)
+    ]
+    for n, timing in enumerate(response_times(messages, BIT_RATE)):
+        if timing.response is not None:
+            assert simulated(messages, n) == timing.response
+
+
+def test_jitter_comes_on_top() -> None:
+    def third(jitter: int) -> int:
+        messages = [
+            Message("A", 1, 8, 10 * MS, jitter=jitter),
+            Message("B", 2, 8, 10 * MS),
+        ]
+        response = [t.response for t in response_times(messages, 1000)]
+        assert response[0] is not None
+        assert response[1] is not None
+        return response[0] - jitter
+
+    assert third(0) == third(MS)
