@@ -4,26 +4,12 @@ from __future__ import annotations
 
 from math import tau
 
+from refnav.base_control import BaseControl, TravelSwitch
 from refnav.geometry import Pose
 from refnav.plant import DifferentialDrive, counted
-from refrobots import RefHard, rtc
+from refrobots import rtc
 from refrobots.components.ref_hard_rh3 import RefHardRh3Base
 from rtgen.runtime import RTC_OK, ReturnCode_t
-
-
-class TravelSwitch(RefHard):
-    """Both service ports work on one switch: whoever says Go releases the base."""
-
-    def __init__(self) -> None:
-        self.stopped = False
-
-    def Stop(self) -> None:
-        """Stop the travelling base."""
-        self.stopped = True
-
-    def Go(self) -> None:
-        """Let the stopped base travel."""
-        self.stopped = False
 
 
 class RefHardRh3(RefHardRh3Base):
@@ -38,9 +24,10 @@ class RefHardRh3(RefHardRh3Base):
         self._base = DifferentialDrive()
         self._placed = False
         self._angles = rtc.TimedDoubleSeq(data=[0.0, 0.0])
-        self._switch = TravelSwitch()
-        self.InventGUIRefHard.set_servant(self._switch)
-        self.BumpRefHard.set_servant(self._switch)
+        switch = TravelSwitch()
+        self.InventGUIRefHard.set_servant(switch)
+        self.BumpRefHard.set_servant(switch)
+        self._control = BaseControl(self.InTargetVelocity, self.config, switch)
         self.observables["truth"] = lambda: self._base.pose
         self.observables["wheels"] = lambda: (self._base.left, self._base.right)
         return RTC_OK
@@ -54,10 +41,8 @@ class RefHardRh3(RefHardRh3Base):
             )
             self._base.place(start)
             self._placed = True
-        self._switch.Go()
-        self._vx = 0.0
-        self._va = 0.0
-        self._now = self._heard = self.now()
+        self._now = self.now()
+        self._control.start(self._now)
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
@@ -84,19 +69,7 @@ class RefHardRh3(RefHardRh3Base):
             config.PlantWheelRadiusRight,
             config.PlantWheelTread,
         )
-        port = self.InTargetVelocity
-        if port.is_new() and (command := port.read_newest()) is not None:
-            self._vx = command.data.vx
-            self._va = command.data.va
-            self._heard = now
-        elif 0.0 < config.CommandTimeout * 1e9 < now - self._heard:
-            self._vx = self._va = 0.0
-        if self._switch.stopped:
-            left = right = 0.0
-        else:
-            sideways = 0.5 * self._va * config.WheelTread
-            left = (self._vx - sideways) / config.WheelRadiusLeft
-            right = (self._vx + sideways) / config.WheelRadiusRight
+        left, right = self._control.wheel_speeds(now)
         base.drive(left, right, config.Velocity_limit, config.Acceleration_limit * dt)
         count = tau / (config.EncoderCount * config.GearRatio)
         angles = self._angles

@@ -5,5 +5,7 @@
 #   specs/navigation/PathFollower.idl (sha256 5c8f77acf804a898)
 #   specs/navigation/PositionInput.idl (sha256 76ab8bf480efb656)
 #   specs/navigation/RefHardRh3.idl (sha256 150c6def267a3a23)
+#   specs/tecs/RefHardRh3Tecs.idl (sha256 9a59bef2a9e8080a)
+#   specs/tecs/SimulatedMotorBoard.idl (sha256 6e39fecd9aa80413)
 # Owned by rtgen: edits are overwritten by the next run.
 """The components, each in a package of its own."""

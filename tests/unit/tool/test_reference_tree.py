@@ -149,11 +149,15 @@ def test_one_character_anywhere_in_the_tree_is_drift(
     monkeypatch.chdir(folder)
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
     assert run(["generate"]) == 0
-    skeletons = sorted((folder / "src").rglob("*.py"))
+    made = folder / "generated"
+    manifest = made / ".rtgen.json"
+    owned = {manifest, *(made / f for f in json.loads(manifest.read_text())["files"])}
+    skeletons = sorted({*(folder / "src").rglob("*.py"), *made.rglob("*Client.py")})
+    assert owned.isdisjoint(skeletons)
     for file in skeletons:
         file.write_text("# mine alone\n")
     chance = random.Random(5)
-    for file in sorted(f for f in (folder / "generated").rglob("*") if f.is_file()):
+    for file in sorted(owned):
         good = file.read_bytes()
         position = chance.randrange(len(good)) if good else 0
         file.write_bytes(good[:position] + b"\x07" + good[position + 1 :])

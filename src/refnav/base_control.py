@@ -1,0 +1,72 @@
+"""What drives the base, wherever its wheels are: the velocity that it is to have, Stop and Go."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from refrobots import RefHard, iis
+from rtgen.runtime import InPort
+
+
+class TravelSwitch(RefHard):
+    """Both service ports work on one switch: whoever says Go releases the base."""
+
+    def __init__(self) -> None:
+        self.stopped = False
+
+    def Stop(self) -> None:
+        """Stop the travelling base."""
+        self.stopped = True
+
+    def Go(self) -> None:
+        """Let the stopped base travel."""
+        self.stopped = False
+
+
+class BaseParameters(Protocol):
+    """The parameters that turn velocities into wheel speeds [m, s]."""
+
+    WheelTread: float
+    WheelRadiusLeft: float
+    WheelRadiusRight: float
+    CommandTimeout: float
+
+
+class BaseControl:
+    """Makes wheel speeds of the newest velocity; of none, once none has come for too long."""
+
+    def __init__(
+        self,
+        port: InPort[iis.TimedVelocity2D],
+        parameters: BaseParameters,
+        switch: TravelSwitch,
+    ) -> None:
+        self._port = port
+        self._parameters = parameters
+        self._switch = switch
+        self.start(0)
+
+    def start(self, now: int) -> None:
+        """At rest from now [ns] on, until a velocity comes."""
+        self._switch.Go()
+        self._vx = 0.0
+        self._va = 0.0
+        self._heard = now
+
+    def wheel_speeds(self, now: int) -> tuple[float, float]:
+        """The speeds that the left and the right wheel are to have now [ns]; in rad/s."""
+        parameters = self._parameters
+        port = self._port
+        if port.is_new() and (command := port.read_newest()) is not None:
+            self._vx = command.data.vx
+            self._va = command.data.va
+            self._heard = now
+        elif 0.0 < parameters.CommandTimeout * 1e9 < now - self._heard:
+            self._vx = self._va = 0.0
+        if self._switch.stopped:
+            return 0.0, 0.0
+        sideways = 0.5 * self._va * parameters.WheelTread
+        return (
+            (self._vx - sideways) / parameters.WheelRadiusLeft,
+            (self._vx + sideways) / parameters.WheelRadiusRight,
+        )

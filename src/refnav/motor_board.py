@@ -1,0 +1,176 @@
+"""The motor board of RH3 as a program: two wheels, their encoders, limits, and a watchdog."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from math import isfinite, tau
+from typing import Protocol
+
+from refnav.geometry import Pose
+from refnav.plant import DifferentialDrive
+from refrobots import rtc
+from refrobots.rh3 import BoardEvent, BoardEventKind
+from rtgen.runtime import SECOND
+from rtgen.runtime.opaque_rpc import E_OK, E_PAR
+from tecs.board._types import WHEELS, tagWheelState
+from tecs.board.motor_board_server import MotorBoardTarget
+
+NAME = "RH3 motor board, simulated"
+_MILLISECOND = 1_000_000
+
+
+class BoardParameters(Protocol):
+    """What the board is made of, and its watchdog [s]; geometry in m."""
+
+    watchdog: float
+    GearRatio: float
+    EncoderCount: int
+    PlantWheelTread: float
+    PlantWheelRadiusLeft: float
+    PlantWheelRadiusRight: float
+
+
+class MotorBoard(MotorBoardTarget):
+    """Carries out the calls of board.cdl on a simulated base, by a clock of its own.
+
+    `now` is the clock [ns]; `tell` is called for each entry of the log, by whichever thread. Calls
+    and `turn` may come from different threads.
+    """
+
+    def __init__(
+        self,
+        parameters: BoardParameters,
+        start: Pose,
+        now: Callable[[], int],
+        tell: Callable[[BoardEvent], None],
+    ) -> None:
+        self.base = DifferentialDrive()
+        self.base.place(start)
+        self._parameters = parameters
+        self._now = now
+        self._tell = tell
+        self._lock = threading.Lock()
+        self._turned = now()
+        self._commanded = 0
+        self._driven = False
+        self._stopped = False
+        self._watchdog = False
+        self._wanted = (0.0, 0.0)
+        self._most = 0.0
+        self._acceleration = 0.0
+
+    # The board's own loop.
+
+    def turn(self) -> None:
+        """Lets the wheels turn up to now, looks at the watchdog, and sets their speeds anew."""
+        parameters = self._parameters
+        base = self.base
+        with self._lock:
+            now = self._now()
+            dt = (now - self._turned) * 1e-9
+            self._turned = now
+            base.roll(
+                dt,
+                parameters.PlantWheelRadiusLeft,
+                parameters.PlantWheelRadiusRight,
+                parameters.PlantWheelTread,
+            )
+            if self._driven and now - self._commanded >= parameters.watchdog * SECOND:
+                self._driven = False
+                self._watchdog = True
+                base.halt()
+                self._note(BoardEventKind.WATCHDOG)
+            if self._driven and not self._stopped:
+                base.drive(*self._wanted, self._most, self._acceleration * dt)
+
+    def note(self, kind: BoardEventKind) -> None:
+        """Makes an entry in the log."""
+        with self._lock:
+            self._note(kind)
+
+    # The calls of the signature; their names are those of the CDL file.
+
+    def identify(self) -> tuple[int, str]:
+        """The name and the version of the board."""
+        return E_OK, NAME
+
+    def setLimits(self, speed: float, acceleration: float) -> int:
+        """The greatest speed [rad/s] and acceleration [rad/s^2] of a wheel."""
+        if not (0.0 <= speed < tau * 1e6 and 0.0 <= acceleration < tau * 1e6):
+            return E_PAR
+        with self._lock:
+            self._most = speed
+            self._acceleration = acceleration
+        return E_OK
+
+    def drive(self, speed: Sequence[float], count: int) -> tuple[int, tagWheelState]:
+        """Gives the speeds that the wheels are to have [rad/s], and feeds the watchdog."""
+        with self._lock:
+            if count != WHEELS or not all(map(isfinite, speed)):
+                return E_PAR, self._state()
+            self._wanted = (speed[0], speed[1])
+            if not self._driven:
+                self._note(BoardEventKind.DRIVING)
+            self._commanded = self._now()
+            self._driven = True
+            self._watchdog = False
+            return E_OK, self._state()
+
+    def getState(self) -> tuple[int, tagWheelState]:
+        """Looks at the wheels."""
+        with self._lock:
+            return E_OK, self._state()
+
+    def stop(self) -> None:
+        """Holds the wheels, at once and until `release`."""
+        with self._lock:
+            if not self._stopped:
+                self._stopped = True
+                self.base.halt()
+                self._note(BoardEventKind.STOPPED)
+
+    def release(self) -> int:
+        """Lets the stopped wheels turn again."""
+        with self._lock:
+            if self._stopped:
+                self._stopped = False
+                self._note(BoardEventKind.RELEASED)
+        return E_OK
+
+    def _state(self) -> tagWheelState:
+        parameters = self._parameters
+        base = self.base
+        size = tau / (parameters.EncoderCount * parameters.GearRatio)
+        return tagWheelState(
+            time=self._now() // _MILLISECOND & 0xFFFF_FFFF,
+            count=[
+                _wrapped(base.left_angle // size),
+                _wrapped(base.right_angle // size),
+            ],
+            speed=[base.left, base.right],
+            stopped=self._stopped,
+            watchdog=self._watchdog,
+        )
+
+    def _note(self, kind: BoardEventKind) -> None:
+        x, y, theta = self.base.pose
+        self._tell(
+            BoardEvent(
+                tm=_time(self._now()),
+                kind=kind,
+                command=_time(self._commanded),
+                left=self.base.left,
+                right=self.base.right,
+                pose=rtc.Pose2D(rtc.Point2D(x, y), theta),
+            )
+        )
+
+
+def _time(instant: int) -> rtc.Time:
+    return rtc.Time(*divmod(instant, SECOND))
+
+
+def _wrapped(count: float) -> int:
+    """A counter of 32 bits goes round."""
+    return (int(count) + 0x8000_0000) % 0x1_0000_0000 - 0x8000_0000

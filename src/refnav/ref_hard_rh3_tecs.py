@@ -1,0 +1,118 @@
+"""RefHardRh3Tecs: drives the base by a TECS motor board, which it calls through a service port."""
+
+from __future__ import annotations
+
+import logging
+from math import tau
+
+from refnav.base_control import BaseControl, TravelSwitch
+from refrobots import rtc
+from refrobots.components.ref_hard_rh3_tecs import RefHardRh3TecsBase
+from rtgen.runtime import RTC_OK, ReturnCode_t, ServiceError
+from rtgen.runtime.opaque_rpc import E_OK, E_RPC, MERCD
+from tecs.board import WHEELS, tagWheelState
+from tecs.board.components.motor_board_client import MotorBoardClientBase
+
+log = logging.getLogger("refnav.ref_hard_rh3_tecs")
+
+
+class LinkError(Exception):
+    """The board cannot be reached; whether it did what it was asked for is not known."""
+
+
+class RefHardRh3Tecs(RefHardRh3TecsBase, MotorBoardClientBase):
+    """RefHardRh3 with the wheels on a board: the ports of both definitions.
+
+    While the board cannot be reached, no angles are sent, and the board itself holds the wheels.
+    The observable `calls` counts the exchanges that were answered and those that were not.
+    """
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Offer the services."""
+        self._angles = rtc.TimedDoubleSeq(data=[0.0, 0.0])
+        self._switch = TravelSwitch()
+        self.InventGUIRefHard.set_servant(self._switch)
+        self.BumpRefHard.set_servant(self._switch)
+        self._control = BaseControl(self.InTargetVelocity, self.config, self._switch)
+        self._answered = self._unanswered = 0
+        self.observables["calls"] = lambda: (self._answered, self._unanswered)
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Start at rest; the board need not be there yet."""
+        self._control.start(self.now())
+        self._met = False
+        self._held = False
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Hold the wheels; if the board cannot be told, its watchdog does."""
+        self._hold()
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Hold the wheels; if the board cannot be told, its watchdog does."""
+        self._hold()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Give the board its wheel speeds, and send the angles that it answers with."""
+        left, right = self._control.wheel_speeds(self.now())
+        try:
+            if not self._met:
+                self._meet()
+            state = self._drive(left, right)
+        except (LinkError, ServiceError) as error:
+            if self._met or not self._unanswered:
+                log.warning("%s: no motor board: %s", self.instance_name, error)
+            self._met = False
+            self._unanswered += 1
+            return RTC_OK
+        self._answered += 1
+        config = self.config
+        count = tau / (config.EncoderCount * config.GearRatio)
+        angles = self._angles
+        angles.data[0] = state.count[0] * count * config.EncoderConstant_L
+        angles.data[1] = state.count[1] * count * config.EncoderConstant_R
+        self.stamp(angles)
+        self.OutWheelAngle.write(angles)
+        return RTC_OK
+
+    def _meet(self) -> None:
+        """A board that comes, or comes back, may be another one, or have been switched off."""
+        config = self.config
+        board = self.motor_board.object
+        code, name = board.identify()
+        _check("identify", code)
+        limits = config.Velocity_limit, config.Acceleration_limit
+        _check("setLimits", board.setLimits(*limits))
+        self._held = not self._switch.stopped
+        self._met = True
+        log.info("%s: %s", self.instance_name, name)
+
+    def _drive(self, left: float, right: float) -> tagWheelState:
+        board = self.motor_board.object
+        if self._switch.stopped != self._held:
+            self._held = self._switch.stopped
+            if self._held:
+                board.stop()
+            else:
+                _check("release", board.release())
+        code, state = board.drive([left, right], WHEELS)
+        _check("drive", code)
+        return state
+
+    def _hold(self) -> None:
+        try:
+            self.motor_board.object.stop()
+        except ServiceError as error:
+            log.info("%s: stop did not reach the board: %s", self.instance_name, error)
+
+
+def _check(function: str, code: int) -> None:
+    """Raises LinkError if the call did not get through, RuntimeError if the board refuses it."""
+    if code == E_OK:
+        return
+    if MERCD(code) == E_RPC:
+        raise LinkError(f"{function} failed ({code})")
+    raise RuntimeError(f"the board refuses {function} ({code})")

@@ -1,0 +1,123 @@
+"""SimulatedMotorBoard: a motor board for systems without one, here or in another process."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Protocol
+
+from refnav.geometry import Pose
+from refnav.motor_board import MotorBoard
+from refrobots.components.simulated_motor_board import SimulatedMotorBoardBase
+from refrobots.rh3 import BoardEvent, BoardEventKind
+from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime.opaque_rpc import (
+    ChannelError,
+    SerialServer,
+    SimulatedServer,
+    TcpServer,
+)
+from tecs.board.motor_board_codec import MotorBoardCodec
+from tecs.board.motor_board_server import MotorBoardUnmarshaller
+
+
+class Server(Protocol):
+    """Serves the board's calls until it is closed."""
+
+    def close(self) -> None: ...
+
+
+class SimulatedMotorBoard(SimulatedMotorBoardBase):
+    """A board that is switched on by the first activation, and reached while it is ACTIVE.
+
+    Its observables are `truth`, the true pose (x, y, theta) [m, rad], and `wheels`, the speeds of
+    the left and the right wheel [rad/s]; both are empty if another process has the board.
+    """
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Show where the base is."""
+        self._board: MotorBoard | None = None
+        self._server: Server | None = None
+        self._log: deque[BoardEvent] = deque()
+        self.observables["truth"] = self._truth
+        self.observables["wheels"] = self._wheels
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Switch the board on, and listen."""
+        config = self.config
+        if config.transport == "none":
+            return RTC_OK
+        if self._board is None:
+            start = Pose(
+                config.PlantStart_x, config.PlantStart_y, config.PlantStart_theta
+            )
+            self._board = MotorBoard(config, start, self.now, self._log.append)
+        return self._listen(self._board) if config.link else RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Hold the wheels, and listen no more."""
+        self._leave()
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Hold the wheels, and listen no more."""
+        self._leave()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Cut or mend the line, let the board do its turn, and send its log."""
+        board = self._board
+        if board is None:
+            return RTC_OK
+        code = RTC_OK
+        if self.config.link != (self._server is not None):
+            if self._server is None:
+                code = self._listen(board)
+                board.note(BoardEventKind.LINK_UP)
+            else:
+                self._close()
+                board.note(BoardEventKind.LINK_DOWN)
+        board.turn()
+        while self._log:
+            self.events.write(self._log.popleft())
+        return code
+
+    def _listen(self, board: MotorBoard) -> ReturnCode_t:
+        try:
+            self._server = self._opened(
+                MotorBoardUnmarshaller(board, MotorBoardCodec())
+            )
+        except (OSError, ChannelError) as error:
+            return self.fail(f"cannot listen: {error}")
+        return RTC_OK
+
+    def _opened(self, service: MotorBoardUnmarshaller) -> Server:
+        config = self.config
+        serial = config.transport == "serial"
+        if self.network is not None:
+            address = config.device if serial else f"{config.host}:{config.port}"
+            return SimulatedServer(self.network, address, service)
+        server = (
+            SerialServer(service, config.device, config.baudrate)
+            if serial
+            else TcpServer(service, config.host, config.port)
+        )
+        server.start()
+        return server
+
+    def _close(self) -> None:
+        server, self._server = self._server, None
+        if server is not None:
+            server.close()
+
+    def _leave(self) -> None:
+        self._close()
+        if self._board is not None:
+            self._board.base.halt()
+
+    def _truth(self) -> tuple[float, ...]:
+        return () if self._board is None else self._board.base.pose
+
+    def _wheels(self) -> tuple[float, ...]:
+        base = None if self._board is None else self._board.base
+        return () if base is None else (base.left, base.right)
