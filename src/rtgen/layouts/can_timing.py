@@ -2,7 +2,8 @@
 
 After R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien: "Controller Area Network (CAN)
 schedulability analysis: Refuted, revisited and revised", Real-Time Systems 35 (2007): the longest
-response among all instances of a message in its busy period, not that of the first one alone. All times are whole nanoseconds.
+response among all instances of a message in its busy period, not that of the first one alone. All
+times are whole nanoseconds.
 """
 
 from __future__ import annotations
