@@ -23,10 +23,13 @@ from rtgen.backends.tecs.communication import (
     communication_model,
 )
 from rtgen.backends.tecs.idl_model import IdlService, IdlSide, idl_side
+from rtgen.backends.tecs.marshaller_module import marshaller_module
 from rtgen.backends.tecs.plan import ROOT, TecsPackage, packages
 from rtgen.backends.tecs.rules import NOT_TRANSFERRED
-from rtgen.backends.tecs.service_modules import ServiceModules, views_module
+from rtgen.backends.tecs.server_module import server_module
+from rtgen.backends.tecs.service_text import ServiceText
 from rtgen.backends.tecs.types_module import types_text
+from rtgen.backends.tecs.views_module import views_module
 from rtgen.backends.types import BACKEND as TYPES
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.layouts.tdr import Record
@@ -158,18 +161,18 @@ class _Writer:
             records.update((r.struct.name, r) for r in layout.records)
             codec = codec_text(unit, signature, self._header)
             yield self._artifact(f"{codec_module(signature)}.py", codec)
-            modules = ServiceModules(
-                self._side.model, names, self._side, idl, layout, self._header
-            )
+            text = ServiceText(idl.service, layout, self._header)
             stem = idl.service.module
-            yield self._artifact(f"{stem}_marshaller.py", modules.marshaller())
-            yield self._artifact(f"{stem}_server.py", modules.server())
+            marshaller = marshaller_module(text, self._side.model, names, idl)
+            yield self._artifact(f"{stem}_marshaller.py", marshaller)
+            yield self._artifact(f"{stem}_server.py", server_module(text))
         if records or any(isinstance(d, TecsConst) for d in unit.declarations):
-            text = types_text(unit, signatures, self._header)
-            yield self._artifact("_types.py", text)
+            types = types_text(unit, signatures, self._header)
+            yield self._artifact("_types.py", types)
         if records:
-            text = views_module(self._side, names, list(records.values()), self._header)
-            yield self._artifact("_views.py", text)
+            structs = list(records.values())
+            views = views_module(self._side, names, structs, self._header)
+            yield self._artifact("_views.py", views)
 
 
 def _profile_name(package: TecsPackage, name: str) -> str:

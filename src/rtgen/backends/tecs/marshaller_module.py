@@ -1,0 +1,206 @@
+"""The module `<name>_marshaller.py`: proxy, servant, and the RTC around them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rtgen.backends.components.base_module import class_names
+from rtgen.backends.components.imports import Imports, import_from
+from rtgen.backends.components.members import attributes_of
+from rtgen.backends.python_text import docstring, fit_text
+from rtgen.backends.rendering import render
+from rtgen.backends.tecs.idl_model import IdlService
+from rtgen.backends.tecs.proxies import names_used, proxy_method
+from rtgen.backends.tecs.service_text import (
+    LOCALS,
+    Method,
+    ServiceText,
+    returning,
+    standard_imports,
+    tuple_type,
+)
+from rtgen.backends.tecs.views import to_codec, to_idl, used_structs
+from rtgen.layouts.tdr import FunctionLayout, Item
+from rtgen.model import (
+    VOID,
+    Component,
+    Direction,
+    Model,
+    Operation,
+    Primitive,
+    PrimitiveType,
+)
+from rtgen.typemap.idl_python import PythonNames, distinct
+from rtgen.typemap.python_names import module_name
+from rtgen.typemap.tecs_python import struct_class
+
+_ANY = PrimitiveType(Primitive.ANY)
+_VALUES = "rtgen.runtime.values"
+_BOUND = ("RTC_OK", "ReturnCode_t", "CommunicationChannel", "Channel", "RpcError")
+
+
+def marshaller_module(
+    text: ServiceText, model: Model, names: PythonNames, idl: IdlService
+) -> str:
+    """The module of a service; the model holds the IDL side of its package."""
+    name = text.name
+    structs = text.struct_classes()
+    component = model.find((f"{idl.service.name}Marshaller",))
+    assert isinstance(component, Component)
+    base, _ = class_names(component)
+    servant = f"_{name}Servant"
+    own = (f"{name}Proxy", servant, f"{name}Marshaller", base, text.codec)
+    taken = {*structs, *LOCALS, *own, *_BOUND, "Sequence", "make_tdr"}
+    imports = Imports(model, names, ".", taken)
+    interface = imports.type_name(idl.interface.name)
+    servants = _Servant(text, names, idl, imports)
+    layouts = text.layout.functions
+    operations = [
+        servants.operation(function, operation)
+        for function, operation in zip(layouts, idl.interface.operations, strict=True)
+    ]
+    functions = [proxy_method(text, function) for function in layouts]
+    views = _views_used(layouts)
+    attributes = attributes_of(component)
+    values = [line for line in imports.lines() if f"from {_VALUES} " in line]
+    lines = [
+        *(line for line in imports.lines() if line not in values),
+        import_from("..opaque_rpc_communication", ["CommunicationChannel"]),
+        import_from("._types", structs) if structs else "",
+        import_from("._views", views) if views else "",
+        import_from(f".components.{module_name(component.name[-1])}", [base]),
+        import_from(text.codec_module, [text.codec]),
+    ]
+    used = {"Channel", *names_used(layouts), *(["make_tdr"] if text.makes_tdr else [])}
+    rendered = render(
+        "tecs/marshaller.py.j2",
+        header=text.header,
+        docstring=docstring(f"`{text.signature}`: calls of a TECS board.", 0),
+        standard=standard_imports(functions),
+        runtime=[
+            import_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"]),
+            import_from("rtgen.runtime.opaque_rpc", used),
+            *values,
+        ],
+        imports=sorted(filter(None, lines)),
+        proxy=f"{name}Proxy",
+        codec=text.codec,
+        make_codec=text.make_codec,
+        signature=text.signature,
+        functions=functions,
+        servant=servant,
+        interface=interface,
+        interface_name="::".join(idl.interface.name),
+        operations=operations,
+        marshaller=f"{name}Marshaller",
+        base=base,
+        class_docstring=docstring(component.doc, 4),
+        provider=attributes.ports[0][1],
+        consumer=attributes.ports[1][1],
+    )
+    return fit_text(rendered)
+
+
+class _Servant:
+    """Writes the operations of the servant behind the service port."""
+
+    def __init__(
+        self, text: ServiceText, names: PythonNames, idl: IdlService, imports: Imports
+    ) -> None:
+        self._methods = text.methods
+        self._names = names
+        self._idl = idl
+        self._imports = imports
+
+    def operation(self, layout: FunctionLayout, operation: Operation) -> Method:
+        """Converts what is given, has the proxy call, converts what comes back."""
+        annotate = self._imports.mapping.annotation
+        names = distinct((p.name for p in operation.parameters), LOCALS)
+        pairs = list(zip(layout.items, operation.parameters, strict=True))
+        taken = set(names.values())
+        body: list[str] = []
+        arguments = []
+        for item, parameter in pairs:
+            if item.asked:
+                arguments.append("True")
+            elif item.inward:
+                name = names[parameter.name]
+                value = f"{name}.value" if parameter.type == _ANY else name
+                arguments.append(
+                    _local(body, to_codec(item, value), f"{name}_in", taken)
+                )
+        method = self._methods[layout.function.name]
+        call = f"self._proxy.{method}({', '.join(arguments)})"
+        results: list[str] = []
+        converted = []
+        types = [] if layout.is_void else [annotate(operation.returns)]
+        after: list[str] = []
+        if not layout.is_void:
+            results.append("returned")
+            value = to_idl(layout.returned, "returned")
+            converted.append(_local(after, value, "returned_idl", taken))
+        for item, parameter in pairs:
+            if item.outward:
+                types.append(annotate(parameter.type))
+                results.append(_free(f"{names[parameter.name]}_out", taken))
+                value = to_idl(item, results[-1])
+                if parameter.type == _ANY:
+                    value = self._any(item, value)
+                converted.append(_local(after, value, f"{results[-1]}_idl", taken))
+        if not results:
+            body.append(call)
+        elif converted == results:
+            body.append(f"return {call}")
+        else:
+            body += [f"{', '.join(results)} = {call}", *after]
+            body.append(returning(converted, 8))
+        given = [
+            f"{names[p.name]}: {annotate(p.type)}"
+            for p in operation.parameters
+            if p.direction is not Direction.OUT
+        ]
+        assert layout.is_void == (operation.returns == VOID)
+        return Method(
+            self._names.operations(self._idl.interface)[operation.name],
+            ", ".join(["self", *given]),
+            tuple_type(types),
+            body=tuple(body),
+        )
+
+    def _any(self, item: Item, value: str) -> str:
+        """An array in an `any`, by the typedef that the interface has for it."""
+        name = self._idl.arrays[item.span]
+        module, _ = self._names.implementation(name)
+        class_name = self._names.companion(name, "Codec")
+        codec = self._imports.spell(f".{module}", class_name)
+        any_value = self._imports.spell(_VALUES, "AnyValue")
+        return f"{any_value}({codec}._descriptor_, {value})"
+
+
+def _local(body: list[str], value: str, name: str, taken: set[str]) -> str:
+    """The value; one that is a choice gets a name of its own first."""
+    if " if " not in value:
+        return value
+    name = _free(name, taken)
+    body.append(f"{name} = {value}")
+    return name
+
+
+def _free(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "_"
+    taken.add(name)
+    return name
+
+
+def _views_used(functions: Sequence[FunctionLayout]) -> list[str]:
+    found = set()
+    for function in functions:
+        for item in function.items:
+            for record in used_structs(item.node):
+                name = struct_class(record.struct.name)
+                found |= {f"codec_{name}"} if item.inward else set()
+                found |= {f"idl_{name}"} if item.outward else set()
+        for record in used_structs(function.returned.node):
+            found.add(f"idl_{struct_class(record.struct.name)}")
+    return sorted(found)

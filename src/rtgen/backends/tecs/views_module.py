@@ -1,0 +1,42 @@
+"""The module `_views.py`: the structs of a package in CDL's types and in IDL's."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rtgen.backends.components.imports import Imports
+from rtgen.backends.python_text import fit_text
+from rtgen.backends.rendering import render
+from rtgen.backends.tecs.idl_model import IdlSide
+from rtgen.backends.tecs.views import struct_views
+from rtgen.layouts.tdr import Record
+from rtgen.model import Struct
+from rtgen.typemap.idl_python import PythonNames
+
+
+def views_module(
+    side: IdlSide,
+    names: PythonNames,
+    records: Sequence[Record],
+    header: str,
+) -> str:
+    """The text of `_views.py`, for all structs of a package."""
+    imports = Imports(side.model, names, ".", {"_types", "value"})
+    structs = []
+    for record in records:
+        scoped = side.structs[record.struct.name]
+        declaration = side.model.find(scoped)
+        assert isinstance(declaration, Struct)
+        members = names.members(declaration)
+        structs.append(
+            struct_views(
+                record,
+                imports.type_name(scoped),
+                tuple(members[member.name] for member in declaration.members),
+            )
+        )
+    lines = ["from . import _types", *imports.lines()]
+    text = render(
+        "tecs/views.py.j2", header=header, imports=sorted(lines), structs=structs
+    )
+    return fit_text(text)
