@@ -104,7 +104,7 @@ def _function(nodes: _Nodes, function: TecsFunction) -> FunctionLayout:
     values = [step for item in outward for step in _reply_value(item)]
     result = _value(returned, flag=False)
     begin, end = [Field(Role.SOP)], [Field(Role.EOP)]
-    leaves_out = bool(outs) and _is_er(function.returns)
+    leaves_out = bool(outs) and is_error_code(function.returns)
     return FunctionLayout(
         function,
         items,
@@ -117,7 +117,7 @@ def _function(nodes: _Nodes, function: TecsFunction) -> FunctionLayout:
     )
 
 
-def _is_er(type_: CType) -> bool:
+def is_error_code(type_: CType) -> bool:
     """Whether tecsgen takes the type for one of error codes: by its written name."""
     return isinstance(type_, CTypedefType) and type_.name in (("ER",), ("ER_INT",))
 

@@ -9,8 +9,8 @@ from rtgen.backends.components.members import attributes_of
 from rtgen.backends.idl_text import idl_text
 from rtgen.backends.python_text import header_comment
 from rtgen.backends.rendering import render
-from rtgen.backends.tecs.idl_model import COMMUNICATION
 from rtgen.backends.tecs.plan import ROOT
+from rtgen.backends.tecs.rtc_components import COMMUNICATION
 from rtgen.diagnostics import Span
 from rtgen.model import (
     VOID,

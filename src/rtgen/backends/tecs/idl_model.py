@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TypeVar
 
+from rtgen.backends.tecs.idl_names import AnonymousTypes, IdlNames, common_fields
 from rtgen.backends.tecs.plan import Service, TecsPackage
+from rtgen.backends.tecs.rtc_components import components_of
 from rtgen.backends.tecs.rules import NOT_IN_IDL
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.model import (
     VOID,
-    ArrayType,
     Component,
     Const,
     ConstantValue,
@@ -23,12 +24,9 @@ from rtgen.model import (
     NamedType,
     Operation,
     Parameter,
-    Port,
-    PortKind,
     Primitive,
     PrimitiveType,
     ScopedName,
-    SequenceType,
     StringType,
     Struct,
     Type,
@@ -51,9 +49,6 @@ from rtgen.model.tecs import (
 from rtgen.typemap.implementation_modules import referred
 from rtgen.typemap.tecs_idl import IdlTypes, NotInIdlError
 
-COMMUNICATION = ("OpaqueRpc",)
-"""The interface of the communication RTC."""
-
 _DIRECTIONS = {
     TecsDirection.IN: Direction.IN,
     TecsDirection.SEND: Direction.IN,
@@ -63,21 +58,6 @@ _DIRECTIONS = {
 }
 _D = TypeVar("_D", bound=TecsDeclaration)
 _ANY = PrimitiveType(Primitive.ANY)
-
-
-class _Names:
-    """Names in one scope of IDL, where no two may differ in case only."""
-
-    def __init__(self, taken: Iterable[str] = ()) -> None:
-        self._taken = {name.lower() for name in taken}
-
-    def add(self, name: str) -> str:
-        """The name as IDL can have it: a letter first, and no other's."""
-        chosen = f"x{name}" if name.startswith("_") else name
-        while chosen.lower() in self._taken:
-            chosen += "_"
-        self._taken.add(chosen.lower())
-        return chosen
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +111,7 @@ class _Builder:
         self._refused: set[Span] = set()
         self._package = package
         self._unit = package.unit
-        self._scopes: dict[ScopedName, _Names] = {}
+        self._scopes: dict[ScopedName, IdlNames] = {}
         self._modules: dict[ScopedName, ScopedName] = {(): ()}
         services = package.services
         self._interfaces = {
@@ -170,13 +150,13 @@ class _Builder:
     def _module(self, scope: ScopedName) -> ScopedName:
         if scope not in self._modules:
             outer = self._module(scope[:-1])
-            names = self._scopes.setdefault(outer, _Names())
+            names = self._scopes.setdefault(outer, IdlNames())
             self._modules[scope] = (*outer, names.add(scope[-1]))
         return self._modules[scope]
 
     def _named(self, scope: ScopedName, name: str) -> ScopedName:
         module = self._module(scope)
-        return (*module, self._scopes.setdefault(module, _Names()).add(name))
+        return (*module, self._scopes.setdefault(module, IdlNames()).add(name))
 
     def side(self, communication: Model) -> IdlSide:
         declared = {d.name: d for d in self._declarations()}
@@ -224,7 +204,7 @@ class _Builder:
                 )
         components: list[Declaration] = []
         for idl in services:
-            components += _components(self._package, idl)
+            components += components_of(idl.service, idl.interface, idl.file)
         return Model(
             files=(*communication.files, *files),
             declarations=(
@@ -263,7 +243,7 @@ class _Builder:
     def _struct(self, declaration: TecsStruct) -> Struct:
         name = self._structs[declaration.name]
         self._types.type(CStructType(declaration.name))
-        names = _Names([name[-1]])
+        names = IdlNames([name[-1]])
         members = tuple(
             Member(
                 name=names.add(member.name),
@@ -272,12 +252,12 @@ class _Builder:
             )
             for member in declaration.members
         )
-        return Struct(**_common(name, declaration), members=members)
+        return Struct(**common_fields(name, declaration), members=members)
 
     def _typedef(self, declaration: TecsTypedef) -> Typedef:
         name = self._typedefs[declaration.name]
         return Typedef(
-            **_common(name, declaration), type=self._types.type(declaration.type)
+            **common_fields(name, declaration), type=self._types.type(declaration.type)
         )
 
     def _const(self, declaration: TecsConst) -> Const | None:
@@ -291,7 +271,7 @@ class _Builder:
             return None
         name = self._named(declaration.name[:-1], declaration.name[-1])
         fitting = _fitting(type_, plain, value)
-        return Const(**_common(name, declaration), type=type_, value=fitting)
+        return Const(**common_fields(name, declaration), type=type_, value=fitting)
 
     def _constants_beside(
         self, service: Service, declared: dict[ScopedName, Declaration]
@@ -308,15 +288,15 @@ class _Builder:
 
     # Interfaces.
 
-    def _interface(self, service: Service) -> tuple[_Anonymous, Interface]:
+    def _interface(self, service: Service) -> tuple[AnonymousTypes, Interface]:
         """The interface, and what has no name outside of it."""
         signature = service.signature
         name = self._interfaces[signature.name]
-        operations = _Names([name[-1]])
+        operations = IdlNames([name[-1]])
         taken = [operations.add(function.name) for function in signature.functions]
-        anonymous = _Anonymous(name, signature, _Names([name[-1], *taken]))
+        anonymous = AnonymousTypes(name, signature, IdlNames([name[-1], *taken]))
         interface = Interface(
-            **_common(name, signature),
+            **common_fields(name, signature),
             operations=tuple(
                 self._operation(service, function, operation, anonymous)
                 for function, operation in zip(signature.functions, taken, strict=True)
@@ -329,9 +309,9 @@ class _Builder:
         service: Service,
         function: TecsFunction,
         name: str,
-        anonymous: _Anonymous,
+        anonymous: AnonymousTypes,
     ) -> Operation:
-        names = _Names()
+        names = IdlNames()
         before = len(self.findings)
         try:
             returns = self._types.returns(function.returns)
@@ -363,7 +343,7 @@ class _Builder:
         )
 
     def _parameter_type(
-        self, service: Service, parameter: TecsParameter, anonymous: _Anonymous
+        self, service: Service, parameter: TecsParameter, anonymous: AnonymousTypes
     ) -> Type | None:
         try:
             type_ = self._types.parameter(parameter)
@@ -385,46 +365,9 @@ class _Builder:
         )
 
 
-class _Anonymous:
-    """Gives the types that an operation cannot write a name, inside of the interface."""
-
-    def __init__(
-        self, interface: ScopedName, signature: TecsDeclaration, names: _Names
-    ) -> None:
-        self._interface = interface
-        self._signature = signature
-        self._names = names
-        self._named: dict[Type, NamedType] = {}
-        self.typedefs: list[Declaration] = []
-        self.arrays: dict[Span, ScopedName] = {}
-
-    def named(self, type_: Type) -> Type:
-        """The type as a parameter or return value can have it."""
-        if not isinstance(type_, SequenceType | ArrayType):
-            return type_
-        if type_ not in self._named:
-            name = (*self._interface, self._names.add(_title(type_)))
-            self._named[type_] = NamedType(name)
-            common = _common(name, self._signature) | {"doc": ""}
-            self.typedefs.append(Typedef(**common, type=type_))
-        return self._named[type_]
-
-
 def _is_sized(parameter: TecsParameter) -> bool:
     sizes = parameter.sizes
     return sizes.size_is is not None or sizes.count_is is not None
-
-
-def _title(type_: Type) -> str:
-    """`LongSeq` for `sequence<long>`, `OctetArray2x3` for `octet[2][3]`."""
-    match type_:
-        case SequenceType(element, bound):
-            return f"{_title(element)}Seq{'' if bound is None else bound}"
-        case ArrayType(element, dimensions):
-            return f"{_title(element)}Array{'x'.join(map(str, dimensions))}"
-        case NamedType(name):
-            return name[-1][:1].upper() + name[-1][1:]
-    return "".join(word[:1].upper() + word[1:] for word in str(type_).split())
 
 
 def _needed(
@@ -454,74 +397,5 @@ def _fitting(type_: Type, plain: object, value: ConstantValue) -> ConstantValue:
     return float(value) if type_ in floating and isinstance(value, int) else value
 
 
-def consumer_name(service: Service) -> str:
-    """The port by which a marshaller uses the communication RTC."""
-    return "communication" if service.module != "communication" else "opaque_rpc"
-
-
 def _file(service: Service) -> str:
     return f"{service.name}.idl"
-
-
-def _common(name: ScopedName, declaration: TecsDeclaration) -> dict[str, Any]:
-    return {
-        "name": name,
-        "repository_id": f"IDL:{'/'.join(name)}:1.0",
-        "file": declaration.file,
-        "span": declaration.span,
-        "doc": declaration.doc,
-    }
-
-
-def _components(package: TecsPackage, idl: IdlService) -> Iterator[Component]:
-    """The marshaller RTC, and the client RTC that the user completes."""
-    service = idl.service
-    span = service.signature.span
-    offered = NamedType(idl.interface.name)
-    scoped = service.signature.scoped
-
-    def port(kind: PortKind, name: str, type_: NamedType, doc: str) -> Port:
-        return Port(
-            kind=kind,
-            name=name,
-            identifier=name,
-            type=type_,
-            port=name,
-            instance=name,
-            span=span,
-            doc=doc,
-        )
-
-    def component(name: str, ports: tuple[Port, ...], doc: str) -> Component:
-        return Component(
-            name=(name,),
-            repository_id=f"IDL:{name}:1.0",
-            file=idl.file,
-            span=span,
-            doc=doc,
-            ports=ports,
-            category="TECS",
-            vendor="rtgen",
-            description=doc.rstrip("."),
-            rate=10.0,
-            max_instances=0,
-        )
-
-    yield component(
-        f"{service.name}Marshaller",
-        (
-            port(PortKind.PROVIDER, service.module, offered, f"What {scoped} offers."),
-            port(
-                PortKind.CONSUMER,
-                consumer_name(service),
-                NamedType(COMMUNICATION),
-                "The channel to the board.",
-            ),
-        ),
-        f"Carries calls of {scoped} to a TECS board.",
-    )
-    yield component(
-        f"{service.name}Client",
-        (port(PortKind.CONSUMER, service.module, offered, f"What {scoped} offers."),),
-        f"Calls {scoped} of a TECS board.",
-    )

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 
 from rtgen.backends.tecs.service_text import Method, ServiceText, returning
 from rtgen.layouts.tdr import FunctionLayout, Item
-from rtgen.model.tecs import TecsFunction
+from rtgen.layouts.tdr_messages import is_error_code
 from rtgen.typemap.tecs_python import zero
 
 
@@ -39,7 +39,7 @@ def _two_way(
     outs = layout.outs
     yield "codec = self.codec"
     yield f"request = {request}"
-    if not _is_code(layout.function):
+    if not is_error_code(layout.function.returns):
         yield call if layout.is_void and not outs else f"reply = {call}"
         if outs and layout.is_void:
             yield "return reply[1]" if len(outs) > 1 else "return reply[1][0]"
@@ -75,11 +75,6 @@ def _oneway(layout: FunctionLayout, request: str) -> Iterator[str]:
     yield "return E_OK"
 
 
-def _is_code(function: TecsFunction) -> bool:
-    """Whether a failure is told by the return value: its type is `ER` or `ER_INT` as written."""
-    return str(function.returns) in ("ER", "ER_INT")
-
-
 def _unset(item: Item, names: dict[str, str]) -> str:
     """What a parameter is handed back as when the call failed."""
     if item.inward:
@@ -95,6 +90,8 @@ def names_used(layouts: Iterable[FunctionLayout]) -> set[str]:
         oneway_code = layout.reply is None and not layout.is_void
         if oneway_code:
             used.add("E_OK")
-        if oneway_code or (layout.reply is not None and _is_code(layout.function)):
+        if oneway_code or (
+            layout.reply is not None and is_error_code(layout.function.returns)
+        ):
             used.add("RpcError")
     return used

@@ -1,0 +1,81 @@
+"""Names in IDL: distinct whatever the case, and for types that an operation cannot write."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from rtgen.diagnostics import Span
+from rtgen.model import (
+    ArrayType,
+    Declaration,
+    NamedType,
+    ScopedName,
+    SequenceType,
+    Type,
+    Typedef,
+)
+from rtgen.model.tecs import TecsDeclaration
+
+
+class IdlNames:
+    """Names in one scope of IDL, where no two may differ in case only."""
+
+    def __init__(self, taken: Iterable[str] = ()) -> None:
+        self._taken = {name.lower() for name in taken}
+
+    def add(self, name: str) -> str:
+        """The name as IDL can have it: a letter first, and no other's."""
+        chosen = f"x{name}" if name.startswith("_") else name
+        while chosen.lower() in self._taken:
+            chosen += "_"
+        self._taken.add(chosen.lower())
+        return chosen
+
+
+def common_fields(name: ScopedName, declaration: TecsDeclaration) -> dict[str, Any]:
+    """The fields that every declaration has."""
+    return {
+        "name": name,
+        "repository_id": f"IDL:{'/'.join(name)}:1.0",
+        "file": declaration.file,
+        "span": declaration.span,
+        "doc": declaration.doc,
+    }
+
+
+class AnonymousTypes:
+    """Gives the types that an operation cannot write a name, inside of the interface."""
+
+    def __init__(
+        self, interface: ScopedName, signature: TecsDeclaration, names: IdlNames
+    ) -> None:
+        self._interface = interface
+        self._signature = signature
+        self._names = names
+        self._named: dict[Type, NamedType] = {}
+        self.typedefs: list[Declaration] = []
+        self.arrays: dict[Span, ScopedName] = {}
+
+    def named(self, type_: Type) -> Type:
+        """The type as a parameter or return value can have it."""
+        if not isinstance(type_, SequenceType | ArrayType):
+            return type_
+        if type_ not in self._named:
+            name = (*self._interface, self._names.add(_title(type_)))
+            self._named[type_] = NamedType(name)
+            common = common_fields(name, self._signature) | {"doc": ""}
+            self.typedefs.append(Typedef(**common, type=type_))
+        return self._named[type_]
+
+
+def _title(type_: Type) -> str:
+    """`LongSeq` for `sequence<long>`, `OctetArray2x3` for `octet[2][3]`."""
+    match type_:
+        case SequenceType(element, bound):
+            return f"{_title(element)}Seq{'' if bound is None else bound}"
+        case ArrayType(element, dimensions):
+            return f"{_title(element)}Array{'x'.join(map(str, dimensions))}"
+        case NamedType(name):
+            return name[-1][:1].upper() + name[-1][1:]
+    return "".join(word[:1].upper() + word[1:] for word in str(type_).split())

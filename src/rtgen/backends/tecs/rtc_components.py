@@ -1,0 +1,74 @@
+"""The RTCs of a service: marshaller and client."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.backends.tecs.plan import Service
+from rtgen.model import Component, Interface, NamedType, Port, PortKind
+
+COMMUNICATION = ("OpaqueRpc",)
+"""The interface of the communication RTC."""
+
+
+def consumer_name(service: Service) -> str:
+    """The port by which a marshaller uses the communication RTC."""
+    return "communication" if service.module != "communication" else "opaque_rpc"
+
+
+def components_of(
+    service: Service, interface: Interface, file: str
+) -> Iterator[Component]:
+    """The marshaller RTC, and the client RTC that the user completes.
+
+    `file` is the IDL file of the interface.
+    """
+    span = service.signature.span
+    offered = NamedType(interface.name)
+    scoped = service.signature.scoped
+
+    def port(kind: PortKind, name: str, type_: NamedType, doc: str) -> Port:
+        return Port(
+            kind=kind,
+            name=name,
+            identifier=name,
+            type=type_,
+            port=name,
+            instance=name,
+            span=span,
+            doc=doc,
+        )
+
+    def component(name: str, ports: tuple[Port, ...], doc: str) -> Component:
+        return Component(
+            name=(name,),
+            repository_id=f"IDL:{name}:1.0",
+            file=file,
+            span=span,
+            doc=doc,
+            ports=ports,
+            category="TECS",
+            vendor="rtgen",
+            description=doc.rstrip("."),
+            rate=10.0,
+            max_instances=0,
+        )
+
+    yield component(
+        f"{service.name}Marshaller",
+        (
+            port(PortKind.PROVIDER, service.module, offered, f"What {scoped} offers."),
+            port(
+                PortKind.CONSUMER,
+                consumer_name(service),
+                NamedType(COMMUNICATION),
+                "The channel to the board.",
+            ),
+        ),
+        f"Carries calls of {scoped} to a TECS board.",
+    )
+    yield component(
+        f"{service.name}Client",
+        (port(PortKind.CONSUMER, service.module, offered, f"What {scoped} offers."),),
+        f"Calls {scoped} of a TECS board.",
+    )
