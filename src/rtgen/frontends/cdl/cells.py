@@ -7,8 +7,8 @@ from typing import TypeAlias
 
 from rtgen.diagnostics import Related
 from rtgen.frontends.cdl import specifiers, tree
-from rtgen.frontends.cdl.celltypes import DECLARE
 from rtgen.frontends.cdl.entities import (
+    DECLARE,
     Cell,
     CellAllocator,
     Celltype,

@@ -1,4 +1,4 @@
-"""Celltypes: ports, attributes, variables, require and factories."""
+"""Celltypes: ports, attributes, variables."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from rtgen.diagnostics import Related
 from rtgen.frontends.cdl import allocators, specifiers, tree
 from rtgen.frontends.cdl.entities import (
+    DECLARE,
     Cell,
     Celltype,
     Composite,
@@ -21,7 +22,9 @@ from rtgen.frontends.cdl.entities import (
     component,
     here,
 )
+from rtgen.frontends.cdl.factories import Factories
 from rtgen.frontends.cdl.plugins import Applied
+from rtgen.frontends.cdl.requirements import Requirements
 from rtgen.frontends.cdl.rules import celltypes as rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules.cells import MADE_BY_PLUGIN
@@ -29,12 +32,6 @@ from rtgen.frontends.cdl.scopes import Entity, Kind
 from rtgen.frontends.suggestions import nearest
 from rtgen.model.tecs import CArrayType, CPointerType, CType, Signature, resolve
 from rtgen.model.types import ScopedName
-
-_REQUIRABLE = (Kind.CELLTYPE, Kind.CELL)
-DECLARE = "declare it before, or import the file that does"
-REQUIRED = "_require_call_port_{}_{}"
-"""The name that tecsgen gives to a port that is required without a name."""
-
 
 _NO_EXPRESSION = (tree.Name, tree.Allocation, tree.Restriction)
 
@@ -46,6 +43,8 @@ class Celltypes:
         self._values = values
         self._applied = applied
         self._report = report
+        self._requirements = Requirements(self.add, self._unseen, report)
+        self._factories = Factories(values, report)
 
     def fill(self, type_: Celltype, node: tree.Celltype) -> None:
         """Read the body of a celltype."""
@@ -61,9 +60,9 @@ class Celltypes:
                 case tree.Attributes():
                     self.variables(type_, part)
                 case tree.Require():
-                    self._require(type_, part)
+                    self._requirements.take(type_, part)
                 case tree.Factory():
-                    self._factory(type_, part)
+                    self._factories.take(type_, part)
         self._check_sizes(type_)
         for port in type_.ports:
             if port.required is None:
@@ -402,176 +401,6 @@ class Celltypes:
                 continue
             size = self._values.constant(size_is, variable.place, names)
             check_length(variable, value, size, variable.place, self._report)
-
-    # Require and factory
-
-    def _require(self, type_: Celltype, node: tree.Require) -> None:
-        place = type_.place
-        target = self._required_type(node, place)
-        if target is None:
-            return
-        entity, required = target
-        port = required.members.get(node.target.port.text)
-        if not isinstance(port, Port) or port.kind != "entry" or port.array:
-            entries = [p.name for p in required.ports if p.kind == "entry"]
-            near = nearest(node.target.port.text, entries)
-            what = (
-                "is an array"
-                if isinstance(port, Port) and port.array
-                else "is no entry port"
-            )
-            self._report(
-                rules.REQUIRED_NOT_ENTRY.at(
-                    place.span(node.target.port),
-                    f"{node.target.port.text} {what} of {required.name}",
-                    related=[Related(required.entity.place, "declared here")],
-                    hint=f"did you mean {near}?" if near else None,
-                )
-            )
-            return
-        if port.signature is None:
-            return
-        if node.name is None:
-            self._check_functions(type_, node, port, place)
-        name = (
-            REQUIRED.format(required.name, port.name)
-            if node.name is None
-            else node.name.text
-        )
-        self.add(
-            type_,
-            Port(
-                name=name,
-                kind="call",
-                signature=port.signature,
-                signature_name=port.signature_name,
-                span=place.span(node.name or node.target),
-                required=entity,
-                required_port=port.name,
-            ),
-        )
-
-    def _required_type(
-        self, node: tree.Require, place: Place
-    ) -> tuple[Entity, Celltype] | None:
-        owner = node.target.owner
-        entity = place.lookup(owner)
-        if entity is None and self._unseen(owner, place):
-            return None
-        if not isinstance(entity, Entity) or entity.kind not in _REQUIRABLE:
-            what = "is not known" if entity is None else f"is a {entity.kind}"
-            self._report(
-                rules.UNKNOWN_REQUIRED.at(
-                    place.span(owner),
-                    f"{owner} {what}: what is required is a celltype or a cell",
-                    hint=place.near(owner.parts[-1], *_REQUIRABLE) or DECLARE,
-                )
-            )
-            return None
-        type_ = entity.component
-        if isinstance(type_, Cell):
-            type_ = type_.celltype
-        if not isinstance(type_, Celltype):
-            return None
-        if not type_.singleton:
-            self._report(
-                rules.REQUIRED_NOT_SINGLETON.at(
-                    place.span(owner),
-                    f"{type_.name} is no singleton",
-                    related=[Related(type_.entity.place, "declared here")],
-                    hint="put [singleton] before it, or use a call port",
-                )
-            )
-        return entity, type_
-
-    def _check_functions(
-        self, type_: Celltype, node: tree.Require, port: Port, place: Place
-    ) -> None:
-        for other in type_.ports:
-            if other.required is None or not other.name.startswith(
-                REQUIRED.format("", "")[:-1]
-            ):
-                continue
-            assert other.signature is not None
-            assert port.signature is not None
-            clash = {f.name for f in other.signature.functions} & {
-                f.name for f in port.signature.functions
-            }
-            if clash or other.signature.name == port.signature.name:
-                shared = ", ".join(sorted(clash)) or "no functions at all"
-                self._report(
-                    rules.REQUIRE_CLASH.at(
-                        place.span(node.target),
-                        f"two required ports have functions of one name: {shared}",
-                        related=[Related(other.span, "the other port")],
-                        hint="give one a name: require cName = ...",
-                    )
-                )
-
-    def _factory(self, type_: Celltype, node: tree.Factory) -> None:
-        place = type_.place
-        for item in node.items:
-            call = item.node
-            if not isinstance(call, tree.FactoryCall):
-                continue
-            if node.keyword == "factory":
-                type_.cell_factory = True
-            else:
-                type_.celltype_factory = True
-            if call.function.text != "write":
-                self._report(
-                    rules.UNKNOWN_FACTORY_FUNCTION.at(
-                        place.span(call.function),
-                        f"there is no function {call.function.text} in a factory",
-                        hint="the only one is write",
-                    )
-                )
-                continue
-            for what, text in (
-                ("name of the file", call.file),
-                ("format", call.format),
-            ):
-                if not isinstance(self._values.constant(text, place), str):
-                    self._report(
-                        rules.FACTORY_TEXT.at(
-                            place.span(text),
-                            f"the {what} is no string",
-                            hint='put it between " "',
-                        )
-                    )
-            self._factory_arguments(type_, node, call)
-
-    def _factory_arguments(
-        self, type_: Celltype, node: tree.Factory, call: tree.FactoryCall
-    ) -> None:
-        place = type_.place
-        if node.keyword == "FACTORY" and call.arguments:
-            first, last = call.arguments[0], call.arguments[-1]
-            self._report(
-                rules.FACTORY_ARGUMENT.at(
-                    place.unit.span(first.start, last.end),
-                    "FACTORY is for the celltype as a whole and has no values of a cell",
-                    hint="use factory, which writes for each cell",
-                )
-            )
-            return
-        for argument in call.arguments:
-            if isinstance(argument, tree.Text):
-                continue
-            found = type_.members.get(argument.text)
-            if isinstance(found, Variable) and found.kind == "attr":
-                continue
-            attributes = [v.name for v in type_.variables if v.kind == "attr"]
-            near = nearest(argument.text, attributes)
-            state = "is no attribute" if found else "is not known"
-            self._report(
-                rules.FACTORY_ARGUMENT.at(
-                    place.span(argument),
-                    f"{argument.text} {state}; it must be an attribute declared before",
-                    related=[Related(found.span, "declared here")] if found else [],
-                    hint=f"did you mean {near}?" if near else None,
-                )
-            )
 
 
 def attribute_values(type_: Celltype, cell: Cell | None = None) -> Names:

@@ -13,6 +13,7 @@ from rtgen.frontends.cdl.celltypes import Celltypes
 from rtgen.frontends.cdl.composites import Composites
 from rtgen.frontends.cdl.entities import Place
 from rtgen.frontends.cdl.joins import Joins
+from rtgen.frontends.cdl.open_ends import OpenEnds
 from rtgen.frontends.cdl.regions import Regions
 from rtgen.frontends.cdl.rules import cells as rules
 from rtgen.frontends.cdl.rules import celltypes as celltype_rules
@@ -54,7 +55,10 @@ class Components:
         self._cells = Cells(values, self._regions, report)
         self._joins = Joins(values, self._regions, self._cells, report)
         self._celltypes = Celltypes(values, self._regions.applied, report)
-        self._composites = Composites(self._celltypes, self._cells, self._joins, report)
+        self._open_ends = OpenEnds(values, self._regions, report)
+        self._composites = Composites(
+            self._celltypes, self._cells, self._joins, self._open_ends, report
+        )
         self._types: list[known.Celltype] = []
         self._docs: dict[Entity, str] = {}
 
@@ -206,7 +210,7 @@ class Components:
         for cell in cells.all:
             self._joins.fixed(cell)
         for cell in cells.all:
-            self._joins.check(cell)
+            self._open_ends.check(cell)
         self._check_unused()
         self._check_ids()
         for cell in cells.all:

@@ -17,6 +17,7 @@ from rtgen.frontends.cdl.entities import (
     Variable,
 )
 from rtgen.frontends.cdl.joins import Joins
+from rtgen.frontends.cdl.open_ends import OpenEnds
 from rtgen.frontends.cdl.rules import celltypes as rules
 from rtgen.frontends.suggestions import nearest
 
@@ -25,11 +26,17 @@ class Composites:
     """Fills composites as their text is read, and checks them at its end."""
 
     def __init__(
-        self, celltypes: Celltypes, cells: Cells, joins: Joins, report: Report
+        self,
+        celltypes: Celltypes,
+        cells: Cells,
+        joins: Joins,
+        open_ends: OpenEnds,
+        report: Report,
     ) -> None:
         self._celltypes = celltypes
         self._cells = cells
         self._joins = joins
+        self._open_ends = open_ends
         self._report = report
         cells.export = self.export
 
@@ -60,7 +67,7 @@ class Composites:
         for inner_cell in inner:
             self._joins.resolve(inner_cell)
         for inner_cell in inner:
-            self._joins.check(inner_cell)
+            self._open_ends.check(inner_cell)
         self._check_exports(composite)
         self._check_allocators(composite)
 

@@ -14,6 +14,9 @@ from rtgen.frontends.suggestions import nearest
 from rtgen.model.tecs import CType, Expression, Signature
 from rtgen.model.types import ScopedName
 
+DECLARE = "declare it before, or import the file that does"
+"""The hint for a name that is like no other."""
+
 Report: TypeAlias = Callable[[Diagnostic], None]
 
 

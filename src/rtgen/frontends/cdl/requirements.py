@@ -1,0 +1,145 @@
+"""`require`: call ports that are joined by themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rtgen.diagnostics import Related
+from rtgen.frontends.cdl import tree
+from rtgen.frontends.cdl.entities import (
+    DECLARE,
+    Cell,
+    Celltype,
+    Member,
+    Place,
+    Port,
+    Report,
+)
+from rtgen.frontends.cdl.rules import celltypes as rules
+from rtgen.frontends.cdl.scopes import Entity, Kind
+from rtgen.frontends.suggestions import nearest
+
+_REQUIRABLE = (Kind.CELLTYPE, Kind.CELL)
+_NAME = "_require_call_port_{}_{}"
+"""The name that tecsgen gives to a port that is required without a name."""
+
+
+class Requirements:
+    """Reads what celltypes require.
+
+    `add` gives a celltype a member; `unseen` tells whether an unknown name is no mistake.
+    """
+
+    def __init__(
+        self,
+        add: Callable[[Celltype, Member], bool],
+        unseen: Callable[[tree.ScopedName, Place], bool],
+        report: Report,
+    ) -> None:
+        self._add = add
+        self._unseen = unseen
+        self._report = report
+
+    def take(self, type_: Celltype, node: tree.Require) -> None:
+        """Add the port of a `require`."""
+        place = type_.place
+        target = self._required_type(node, place)
+        if target is None:
+            return
+        entity, required = target
+        port = required.members.get(node.target.port.text)
+        if not isinstance(port, Port) or port.kind != "entry" or port.array:
+            entries = [p.name for p in required.ports if p.kind == "entry"]
+            near = nearest(node.target.port.text, entries)
+            what = (
+                "is an array"
+                if isinstance(port, Port) and port.array
+                else "is no entry port"
+            )
+            self._report(
+                rules.REQUIRED_NOT_ENTRY.at(
+                    place.span(node.target.port),
+                    f"{node.target.port.text} {what} of {required.name}",
+                    related=[Related(required.entity.place, "declared here")],
+                    hint=f"did you mean {near}?" if near else None,
+                )
+            )
+            return
+        if port.signature is None:
+            return
+        if node.name is None:
+            self._check_functions(type_, node, port, place)
+        name = (
+            _NAME.format(required.name, port.name)
+            if node.name is None
+            else node.name.text
+        )
+        self._add(
+            type_,
+            Port(
+                name=name,
+                kind="call",
+                signature=port.signature,
+                signature_name=port.signature_name,
+                span=place.span(node.name or node.target),
+                required=entity,
+                required_port=port.name,
+            ),
+        )
+
+    def _required_type(
+        self, node: tree.Require, place: Place
+    ) -> tuple[Entity, Celltype] | None:
+        owner = node.target.owner
+        entity = place.lookup(owner)
+        if entity is None and self._unseen(owner, place):
+            return None
+        if not isinstance(entity, Entity) or entity.kind not in _REQUIRABLE:
+            what = "is not known" if entity is None else f"is a {entity.kind}"
+            self._report(
+                rules.UNKNOWN_REQUIRED.at(
+                    place.span(owner),
+                    f"{owner} {what}: what is required is a celltype or a cell",
+                    hint=place.near(owner.parts[-1], *_REQUIRABLE) or DECLARE,
+                )
+            )
+            return None
+        type_ = entity.component
+        if isinstance(type_, Cell):
+            type_ = type_.celltype
+        if not isinstance(type_, Celltype):
+            return None
+        if not type_.singleton:
+            self._report(
+                rules.REQUIRED_NOT_SINGLETON.at(
+                    place.span(owner),
+                    f"{type_.name} is no singleton",
+                    related=[Related(type_.entity.place, "declared here")],
+                    hint="put [singleton] before it, or use a call port",
+                )
+            )
+        return entity, type_
+
+    def _check_functions(
+        self, type_: Celltype, node: tree.Require, port: Port, place: Place
+    ) -> None:
+        for other in type_.ports:
+            if other.required is None or not other.name.startswith(
+                _NAME.format("", "")[:-1]
+            ):
+                continue
+            assert other.signature is not None
+            assert port.signature is not None
+            clash = {f.name for f in other.signature.functions} & {
+                f.name for f in port.signature.functions
+            }
+            if clash or other.signature.name == port.signature.name:
+                shared = ", ".join(sorted(clash)) or "no functions at all"
+                self._report(
+                    rules.REQUIRE_CLASH.at(
+                        place.span(node.target),
+                        f"two required ports have functions of one name: {shared}",
+                        related=[Related(other.span, "the other port")],
+                        hint="give one a name: require cName = ...",
+                    )
+                )
