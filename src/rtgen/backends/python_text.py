@@ -19,6 +19,9 @@ from rtgen.backends import Owner
 WIDTH = 88
 """Columns of a line, as black has them."""
 
+SKIPPED = "  # fmt: skip"
+"""What marks a line that black is to leave as it is."""
+
 _STEP = 4
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
 _CONTROL = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff]")
@@ -75,21 +78,23 @@ def fit(statement: str, indent: int = 0) -> str:
         text = text.replace(" import ", " import (", 1) + ")"
     opened = _open_statement(_parse(text), indent, text)
     if opened is None:
-        return f"{' ' * indent}{statement}  # fmt: skip"
+        return f"{' ' * indent}{statement}{SKIPPED}"
     return "\n".join(opened)
 
 
 def fit_text(text: str) -> str:
     """A module with its long statements split; docstrings and comments stay as they are.
 
-    A docstring has to begin and to end at a line of its own, as `docstring` makes them.
+    So does a line that is marked. A docstring has to begin and to end at a line of its own, as
+    `docstring` makes them.
     """
     lines: list[str] = []
     inside = False
     for text_line in text.split("\n"):
         bare = text_line.lstrip()
         quotes = text_line.count('"""') if inside or bare.startswith('"""') else 0
-        if len(text_line) <= WIDTH or inside or quotes or bare.startswith("#"):
+        kept = bare.startswith("#") or bare.endswith(SKIPPED)
+        if len(text_line) <= WIDTH or inside or quotes or kept:
             lines.append(text_line)
         else:
             lines.append(fit(bare, len(text_line) - len(bare)))

@@ -335,6 +335,16 @@ def test_widths_are_those_of_the_peer() -> None:
             "00000000",
             E_PAR,
         ),
+        (
+            "ER f( [in,size_is(*n)] const int8_t *v, [in,nullable] const int8_t *n );",
+            "01",
+            E_PAR,
+        ),
+        (
+            "ER f( [in,size_is(k[2])] const int8_t *v, [in] const int8_t k[2] );",
+            "0102",
+            E_PAR,
+        ),
         ("ER f( [in,string(16)] const char_t *s );", "00000011", E_PAR),
         ("ER f( [in,string] const char_t *s );", "7fffffff", E_NOMEM),
         ("ER f( [in,string] const uint64_t *s );", "00000400", E_NOMEM),
@@ -437,6 +447,33 @@ def test_a_zero_flag_alone_is_present_and_any_truth_value_true() -> None:
     for data, arguments in read.items():
         request = bytes.fromhex(f"672a0001 {data} 5a3c")
         assert function.decode_request(request) == arguments
+
+
+@pytest.mark.parametrize(
+    ("size", "n", "count"),
+    [
+        ("n > 2 ? 2 : n", 5, 2),
+        ("n > 2 ? 2 : n", 1, 1),
+        ("(uint8_t)n", 258, 2),
+        ("(n + 7) / 8 * 2", 9, 4),
+        ("-n / 2", -7, 3),
+        ("n % 4 + 4", -7, 1),
+        ("n << 2", 1, 4),
+        ("n >> 1", 7, 3),
+        ("~n & 3", 1, 2),
+        ("n ^ 1 | 4", 1, 4),
+        ("(n == 3 ? 1 : 0) + (n != 3 || n >= 9 ? 5 : 2)", 3, 3),
+        ("!(n > 1 && n > 2) ? n : 0", 2, 2),
+        ("+n - (-1)", 2, 3),
+    ],
+)
+def test_sizes_are_worked_out_as_in_c(size: str, n: int, count: int) -> None:
+    text = f"ER f( [in,size_is({size})] const int8_t *v, [in] int16_t n );"
+    function = only(service(text))
+    arguments = ([1] * count, n)
+    request = function.encode_request(arguments)
+    assert len(request) == 8 + count
+    assert function.decode_request(request) == arguments
 
 
 def refusals(function: str, before: str = "") -> list[TransferError]:

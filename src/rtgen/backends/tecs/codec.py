@@ -106,17 +106,19 @@ def _record_methods(record: Record, attributes: Attributes) -> list[str]:
     """What writes and what reads a struct whose size depends on values."""
     name = struct_class(record.struct.name)
     paths = {i.name: f"value.{member_name(i.name)}" for i in record.items}
+    scope = Scope(record.items, attributes.classes)
     encoder = Encoder(
         attributes,
-        Scope(record.items, attributes.classes),
-        Environment(record.items, paths),
+        scope,
+        Environment(scope, record.items, paths),
         lambda item: paths[item.name],
         lambda item: "",
         {},
     )
     write = encoder.body(record.steps)
     scope = Scope(record.items, attributes.classes)
-    environment = Environment(record.items, {i.name: scope.of(i) for i in record.items})
+    names = {item.name: scope.of(item) for item in record.items}
+    environment = Environment(scope, record.items, names)
     decoder = Decoder(attributes, scope, environment, lambda item: None, {})
     lines = decoder.body(record.steps)
     values = ", ".join(_value(scope, item) for item in record.items)
@@ -182,7 +184,7 @@ class _Function:
         encoder = Encoder(
             self._attributes,
             scope,
-            Environment(layout.items, names),
+            Environment(scope, layout.items, names),
             scope.of,
             lambda item: f"{scope.of(item)} is not None",
             self._constants(),
@@ -209,7 +211,7 @@ class _Function:
         layout = self._layout
         scope = Scope(layout.items, self._attributes.classes)
         names = {item.name: scope.of(item) for item in layout.items}
-        environment = Environment(layout.items, names)
+        environment = Environment(scope, layout.items, names)
         decoder = Decoder(
             self._attributes,
             scope,
@@ -253,7 +255,7 @@ class _Function:
             for item in layout.arguments
             if item.inward
         }
-        return scope, kept, Environment(layout.items, values, given)
+        return scope, kept, Environment(scope, layout.items, values, given)
 
     def _kept_parameters(self, kept: dict[str, str]) -> list[str]:
         return [

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import builtins
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import count as numbers
 
+from rtgen.backends.python_text import SKIPPED, WIDTH
 from rtgen.backends.tecs.expressions import expression_text, is_simple
 from rtgen.backends.tecs.values import kinds_text
 from rtgen.layouts.tdr import (
@@ -25,6 +27,10 @@ _LOCALS = (
     *("self", "more", "first", "returned", "room", "parts", "failure"),
     *("packet", "unpacked", "sop", "eop", "value"),
 )
+_SIMPLE = re.compile(r"[\w.]+|present\(\w+\)")
+_DEEPEST = 16
+"""How far a statement may be indented."""
+
 _RESERVED = frozenset((*CODEC_NAMES, *TDR_NAMES, *_LOCALS, *dir(builtins)))
 
 
@@ -97,29 +103,37 @@ class Environment:
     """What the sizes of a message are worked out from.
 
     `values` are the expressions of the values by name; `given` those of the request where the
-    message is a reply.
+    message is a reply. A size that has to be worked out gets a variable of its own.
     """
 
     def __init__(
         self,
+        scope: Scope,
         items: Sequence[Item],
         values: Mapping[str, str],
         given: Mapping[str, str] | None = None,
     ) -> None:
+        self._scope = scope
+        self._statements: list[str] = []
         self._items = {item.name: item for item in items}
         self._values = values
         self._given = given
         self.is_guarded = False
 
+    def statements(self) -> list[str]:
+        """Those that have to come before what was asked for since the last time."""
+        found, self._statements = self._statements, []
+        return found
+
     def count(self, node: Counted) -> str:
         """How many elements travel."""
-        return self._text(node.count, self._values)
+        return self._variable(self._text(node.count, self._values))
 
     def length(self, node: String) -> str | None:
         """The size of the buffer as the sender has it, None without one."""
         if node.length is None:
             return None
-        return self._text(node.length, self._values)
+        return self._variable(self._text(node.length, self._values))
 
     def capacity(self, node: Counted | String) -> str | None:
         """How many elements or units fit where they are read; None if nothing tells."""
@@ -135,14 +149,15 @@ class Environment:
         else:
             return None
         text = self._text(size, known)
-        is_count = isinstance(node, Counted) and text == self.count(node)
-        return None if is_count else text
+        if isinstance(node, Counted) and text == self._text(node.count, self._values):
+            return None
+        return self._variable(text)
 
     def reserved(self, node: Counted | String) -> str:
         """How many elements or units the caller has room for."""
         size = node.size if isinstance(node, Counted) else node.length
         assert size is not None
-        return self._text(size, self._values)
+        return self._variable(self._text(size, self._values))
 
     def _text(self, size: Expression, values: Mapping[str, str]) -> str:
         def names(name: str) -> tuple[str, Item]:
@@ -150,3 +165,12 @@ class Environment:
 
         self.is_guarded |= not is_simple(size, names)
         return expression_text(size, names)
+
+    def _variable(self, text: str) -> str:
+        if _SIMPLE.fullmatch(text):
+            return text
+        name = self._scope.new("size")
+        statement = f"{name} = {text}"
+        is_long = len(statement) > WIDTH - _DEEPEST
+        self._statements.append(f"{statement}{SKIPPED}" if is_long else statement)
+        return name

@@ -73,6 +73,7 @@ class Decoder:
                     pending = item
                 case Part(item):
                     value = self._read(item.node)
+                    lines += self._environment.statements()
                     lines.append(f"{self._scope.of(item)} = {value}")
                 case Branch(item, inner):
                     lines += self._branch(item, inner)
@@ -161,7 +162,7 @@ class Decoder:
         if isinstance(node, Counted):
             lines.append(f"{count} = {self._environment.count(node)}")
         taken = self._taken(node, count, self._width(node))
-        return [*lines, f"{size} = {taken}"]
+        return [*self._environment.statements(), *lines, f"{size} = {taken}"]
 
     def _taken(self, node: Counted | String, count: str, width: str) -> str:
         capacity = self._environment.capacity(node)
@@ -214,10 +215,11 @@ class Decoder:
         most = node.most if isinstance(node, Counted) else None
         bound = f", {most}" if most is not None else ""
         width = self._least(node)
-        taken = f"room.take({count}, {width}{bound})"
+        lines = [*self._environment.statements(), f"room.take({count}, {width}{bound})"]
         if item.nullable:
-            return [f"if not {self._flags[item.name]}:", f"    {taken}"]
-        return [taken]
+            lines = [f"    {line}" for line in lines]
+            return [f"if not {self._flags[item.name]}:", *lines]
+        return lines
 
     def _least(self, node: Counted | String) -> str:
         """How many bytes an element has at least."""

@@ -87,7 +87,8 @@ class Encoder:
                     arguments: list[str] = []
                     for field in fields:
                         if field.role is Role.LENGTH:
-                            lines.append(self._prepared(field, optional))
+                            units = self._prepared(field, optional)
+                            lines += [*self._environment.statements(), units]
                         arguments += self._arguments(field, optional)
                     run = self._attributes.run(step.kinds)
                     pieces.append(f"{run}.pack({', '.join(arguments)})")
@@ -95,6 +96,7 @@ class Encoder:
                     pieces.append(self._units[item.name])
                 case Payload(item) | Part(item):
                     pieces.append(self._whole(item.node, self._of(item, optional)))
+            lines += self._environment.statements()
         return lines, pieces
 
     def _of(self, item: Item, optional: bool) -> str:
