@@ -23,7 +23,7 @@ from rtgen.frontends.cdl.scopes import Entity, Kind, Scope
 from rtgen.frontends.cdl.signatures import Signatures
 from rtgen.frontends.cdl.types import Types
 from rtgen.frontends.cdl.unit import Unit
-from rtgen.frontends.suggestions import nearest
+from rtgen.frontends.suggestions import Guesses
 from rtgen.model.tecs import TecsDeclaration, TecsEnum, TecsStruct, TecsTypedef, resolve
 from rtgen.model.types import ScopedName
 
@@ -57,6 +57,7 @@ class Analysis:
         """Whether something is unknown that a missing import may declare."""
 
         self.prelude_used: dict[str, Span] = {}
+        self.guesses = Guesses()
         self.types = Types(self)
         self.expressions = Expressions(self)
         self._signatures = Signatures(self)
@@ -249,7 +250,7 @@ class Analysis:
         wanted = " or ".join(kinds)
         if found is None:
             if name.parts[-1].text not in unit.lost:
-                near = nearest(str(name), scope.visible())
+                near = self.guesses.nearest(str(name), scope.visible())
                 hint = f"did you mean '{near}'?" if near else None
                 message = f"the {wanted} '{name}' is unknown"
                 self.report(rules.UNKNOWN_NAME.at(span, message, hint=hint))

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from rtgen.diagnostics import Rule
 from rtgen.frontends.cdl import tree
 from rtgen.frontends.cdl.rules import constants as rules
+from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.scopes import Entity, Kind, Scope
 from rtgen.frontends.cdl.unit import Unit
 from rtgen.frontends.suggestions import nearest
@@ -36,6 +37,11 @@ from rtgen.model.tecs import (
 
 if TYPE_CHECKING:
     from rtgen.frontends.cdl.analysis import Analysis
+
+MAX_DEPTH = 100
+"""How deep operators may stand in one another where they have no value yet."""
+
+_MOST_DIGITS = 1000
 
 _MOST_BITS = 4096
 """Values of more bits are not computed."""
@@ -113,9 +119,14 @@ class Expressions:
         None if it has errors, which are told.
         """
         try:
-            return Look(self._analysis, unit, scope, names or {}).at(written)
+            found = Look(self._analysis, unit, scope, names or {}).at(written)
         except BadError:
             return None
+        if _depth(found.model) > MAX_DEPTH:
+            message = f"this is nested for more than {MAX_DEPTH} levels"
+            self._analysis.report(syntax.TOO_DEEP.at(unit.place(written), message))
+            return None
+        return found
 
     def integer(self, written: tree.Expression, unit: Unit, scope: Scope) -> int | None:
         """The value of a constant integer expression; None if it is none, which is told."""
@@ -176,6 +187,9 @@ class Look:
     def at(self, node: tree.Expression) -> Operand:
         """What an expression is. Raises BadError."""
         match node:
+            case tree.Number() if len(node.text) > _MOST_DIGITS:
+                message = f"a number has at most {_MOST_DIGITS} digits"
+                raise self.bad(rules.RANGE, node, message)
             case tree.Number():
                 return _number(node)
             case tree.Boolean():
@@ -200,7 +214,7 @@ class Look:
                 return self._conditional(node)
 
     def _character(self, node: tree.Character) -> Operand:
-        text = node.text
+        text = node.text or " "  # empty where the mistake is told
         value = ord(text) if len(text) == 1 else _ESCAPES.get(text[1], ord(text[1]))
         return Operand(Sort.INTEGER, value, Literal(value))
 
@@ -224,7 +238,9 @@ class Look:
         if found is not None:
             what = found.kind
             raise self.bad(rules.UNKNOWN_NAME, node, f"'{node}' is a {what}, no value")
-        near = nearest(str(node), [*self._names, *self._scope.visible()])
+        near = self._analysis.guesses.nearest(
+            str(node), [*self._names, *self._scope.visible()]
+        )
         hint = f"did you mean '{near}'?" if near else None
         raise self.bad(rules.UNKNOWN_NAME, node, f"'{node}' is unknown here", hint)
 
@@ -470,6 +486,23 @@ _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 }
 
 
+def _depth(expression: Expression) -> int:
+    """How many operators at most stand in one another."""
+    deepest = 0
+    left = [(expression, 1)]
+    while left:
+        part, depth = left.pop()
+        deepest = max(deepest, depth)
+        match part:
+            case BinaryExpression(_, one, two):
+                left += (one, depth + 1), (two, depth + 1)
+            case UnaryExpression(_, operand) | CastExpression(_, operand):
+                left.append((operand, depth + 1))
+            case ConditionalExpression(condition, yes, no):
+                left += ((part, depth + 1) for part in (condition, yes, no))
+    return deepest
+
+
 def _number(node: tree.Number) -> Operand:
     text = node.text
     value: int | float
@@ -478,8 +511,6 @@ def _number(node: tree.Number) -> Operand:
         return Operand(Sort.FLOAT, value, Literal(value))
     if text.startswith("0x"):
         value = int(text, 16)
-    elif len(text) > _MOST_BITS:
-        value = 0
     elif text.startswith("0") and text.strip("01234567") == "":
         value = int(text, 8)
     else:

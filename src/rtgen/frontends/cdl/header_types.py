@@ -11,6 +11,7 @@ from pycparser import c_ast
 from pycparser.c_parser import CParser, ParseError
 
 from rtgen.diagnostics import Span
+from rtgen.frontends.cdl.types import MAX_DEPTH, depth
 from rtgen.frontends.cdl.words import RESERVED
 from rtgen.model.tecs import (
     CArrayType,
@@ -118,6 +119,8 @@ class Declarations:
                 type_ = CStructType((f"unknown {name}",))
             if name in _NAMED:
                 type_ = CScalarType(_NAMED[name])
+            if depth(type_) > MAX_DEPTH:
+                raise NotCError(f"'{name}' is nested too deeply", self._line)
             known = self._typedefs.setdefault(name, type_)
             if known is type_ and name not in RESERVED:
                 self._found.append(

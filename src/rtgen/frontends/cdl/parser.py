@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 MAX_ERRORS = 50
 """After so many syntax errors in one file the rest of it is not read."""
 
-MAX_NESTING = 400
+MAX_NESTING = 200
 """How deep the parser's stack may grow: a bound for everything that walks over the tree."""
 
 _MARKS = re.compile(r'"(?:[^"\\\n]|\\.)*"|[{};]', re.DOTALL)

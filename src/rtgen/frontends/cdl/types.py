@@ -51,6 +51,25 @@ _WITH_SIZE = frozenset(
 )
 
 
+MAX_DEPTH = 64
+"""How many pointers, arrays, functions and typedefs may stand in one another."""
+
+
+def depth(type_: CType) -> int:
+    """How many types stand in one another."""
+    found = 1
+    while True:
+        if isinstance(type_, CPointerType | CTypedefType):
+            type_ = type_.target
+        elif isinstance(type_, CArrayType):
+            type_ = type_.element
+        elif isinstance(type_, CFunctionType):
+            return found + max(map(depth, (type_.returns, *type_.parameters)))
+        else:
+            return found
+        found += 1
+
+
 def pointer_depth(type_: CType) -> int:
     """How many pointers lead to what is not one; arrays do not count."""
     depth = 0
@@ -354,6 +373,11 @@ class Types:
         inner = declarator.inner
         if isinstance(inner, tree.Declarator):
             return self.declared(type_, inner, unit, scope)
+        if depth(type_) > MAX_DEPTH:
+            span = unit.span(declarator.start, declarator.end)
+            message = f"types are nested for more than {MAX_DEPTH} levels"
+            self._report(syntax.TOO_DEEP.at(span, message))
+            return None
         return type_
 
     def _array(
