@@ -4,8 +4,9 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 DEMO := build/demo
+PIP := --quiet --disable-pip-version-check --no-compile
 
-.PHONY: demo test check format lint types imports drift pytest interpreters bench clean
+.PHONY: demo test check format lint types pyright imports drift pytest interpreters bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -15,16 +16,21 @@ demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen graph specs/navigation/rh3_goal.xml -o $(DEMO)/wiring.svg
 	@echo "Pictures: $(DEMO)/goal.svg $(DEMO)/path.svg $(DEMO)/wiring.svg; trajectories: $(DEMO)/goal.csv $(DEMO)/path.csv"
 
-test: lint types imports drift pytest interpreters
+test: $(VENV)/test.stamp
+	$(MAKE) --no-print-directory -j 2 lint types imports drift
+	$(MAKE) --no-print-directory pytest
+	$(MAKE) --no-print-directory interpreters
 
 lint: $(VENV)/test.stamp
 	$(BIN)/black --check --quiet src tests benchmarks
 	$(BIN)/ruff check src tests benchmarks
 
-types: $(VENV)/test.stamp
-	$(BIN)/mypy --python-version 3.11 src generated
-	$(BIN)/mypy --python-version 3.12 src generated
-	$(BIN)/mypy --python-version 3.13 src generated
+types: mypy-3.11 mypy-3.12 mypy-3.13 pyright
+
+mypy-%: $(VENV)/test.stamp
+	$(BIN)/mypy --python-version $* src generated
+
+pyright: $(VENV)/test.stamp
 	PYRIGHT_PYTHON_IGNORE_WARNINGS=1 $(BIN)/pyright --pythonpath $(BIN)/python
 
 imports: $(VENV)/test.stamp
@@ -36,7 +42,7 @@ drift: $(VENV)/test.stamp
 pytest: $(VENV)/test.stamp
 	$(BIN)/pytest -n 2 --cov --cov-report=term:skip-covered
 
-# The fast tests again on each further interpreter that this machine has, those with peers left out.
+# The fast tests again on each other interpreter that this machine has, those with peers left out.
 interpreters: $(VENV)/test.stamp
 	$(BIN)/python tests/interpreters.py
 
@@ -54,13 +60,13 @@ $(VENV)/bin/python:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot]"
+	$(BIN)/python -m pip install $(PIP) --editable ".[plot]"
 	touch $@
 
 $(VENV)/test.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot,test]"
+	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test]"
 	touch $@
 
 $(VENV)/bench.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[plot,test,bench]"
+	$(BIN)/python -m pip install $(PIP) --editable ".[plot,test,bench]"
 	touch $@

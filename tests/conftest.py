@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import pytest
 
+RANDOM = {"fuzz", "test_random_types_omniorb.py"}
+"""Folders and files of tests with thousands of drawn inputs."""
+
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     """One flag renews every golden file; the diff is then for a reviewer."""
@@ -12,6 +15,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="Write golden files instead of comparing.",
     )
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Repetition covers nothing more: what is random or slow runs without being traced."""
+    for item in items:
+        if item.get_closest_marker("slow") or RANDOM.intersection(item.path.parts):
+            item.add_marker("no_cover")
 
 
 @pytest.fixture
