@@ -21,7 +21,7 @@ ENDLESS = {
     ),
     "braces": ("{" * 50_000, "CDL0200"),
     "angles": ("<" * 50_000 + "\n" + "<" * 50_000 + "\\>", "CDL0200"),
-    "quotes": ('"' * 50_001, "CDL0102"),
+    "quotes": ("const char_t *const A = " + '"a\n' * 5000, "CDL0102"),
     "comments": ("/*" * 50_000, "CDL0101"),
     "semicolons": (";" * 50_000, "CDL0210"),
     "digits": ("const int32_t N = " + "9" * 50_000 + ";", "CDL0808"),
