@@ -32,6 +32,7 @@ from rtgen.layouts.tdr import (
     capacity,
     is_fixed,
     is_known,
+    kinds,
     references,
     sizes_of,
 )
@@ -309,8 +310,7 @@ class _Nodes:
             return self._string(type_, sizes, span)
         target = _target(type_, span)
         element = self._string(target, sizes, span)
-        if isinstance(element, Nothing):
-            raise TransferError(span, "an array of void")
+        _check_element(element, span)
         count = size if sizes.count_is is None else sizes.count_is
         return Counted(element, size, count, sizes.max_size)
 
@@ -343,6 +343,7 @@ class _Nodes:
                 inner = self.plain(element, span)
                 if isinstance(inner, Basic) and inner.scalar in OCTETS:
                     return Octets(inner.scalar, size)
+                _check_element(inner, span)
                 return FixedArray(inner, size)
             case CEnumType() as enum:
                 raise TransferError(
@@ -391,6 +392,12 @@ def _check_members(struct: TecsStruct, ordered: Sequence[Item]) -> None:
                         "which does not come before it",
                     )
         known.add(item.name)
+
+
+def _check_element(element: Node, span: Span) -> None:
+    """Elements without a byte would be read without end."""
+    if is_fixed(element) and not kinds(element):
+        raise TransferError(span, "an array of elements that have no byte")
 
 
 def _target(type_: CType, span: Span) -> CType:

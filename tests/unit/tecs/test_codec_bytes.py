@@ -236,6 +236,12 @@ CASES = {
         before="struct tagBox { uint8_t _int; }; struct Text { int8_t list;"
         " struct tagBox tagBox; struct tagBox field; };",
     ),
+    "a struct without a byte": Case(
+        "ER f( [in] struct tagV v, [in] int8_t k );",
+        {"v": {"p": None}, "k": 1},
+        "672a 0001 | 01 | 5a3c",
+        before="struct tagV { void *p; };",
+    ),
     "zero elements": Case(
         "ER f( [in,size_is(n)] const int64_t *v, [in] int8_t n );",
         {"v": [], "n": 0},
@@ -491,6 +497,12 @@ def refusals(function: str, before: str = "") -> list[TransferError]:
         ("ER f( [in] struct tagA a );", "struct tagA { struct tagA *a; };", "itself"),
         ("ER f( [out,string] char_t *s );", "", "needs a length"),
         ("ER f( [in,string] const int_t *s );", "", "a string of"),
+        (
+            "ER f( [in,size_is(n)] const struct tagV *v, [in] int32_t n );",
+            "struct tagV { void *p; };",
+            "no byte",
+        ),
+        ("ER f( [in] struct tagV v );", "struct tagV { void *p[2]; };", "no byte"),
         (
             "ER f( [in,size_is(a[0])] const int8_t *v, [in,size_is(v[0])] const int8_t *a );",
             "",

@@ -49,6 +49,9 @@ def packages() -> Iterator[tuple[str, dict[str, str]]]:
     unit, _ = read_text(CLASHES)
     signature = next(d for d in unit.declarations if isinstance(d, Signature))
     yield "clashes", modules(unit, signature)
+    unit, _ = read_text("signature sOne {};")
+    signature = next(d for d in unit.declarations if isinstance(d, Signature))
+    yield "empty", modules(unit, signature)
     for seed in range(12):
         found = sample(Random(seed), functions=4)
         yield f"random{seed}", modules(found.unit, found.signature)
