@@ -67,13 +67,12 @@ class Requirements:
             return
         if port.signature is None:
             return
-        if node.name is None:
-            self._check_functions(type_, node, port, place)
-        name = (
-            _NAME.format(required.name, port.name)
-            if node.name is None
-            else node.name.text
-        )
+        if node.name is not None:
+            name = node.name.text
+        elif self._clash(type_, node, port, place):
+            return
+        else:
+            name = _NAME.format(required.name, port.name)
         self._add(
             type_,
             Port(
@@ -120,26 +119,26 @@ class Requirements:
             )
         return entity, type_
 
-    def _check_functions(
+    def _clash(
         self, type_: Celltype, node: tree.Require, port: Port, place: Place
-    ) -> None:
+    ) -> bool:
+        """Whether functions of a port have names that are taken; that is reported."""
+        assert port.signature is not None
+        names = {f.name for f in port.signature.functions}
         for other in type_.ports:
-            if other.required is None or not other.name.startswith(
-                _NAME.format("", "")[:-1]
-            ):
+            if not other.name.startswith(_NAME.partition("{")[0]):
                 continue
             assert other.signature is not None
-            assert port.signature is not None
-            clash = {f.name for f in other.signature.functions} & {
-                f.name for f in port.signature.functions
-            }
-            if clash or other.signature.name == port.signature.name:
-                shared = ", ".join(sorted(clash)) or "no functions at all"
+            shared = names & {f.name for f in other.signature.functions}
+            if shared or other.signature.name == port.signature.name:
+                what = ", ".join(sorted(shared)) or "none at all"
                 self._report(
                     rules.REQUIRE_CLASH.at(
                         place.span(node.target),
-                        f"two required ports have functions of one name: {shared}",
+                        f"two required ports have functions of one name: {what}",
                         related=[Related(other.span, "the other port")],
                         hint="give one a name: require cName = ...",
                     )
                 )
+                return True
+        return False
