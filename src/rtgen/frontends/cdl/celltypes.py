@@ -63,7 +63,7 @@ class Celltypes:
                     self._requirements.take(type_, part)
                 case tree.Factory():
                     self._factories.take(type_, part)
-        self._check_sizes(type_)
+        self.sizes(type_)
         for port in type_.ports:
             if port.required is None:
                 self._hidden(type_, port)
@@ -376,8 +376,11 @@ class Celltypes:
         )
         return True
 
-    def _check_sizes(self, type_: Celltype) -> None:
-        """Check lists against the sizes that are known in the celltype already."""
+    def sizes(self, type_: Celltype) -> None:
+        """Understand sizes; check lists against those that are known in the celltype already.
+
+        Of a composite, what is inside counts.
+        """
         names = attribute_values(type_)
         for variable in type_.variables:
             value, size_is = variable.value, variable.size_is
@@ -388,7 +391,7 @@ class Celltypes:
             )
             if variable.size is None:
                 variable.size_is = None
-            if value is None or variable.size is None:
+            if value is None or variable.size is None or isinstance(type_, Composite):
                 continue
             if not isinstance(value, tree.Aggregate):
                 self._report(

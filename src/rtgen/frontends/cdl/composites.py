@@ -57,6 +57,7 @@ class Composites:
                     bracket = item.specifiers
                     specifiers.accepted(bracket, (), "this", place, self._report)
                     self._entry(composite, export)
+        self._celltypes.sizes(composite)
         self._check_kind(composite)
         for port in composite.ports:
             allocators.resolve(composite, port, self._report)

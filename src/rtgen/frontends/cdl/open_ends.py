@@ -9,6 +9,7 @@ from rtgen.frontends.cdl import celltypes, tree
 from rtgen.frontends.cdl.entities import (
     Cell,
     Celltype,
+    Composite,
     Join,
     Place,
     Port,
@@ -115,7 +116,7 @@ class OpenEnds:
         assert cell.celltype is not None
         assert cell.span is not None
         given = cell.joins.get(variable.name)
-        if variable.size_is is not None:
+        if variable.size_is is not None and not isinstance(cell.celltype, Composite):
             self._check_size(cell, variable, given[0] if given else None)
         if variable.kind == "var" or variable.value is not None or given:
             return
