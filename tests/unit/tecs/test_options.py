@@ -156,3 +156,27 @@ def test_component_types_of_one_name(tmp_path: Path) -> None:
     assert (
         "ServerMarshaller = tecs.left.server_marshaller:ServerMarshaller\n" in entries
     )
+
+
+def test_callers_through_a_region_share_a_channel(tmp_path: Path) -> None:
+    cells = "".join(
+        f"  cell tClient Client{i} {{ cServer = rBoard::Server.eServer; }};\n"
+        for i in (0, 1)
+    )
+    text = (
+        f"{SERVER}celltype tServer {{ entry sServer eServer; }};\n"
+        "[active] celltype tClient { call sServer cServer; };\n"
+        "[linkunit] region rBoard { cell tServer Server {}; };\n"
+        '[linkunit, to_through(rBoard,RTCPlugin,"port=9001")]\n'
+        f"region rRobot {{\n{cells}}};\n"
+    )
+    emission, findings = emit(tmp_path, {"board.cdl": text})
+    assert not findings
+    files = [path for path in texts(emission.artifacts) if path.endswith(".conf")]
+    assert files == ["tecs/board/OpaqueRpcCommunication0.conf"]
+
+
+def test_the_spelling_of_the_paper(tmp_path: Path) -> None:
+    text = joined(SERVER, "sServer").replace("RTCPlugin", "RTCPlug-in")
+    emission, _ = emit(tmp_path, {"server.cdl": text})
+    assert "tecs/server/Server.idl" in texts(emission.artifacts)

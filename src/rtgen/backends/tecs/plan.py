@@ -109,13 +109,13 @@ class _Planner:
 
     def package(self) -> TecsPackage | None:
         """The package, None without a join. A join in another main file is that one's."""
-        joined = [
+        joined = _distinct(
             (cell, join, through)
             for cell, join in self._unit.joins_through(PLUGIN)
             if cell.file not in self._others
             for through in join.through
             if through.plugin == PLUGIN
-        ]
+        )
         services: dict[ScopedName, Service] = {}
         joins: list[RtcJoin] = []
         for number, (cell, join, through) in enumerate(joined):
@@ -183,6 +183,22 @@ class _Planner:
                         hint="rename one of them",
                     )
                 )
+
+
+def _distinct(
+    joined: Iterable[tuple[Cell, Join, Through]],
+) -> Iterator[tuple[Cell, Join, Through]]:
+    """The joins, each with a channel of its own.
+
+    A region's plug-in makes one cell for all its callers of one entry port.
+    """
+    seen = set()
+    for cell, join, through in joined:
+        target = (join.target, join.target_port, join.target_index)
+        key = (through.span, through.origin, target)
+        if through.origin == "through" or key not in seen:
+            seen.add(key)
+            yield cell, join, through
 
 
 def _service(signature: Signature, options: RtcOptions) -> Service:
