@@ -11,7 +11,7 @@ from pycparser import c_ast
 from pycparser.c_parser import CParser, ParseError
 
 from rtgen.diagnostics import Span
-from rtgen.frontends.cdl.types import MAX_DEPTH, depth
+from rtgen.frontends.cdl.types import MAX_DEPTH, depth, opaque
 from rtgen.frontends.cdl.words import RESERVED
 from rtgen.model.tecs import (
     CArrayType,
@@ -116,7 +116,7 @@ class Declarations:
             try:
                 type_ = self._type(node.type)
             except _UnknownError:
-                type_ = CStructType((f"unknown {name}",))
+                type_ = opaque(name)
             if name in _NAMED:
                 type_ = CScalarType(_NAMED[name])
             if depth(type_) > MAX_DEPTH:
@@ -208,7 +208,7 @@ class Declarations:
             try:
                 type_ = self._type(member.type)
             except _UnknownError:
-                type_ = CStructType((f"unknown {tag}.{member.name}",))
+                type_ = opaque(f"{tag}.{member.name}")
             members.append(
                 TecsMember(name=member.name, type=type_, span=self._span(member.coord))
             )

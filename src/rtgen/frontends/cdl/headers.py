@@ -39,7 +39,28 @@ MAX_MISTAKES = 20
 """After so many declarations that are not understood the rest is left out."""
 
 _STANDARD_FOLDER = "/\0standard"
+
+
+def _opaque(*names: str) -> str:
+    return "".join(f"typedef union {{ int a; }} {name};" for name in names)
+
+
 _STANDARD: Mapping[str, str] = {
+    "pthread.h": "typedef unsigned long pthread_t;"
+    + _opaque(
+        *("pthread_attr_t", "pthread_mutex_t", "pthread_mutexattr_t"),
+        *("pthread_cond_t", "pthread_condattr_t", "pthread_once_t", "pthread_key_t"),
+    ),
+    "semaphore.h": _opaque("sem_t"),
+    "stdio.h": "typedef unsigned long size_t;" + _opaque("FILE"),
+    "stdarg.h": _opaque("va_list"),
+    "time.h": "typedef unsigned long size_t; typedef long time_t; typedef long clock_t;"
+    "struct timespec { time_t tv_sec; long tv_nsec; };",
+    "sys/time.h": "typedef long time_t; struct timeval { time_t tv_sec; long tv_usec; };",
+    "sys/socket.h": "typedef unsigned int socklen_t; typedef unsigned short sa_family_t;",
+    "signal.h": "typedef int sig_atomic_t;" + _opaque("sigset_t"),
+    "setjmp.h": _opaque("jmp_buf"),
+    "unistd.h": "typedef unsigned long size_t; typedef int pid_t;",
     **dict.fromkeys(
         ("stdint.h", "inttypes.h", "sys/types.h"),
         "typedef long intptr_t; typedef unsigned long uintptr_t;"
@@ -51,13 +72,11 @@ _STANDARD: Mapping[str, str] = {
     "stdbool.h": "#define bool _Bool\n#define true 1\n#define false 0",
     "limits.h": "#define CHAR_BIT 8\n#define INT_MAX 2147483647\n#define INT_MIN (-INT_MAX-1)\n"
     "#define UINT_MAX 4294967295U",
-    **dict.fromkeys(
-        ("stdio.h", "stdlib.h", "string.h", "time.h"), "typedef unsigned long size_t;"
-    ),
+    **dict.fromkeys(("stdlib.h", "string.h"), "typedef unsigned long size_t;"),
     **dict.fromkeys(
         (
-            *("assert.h", "ctype.h", "errno.h", "float.h", "math.h", "setjmp.h"),
-            *("signal.h", "stdarg.h", "unistd.h"),
+            *("assert.h", "ctype.h", "errno.h", "float.h", "math.h"),
+            *("arpa/inet.h", "netinet/in.h", "netdb.h", "fcntl.h", "sys/select.h"),
         ),
         "",
     ),
@@ -98,6 +117,8 @@ class Headers:
         self._library = library
         self._define = define
         self._report = report
+        self.lacking = False
+        """Whether an included file is missing."""
 
     def read(self, file: HeaderFile, definitions: list[str], place: Span) -> Header:
         """What a header declares; `place` is where it is imported, for findings."""
@@ -109,8 +130,8 @@ class Headers:
         for name, value in {"TECSGEN": "1", **self._define}.items():
             run.define(f"{name} {value}")
         for definition in definitions:
-            name, _, value = definition.partition("=")
-            run.define(f"{name.strip()} {value or '1'}")
+            name, equals, value = definition.partition("=")
+            run.define(f"{name.strip()} {value if equals else '1'}")
         try:
             text = run.text()
             pieces = list(_pieces(text, file.name))
@@ -123,6 +144,7 @@ class Headers:
         for message in dict.fromkeys(run.problems):
             self._report(rules.UNREADABLE_HEADER.at(place, message))
         if run.missing:
+            self.lacking = True
             names = ", ".join(dict.fromkeys(run.missing))
             message = f"{file.name} includes what is not found: {names}"
             hint = "name their folder by -I"

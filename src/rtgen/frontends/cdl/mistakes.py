@@ -72,13 +72,14 @@ class Mistake:
 class Situation:
     """An unexpected token and its surroundings.
 
-    `kind` is the token's terminal; `accepted` are the terminals that fit; `last` is where the
-    token before it ends; `opening` is the innermost open brace; `surplus` says how many more
-    `{` than `}` the text has.
+    `lacks_types` says that a file is missing which may declare types. `kind` is the token's
+    terminal; `accepted` are the terminals that fit; `last` is where the token before it ends;
+    `opening` is the innermost open brace; `surplus` says how many more `{` than `}` the text has.
     """
 
     unit: Unit
     types: TypeNames
+    lacks_types: bool
     kind: str
     text: str
     start: int
@@ -358,6 +359,18 @@ def _unknown_type(s: Situation) -> Mistake | None:
         return None
     if s.text == "union":
         return s.mistake(types.UNKNOWN_TYPE, "CDL has no unions")
+    if s.lacks_types and s.text not in _FOREIGN_TYPES:
+        known = s.text in s.unit.guessed
+        s.unit.guessed.add(s.text)
+        if known:
+            return Mistake(None, ("TYPE_NAME",), instead=True)
+        return s.mistake(
+            types.GUESSED_TYPE,
+            f"'{s.text}' is taken for a type that a missing file declares",
+            "name the folder of the C headers by -I",
+            feed=("TYPE_NAME",),
+            instead=True,
+        )
     known = s.text in s.unit.lost
     s.unit.lost.add(s.text)
     if known:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import TYPE_CHECKING, Any, Protocol
 
-from rtgen.diagnostics import Diagnostic
+from rtgen.diagnostics import Diagnostic, Severity
 from rtgen.frontends import lalr
 from rtgen.frontends.cdl import tree
 from rtgen.frontends.cdl.builder import Builder, Head
@@ -38,6 +38,10 @@ _DECLARED = re.compile(r"\b([A-Za-z_]\w*)(?=\s*[;,{(\[=}])")
 
 class Imports(Protocol):
     """What reads the files that a unit imports."""
+
+    @property
+    def lacks_types(self) -> bool:
+        """Whether a file is missing that may declare types."""
 
     def import_file(self, statement: tree.Import, unit: Unit) -> None:
         """Read an imported CDL file."""
@@ -160,6 +164,7 @@ class _Run:
         self._report = report
         self._text = unit.source.code
         self._types = types
+        self._imports = imports
         self._parser = CdlParser(unit, types, imports)
         self._errors = 0
         self._last_error = -1
@@ -181,7 +186,7 @@ class _Run:
     def _emit(self, diagnostic: Diagnostic, offset: int) -> None:
         """Report it, unless a mistake at the very same place is reported already."""
         if offset != self._last_error:
-            self._errors += 1
+            self._errors += diagnostic.severity is Severity.ERROR
             self._report(diagnostic)
         self._last_error = offset
         if self._errors == MAX_ERRORS:
@@ -200,6 +205,7 @@ class _Run:
         situation = Situation(
             unit=self._unit,
             types=self._types,
+            lacks_types=self._imports.lacks_types,
             kind=found.type,
             text=str(found),
             start=start,

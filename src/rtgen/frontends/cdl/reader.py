@@ -37,6 +37,7 @@ class Reader:
         report: Callable[[Diagnostic], None],
     ) -> None:
         self.incomplete = False
+        self.lacks_types = False
         self.units: list[Unit] = []
         self._library = library
         self._header_files = header_files
@@ -122,6 +123,7 @@ class Reader:
 
         headers = Headers(self._header_files, self._define, self._report)
         header = headers.read(file, definitions, span)
+        self.lacks_types |= headers.lacking
         unit.headers[statement] = header
         for declaration in header.declarations:
             if isinstance(declaration, TecsTypedef):
@@ -144,7 +146,7 @@ class Reader:
     def _tell_missing(
         self, name: str, span: Span, rule: Rule, reused: bool = False
     ) -> None:
-        self.incomplete = True
+        self.incomplete = self.lacks_types = True
         message = f"{name} is not found"
         hint = "name its folder by -I, or in [sources] include of rtgen.toml"
         self._missing.append(

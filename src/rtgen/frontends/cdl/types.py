@@ -70,6 +70,14 @@ def depth(type_: CType) -> int:
         found += 1
 
 
+_OPAQUE = "unknown "
+
+
+def opaque(name: str) -> CStructType:
+    """What stands for a type that is known by its name alone, or that CDL has no notion of."""
+    return CStructType((f"{_OPAQUE}{name}",))
+
+
 def pointer_depth(type_: CType) -> int:
     """How many pointers lead to what is not one; arrays do not count."""
     depth = 0
@@ -165,6 +173,8 @@ class Types:
         if name in prelude.TYPES and self._analysis.with_prelude:
             self._analysis.note_prelude(name, unit, written.name)
             return CTypedefType((name,), prelude.TYPES[name])
+        if name in unit.guessed:
+            return CTypedefType((name,), opaque(name))
         return None  # a type that is unknown was told by the parser
 
     def _struct(
@@ -423,7 +433,7 @@ class Types:
             self._report(rules.VOID_VALUE.at(span, message))
             return False
         found = resolve(inner)
-        if isinstance(found, CStructType):
+        if isinstance(found, CStructType) and not found.tag[0].startswith(_OPAQUE):
             entity = self._analysis.tag(found.tag)
             if entity is None:
                 if not self._analysis.incomplete:

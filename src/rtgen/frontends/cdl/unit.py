@@ -20,7 +20,8 @@ class Unit:
 
     `reused` says that it was imported by `<...>`. `imports` and `headers` hold what was read for
     an import; nothing for a file that was read before or is missing. `lost` are names that
-    statements with syntax errors may have declared.
+    statements with syntax errors may have declared, `guessed` those that a missing C header may
+    declare as types.
     """
 
     source: Source
@@ -29,6 +30,7 @@ class Unit:
     imports: dict[tree.Import, Unit] = field(default_factory=dict)
     headers: dict[tree.ImportC, Header] = field(default_factory=dict)
     lost: set[str] = field(default_factory=set)
+    guessed: set[str] = field(default_factory=set)
 
     def span(self, start: int, end: int) -> Span:
         """The place of [start, end) of the text."""

@@ -163,6 +163,21 @@ celltype tWheel { call tMotor cMotor; };   // wrong: a port wants a signature
 """,
 )
 
+GUESSED_TYPE = Rule(
+    "CDL0312",
+    "type of a missing file",
+    Severity.WARNING,
+    """
+A C header or an imported file is missing, so a word where a type stands is taken for one of its
+types. Nothing is known of it: rtgen can make nothing for a function that uses it.
+
+```cdl
+import_C( "board_types.h" );                            // not found
+signature sMotor { void set( [in] BoardSpeed a ); };    // warned of
+```
+""",
+)
+
 RULES = (
     UNKNOWN_TYPE,
     DECLARED_TWICE,
@@ -176,4 +191,5 @@ RULES = (
     MEMBER_SIZE,
     UNKNOWN_NAME,
     WRONG_KIND,
+    GUESSED_TYPE,
 )
