@@ -7,6 +7,7 @@ from typing import TypeAlias
 
 from rtgen.diagnostics import Related
 from rtgen.frontends.cdl import specifiers, tree
+from rtgen.frontends.cdl.cell_specifiers import CellSpecifiers
 from rtgen.frontends.cdl.entities import (
     DECLARE,
     Cell,
@@ -30,7 +31,6 @@ from rtgen.frontends.cdl.rules import cells as rules
 from rtgen.frontends.cdl.rules import celltypes as celltype_rules
 from rtgen.frontends.cdl.rules import regions as region_rules
 from rtgen.frontends.cdl.scopes import Entity, Kind, Scope
-from rtgen.frontends.suggestions import nearest
 from rtgen.model.tecs import Signature
 
 _TYPES = (Kind.CELLTYPE, Kind.COMPOSITE)
@@ -47,6 +47,7 @@ class Cells:
         self._values = values
         self._regions = regions
         self._report = report
+        self._specifiers = CellSpecifiers(values, regions, self.add, report)
         self._singletons: dict[tuple[Celltype, Scope], Cell] = {}
         self.all: list[Cell] = []
         """The cells that are defined, without inner ones."""
@@ -71,7 +72,7 @@ class Cells:
         prototype = any(s.word == "prototype" for s in given)
         if node.joins is not None and not prototype:
             self._define(cell, node, place)
-        self._specify(cell, given, place, prototype)
+        self._specifiers.take(cell, given, place, prototype)
         for part in node.joins or ():
             self._part(cell, part, place, prototype)
         if node.joins is None or prototype or not fresh or inside is not None:
@@ -234,97 +235,6 @@ class Cells:
                     )
                 )
 
-    # Specifiers
-
-    def _specify(
-        self, cell: Cell, given: list[tree.Specifier], place: Place, prototype: bool
-    ) -> None:
-        for specifier in given:
-            match specifier.word:
-                case "id":
-                    self._id(cell, specifier, place)
-                case "allocator":
-                    for argument in specifier.arguments:
-                        assert isinstance(argument, tree.Allocation)
-                        self._allocator(cell, argument, place)
-                case "restrict":
-                    self._restrict(specifier, place)
-        generate = specifiers.once(given, "generate", place, self._report)
-        if generate is not None:
-            name = generate.arguments[0]
-            assert isinstance(name, tree.Name)
-            self._regions.apply(name, place, on_way=False)
-        marks = [s for s in given if s.word == "prototype"]
-        if marks and (cell.defined or generate is not None):
-            reason = "is defined before" if cell.defined else "has a plug-in"
-            self._report(
-                rules.PROTOTYPE.at(
-                    place.span(marks[0]),
-                    f"{cell.name} is no prototype: it {reason}",
-                    related=[Related(cell.span, "defined here")] if cell.span else [],
-                )
-            )
-        elif generate is not None and not cell.defined:
-            message = f"a plug-in cannot be applied to {cell.name}, a prototype"
-            hint = "put it where the cell has its body"
-            self._report(rules.PROTOTYPE.at(place.span(generate), message, hint=hint))
-
-    def _id(self, cell: Cell, specifier: tree.Specifier, place: Place) -> None:
-        expression = specifier.arguments[0]
-        value = self._values.constant(expression, place)  # type: ignore[arg-type]
-        if isinstance(value, int) and not isinstance(value, bool) and value:
-            cell.id, cell.id_span = value, place.span(specifier)
-            return
-        message = "an id cannot be 0" if value == 0 else "an id is a constant integer"
-        self._report(rules.BAD_ID.at(place.span(specifier), message))
-
-    def _restrict(self, specifier: tree.Specifier, place: Place) -> None:
-        for restriction in specifier.arguments:
-            assert isinstance(restriction, tree.Restriction)
-            for name in restriction.regions:
-                found = place.lookup(name)
-                if found is None or found.kind is not Kind.REGION:
-                    what = "is not known" if found is None else f"is a {found.kind}"
-                    self._report(
-                        rules.RESTRICT.at(
-                            place.span(name),
-                            f"{name} {what}: restrict names regions",
-                            hint=place.near(name.parts[-1], Kind.REGION),
-                        )
-                    )
-
-    def _allocator(self, cell: Cell, node: tree.Allocation, place: Place) -> None:
-        """`port[i].function.parameter = Cell.eAlloc` before a cell: a join of a hidden port."""
-        if node.operator != "=" or len(node.path) != 3:
-            self._report(
-                celltype_rules.ALLOCATOR_FORM.at(
-                    place.span(node),
-                    "this is not the form of an allocator here",
-                    hint="write ePort.function.parameter = Cell.eAlloc",
-                )
-            )
-            return
-        port, function, parameter = (name.text for name in node.path)
-        name = f"{port}_{function}_{parameter}"
-        span = place.unit.span(node.path[0].start, node.path[2].end)
-        if cell.celltype is not None and name not in cell.celltype.members:
-            entries = [
-                ".".join((p.hidden.port.name, p.hidden.function, p.hidden.parameter))
-                for p in cell.celltype.ports
-                if p.hidden is not None
-            ]
-            near = nearest(".".join((port, function, parameter)), entries)
-            message = (
-                f"{port}.{function}.{parameter} is no parameter that needs an allocator"
-            )
-            hint = f"did you mean {near}?" if near else None
-            self._report(rules.ALLOCATOR_OF_CELL.at(span, message, hint=hint))
-            return
-        index = self._index(node.subscript, place)
-        join = Join(name, index, span, place, node.value)
-        self.add(cell, join)
-        cell.allocators.append(CellAllocator(port, index, function, parameter, join))
-
     # Joins
 
     def _part(self, cell: Cell, item: tree.Item, place: Place, prototype: bool) -> None:
@@ -370,7 +280,7 @@ class Cells:
             return
         join = Join(
             name=name,
-            index=self._index(node.subscript, place),
+            index=self._specifiers.index(node.subscript, place),
             span=place.span(node.name),
             place=place,
             value=value,
@@ -394,22 +304,6 @@ class Cells:
         assert isinstance(argument, tree.Text)
         self._regions.apply(name, place, on_way=True)
         return Plugin(name, argument, place)
-
-    def _index(self, subscript: tree.Subscript | None, place: Place) -> int | None:
-        """The number in a subscript: -1 for `[]`, None where there is none."""
-        if subscript is None:
-            return None
-        if subscript.index is None:
-            return -1
-        value = self._values.constant(subscript.index, place)
-        if isinstance(value, int) and not isinstance(value, bool) and value >= 0:
-            return value
-        self._report(
-            rules.LEFT_SUBSCRIPT.at(
-                place.span(subscript), "a subscript is a constant integer, 0 or more"
-            )
-        )
-        return 0
 
     def _inner_value(
         self, cell: Cell, node: tree.Join, place: Place
@@ -500,7 +394,7 @@ class Cells:
             target = Target(
                 cell=cell,
                 port=node.name.text,
-                index=self._index(node.subscript, place),
+                index=self._specifiers.index(node.subscript, place),
                 span=place.span(node.name),
                 port_span=place.span(node.name),
                 place=place,
@@ -509,7 +403,7 @@ class Cells:
                 caller,
                 Join(
                     name=node.target.port.text,
-                    index=self._index(node.target.subscript, place),
+                    index=self._specifiers.index(node.target.subscript, place),
                     span=place.span(node.target.port),
                     place=place,
                     target=target,
