@@ -13,6 +13,7 @@ MODULES = (
     "rtgen.backends.components.rules",
     "rtgen.backends.tecs.rules",
     "rtgen.backends.types.rules",
+    "rtgen.frontends.bus.rules",
     "rtgen.frontends.cdl.rules",
     "rtgen.frontends.eds.rules",
     "rtgen.frontends.idl.rules",

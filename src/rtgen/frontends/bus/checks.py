@@ -1,0 +1,96 @@
+"""What a network must keep to: PDOs that can be, COB-IDs of one sender, time for all messages."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.diagnostics import Diagnostic, Related
+from rtgen.frontends.bus import rules
+from rtgen.frontends.eds.findings import Findings
+from rtgen.frontends.eds.pdos import PdoReader
+from rtgen.frontends.eds.rules import pdos as pdo_rules
+from rtgen.frontends.located_toml import Toml
+from rtgen.layouts.can_messages import identifier_of, messages
+from rtgen.layouts.can_timing import load, response_times
+from rtgen.model.can_bus import Bus, BusNode
+from rtgen.model.canopen import Pdo, PdoDirection
+
+_IMPOSSIBLE = {
+    rule.code
+    for rule in (
+        pdo_rules.TOO_LONG,
+        pdo_rules.NO_OBJECT,
+        pdo_rules.NOT_MAPPABLE,
+        pdo_rules.WRONG_WAY,
+        pdo_rules.EMPTY_ENTRY,
+        pdo_rules.BAD_GAP,
+        pdo_rules.BAD_COB_ID,
+    )
+}
+
+
+def check(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
+    """The findings about a bus whose file is in order by itself."""
+    for node in bus.nodes:
+        yield from _mappings(node)
+        rates = node.device.info.bit_rates
+        if rates and bus.bit_rate not in rates:
+            message = f"{node.kind.path} does not name {bus.bit_rate} kbit/s"
+            yield rules.NO_BIT_RATE.at(toml.span(("bus", "bit_rate")), message)
+    yield from _cob_ids(bus)
+    yield from _time(bus, toml)
+
+
+def _mappings(node: BusNode) -> Iterator[Diagnostic]:
+    device = node.device
+    findings = Findings()
+    reader = PdoReader(device.objects, device.info, device.dummies, node.id, findings)
+    reader.read()
+    for found in findings.diagnostics:
+        if found.code in _IMPOSSIBLE:
+            message = f"{node.name}: {found.message}"
+            place = [] if found.span is None else [Related(found.span, found.code)]
+            yield rules.BAD_MAPPING.at(node.span, message, related=place)
+
+
+def _cob_ids(bus: Bus) -> Iterator[Diagnostic]:
+    sent: dict[int, tuple[BusNode, Pdo]] = {}
+    for node in bus.nodes:
+        for pdo in node.device.pdos:
+            identifier = identifier_of(pdo, node)
+            if identifier is None or pdo.direction is not PdoDirection.TPDO:
+                continue
+            other, known = sent.setdefault(identifier, (node, pdo))
+            if other is not node:
+                message = (
+                    f"{node.name}.tpdo{pdo.number} has the CAN identifier of "
+                    f"{other.name}.tpdo{known.number}, {identifier:X}h"
+                )
+                yield rules.SAME_COB_ID.at(
+                    node.span, message, related=[Related(other.span, "the other node")]
+                )
+    linked = {(link.source, link.target) for link in bus.links}
+    for node in bus.nodes:
+        for pdo in node.device.pdos:
+            identifier = identifier_of(pdo, node)
+            if identifier not in sent or pdo.direction is not PdoDirection.RPDO:
+                continue
+            other, known = sent[identifier]
+            if ((other.name, known.number), (node.name, pdo.number)) not in linked:
+                message = (
+                    f"{node.name}.rpdo{pdo.number} takes {other.name}.tpdo{known.number}, "
+                    "and there is no [[link]] for it"
+                )
+                yield rules.SAME_COB_ID.at(node.span, message)
+
+
+def _time(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
+    sent = messages(bus)
+    late = [t for t in response_times(sent, bus.bit_rate) if t.response is None]
+    if late:
+        share = load(sent, bus.bit_rate)
+        message = (
+            f"the messages take {share:.0%} of the bus; no bound for "
+            f"{late[0].message.name} and {len(late) - 1} others"
+        )
+        yield rules.OVERLOAD.at(toml.span(("bus", "bit_rate")), message)

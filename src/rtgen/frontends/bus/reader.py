@@ -1,0 +1,256 @@
+"""From a bus file to the network: schema, devices, values, links, then the checks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from rtgen.diagnostics import Diagnostic, Rule, Span, has_errors, in_order
+from rtgen.frontends import Dependency, eds
+from rtgen.frontends.bus import rules
+from rtgen.frontends.bus.checks import check
+from rtgen.frontends.bus.schema import problems
+from rtgen.frontends.bus.values import BadValueError, configured, number_of
+from rtgen.frontends.located_toml import Path as Place
+from rtgen.frontends.located_toml import Toml, TomlError
+from rtgen.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
+from rtgen.model.canopen import INVALID, Device, Value, resolved
+from rtgen.typemap.canopen_names import identifier, module_name
+
+MANAGER = 127
+EVENT = 0.01
+
+_MAX_BYTES = 1024 * 1024
+_OF_DIRECTION = {"tpdo": 0x1800, "rpdo": 0x1400}
+
+
+@dataclass(frozen=True, slots=True)
+class BusResult:
+    """What `load` gives: no bus if there are errors; `sources` maps displayed path to text."""
+
+    bus: Bus | None
+    diagnostics: tuple[Diagnostic, ...]
+    sources: Mapping[str, str]
+    dependencies: tuple[Dependency, ...]
+
+
+def load(path: Path, *, root: Path) -> BusResult:
+    """Read a bus file and the devices that it names.
+
+    `root` is the project's folder. Whatever is wrong with the input is in the diagnostics.
+    """
+    return _Reader(path, root).run()
+
+
+class _Reader:
+    def __init__(self, path: Path, root: Path) -> None:
+        self._path = path
+        self._root = root
+        self._file = path.as_posix()
+        self._found: list[Diagnostic] = []
+        self._sources: dict[str, str] = {}
+        self._dependencies: list[Dependency] = []
+        self._toml: Toml
+
+    def run(self) -> BusResult:
+        bus = self._bus() if self._open() else None
+        return BusResult(
+            None if has_errors(self._found) else bus,
+            tuple(in_order(self._found)),
+            self._sources,
+            tuple(self._dependencies),
+        )
+
+    def _tell(self, rule: Rule, place: Place, message: str) -> None:
+        self._found.append(rule.at(self._toml.span(place), message))
+
+    def _open(self) -> bool:
+        start = Span(self._file, 1, 1, 1, 2)
+        try:
+            data = self._path.read_bytes()
+            text = data[: _MAX_BYTES + 1].decode("utf-8")
+        except (OSError, ValueError) as error:
+            reason = getattr(error, "strerror", None) or error
+            message = f"{self._file} cannot be read: {reason}"
+            self._found.append(rules.BAD_FILE.at(start, message))
+            return False
+        if len(data) > _MAX_BYTES:
+            message = f"the file is larger than {_MAX_BYTES:,} bytes"
+            self._found.append(rules.BAD_FILE.at(start, message))
+            return False
+        self._sources[self._file] = text
+        try:
+            self._toml = Toml(text, self._file)
+        except TomlError as error:
+            self._found.append(rules.BAD_FILE.at(error.span, str(error)))
+            return False
+        for place, problem in problems(self._toml.content):
+            where = ".".join(map(str, place))
+            self._tell(rules.BAD_CONTENT, place, f"{where or 'the file'}: {problem}")
+        return not self._found
+
+    def _bus(self) -> Bus | None:
+        content = self._toml.content
+        told = content["bus"]
+        kinds = {name: self._kind(name) for name in content["device"]}
+        ids = {told.get("manager", MANAGER): "the manager"}
+        nodes = []
+        for name, node in content["node"].items():
+            other = ids.setdefault(node["id"], name)
+            if other != name:
+                message = f"node-id {node['id']} is that of {other}"
+                self._tell(rules.SAME_ID, ("node", name, "id"), message)
+            kind = kinds.get(node["device"])
+            if kind is None:
+                message = f"there is no [device.{node['device']}]"
+                self._tell(rules.UNKNOWN_DEVICE, ("node", name, "device"), message)
+            elif (made := self._node(name, kind)) is not None:
+                nodes.append(made)
+        if has_errors(self._found):
+            return None
+        links = self._links(nodes)
+        bus = Bus(
+            name=told.get("name", identifier(self._path.stem)),
+            file=self._file,
+            bit_rate=told["bit_rate"],
+            manager=told.get("manager", MANAGER),
+            sync=told.get("sync", 0.0),
+            heartbeat=told.get("heartbeat", 0.0),
+            event=told.get("event", EVENT),
+            kinds=tuple(kinds.values()),
+            nodes=tuple(self._linked(nodes, links)),
+            links=tuple(links),
+        )
+        self._found += check(bus, self._toml)
+        return bus
+
+    def _kind(self, name: str) -> DeviceKind:
+        told = self._toml.content["device"][name]
+        return DeviceKind(
+            name=name,
+            module=told.get("name", module_name(Path(told["eds"]).stem)),
+            path=told["eds"],
+            ports=told.get("ports", "pdo"),
+            parameters=tuple(number_of(text) for text in told.get("parameters", ())),
+            factors=_by_number(told.get("factors", {})),
+            units=_by_number(told.get("units", {})),
+        )
+
+    def _node(self, name: str, kind: DeviceKind) -> BusNode | None:
+        content = self._toml.content
+        node = content["node"][name]
+        read = eds.load(
+            [self._path.parent / kind.path], root=self._root, node_id=node["id"]
+        )
+        self._found += read.diagnostics
+        self._sources |= read.sources
+        self._dependencies += read.dependencies
+        if not read.model.devices:
+            return None
+        device = read.model.devices[0]
+        values: dict[tuple[int, int], Value] = {}
+        for table, place in (
+            (content["device"][kind.name], ("device", kind.name)),
+            (node, ("node", name)),
+        ):
+            for key, value in table.get("values", {}).items():
+                where = (*place, "values", key)
+                try:
+                    span = self._toml.span(where)
+                    device, written = configured(device, number_of(key), value, span)
+                except BadValueError as error:
+                    self._tell(rules.BAD_VALUE, where, f"{key}: {error}")
+                else:
+                    values[number_of(key)] = written
+        for number in (*kind.parameters, *(n for n, _ in (*kind.factors, *kind.units))):
+            if device.find(*number) is None:
+                message = f"{kind.path} has no object {number[0]:04X}:{number[1]:X}"
+                self._tell(rules.BAD_VALUE, ("device", kind.name), message)
+        return BusNode(
+            name=name,
+            id=node["id"],
+            kind=kind,
+            device=device,
+            values=tuple(sorted(values.items())),
+            span=self._toml.span(("node", name)),
+        )
+
+    def _links(self, nodes: list[BusNode]) -> list[PdoLink]:
+        devices = {node.name: node.device for node in nodes}
+        found: list[PdoLink] = []
+        for number, entry in enumerate(self._toml.content.get("link", ())):
+            source, target = _end(entry["from"]), _end(entry["to"])
+            wrong = _wrong(source, target, devices, found)
+            if wrong is not None:
+                self._tell(rules.BAD_LINK, ("link", number), wrong)
+            else:
+                found.append(PdoLink(source[::2], target[::2]))
+        return found
+
+    def _linked(self, nodes: list[BusNode], links: list[PdoLink]) -> list[BusNode]:
+        """The nodes with the COB-IDs of their links: the TPDO's for both ends, and valid."""
+        made = {node.name: node for node in nodes}
+        for number, link in enumerate(links):
+            place = self._toml.span(("link", number))
+            name, tpdo = link.source
+            sent = made[name].device.find(0x1800 + tpdo - 1, 1)
+            told = None if sent is None else resolved(sent.current, made[name].id)
+            if not isinstance(told, int):
+                self._tell(rules.BAD_LINK, ("link", number), "its TPDO has no COB-ID")
+                continue
+            for (end, pdo), base in ((link.source, 0x1800), (link.target, 0x1400)):
+                index = base + pdo - 1
+                keep = told if base == 0x1800 else told & 0x3FFFFFFF & ~(1 << 30)
+                node = made[end]
+                try:
+                    device, value = configured(
+                        node.device, (index, 1), keep & ~INVALID, place
+                    )
+                except BadValueError as error:
+                    self._tell(rules.BAD_LINK, ("link", number), f"{end}: {error}")
+                    continue
+                values = dict(node.values) | {(index, 1): value}
+                made[end] = replace(
+                    node, device=device, values=tuple(sorted(values.items()))
+                )
+        return list(made.values())
+
+
+def _by_number(table: Mapping[str, Any]) -> tuple[tuple[tuple[int, int], Any], ...]:
+    return tuple(sorted((number_of(key), value) for key, value in table.items()))
+
+
+def _end(text: str) -> tuple[str, str, int]:
+    """Node, direction and number of a link's end."""
+    name, _, pdo = text.partition(".")
+    return name, pdo[:4], int(pdo[4:])
+
+
+def _wrong(
+    source: tuple[str, str, int],
+    target: tuple[str, str, int],
+    devices: Mapping[str, Device],
+    known: list[PdoLink],
+) -> str | None:
+    """What is wrong with a link."""
+    if (source[1], target[1]) != ("tpdo", "rpdo"):
+        return "a link goes from a TPDO to an RPDO"
+    if source[0] == target[0]:
+        return "a link goes to another node"
+    octets = []
+    for name, direction, number in (source, target):
+        device = devices.get(name)
+        if device is None:
+            return f"there is no node {name!r}"
+        pdos = {(p.direction.value, p.number): p for p in device.pdos}
+        pdo = pdos.get((direction, number))
+        if pdo is None:
+            return f"{name} has no {direction}{number}"
+        octets.append((pdo.bits + 7) // 8)
+    if octets[0] != octets[1]:
+        return f"the TPDO has {octets[0]} octets, the RPDO {octets[1]}"
+    if any(link.target == target[::2] for link in known):
+        return f"{target[0]}.{target[1]}{target[2]} has a link already"
+    return None

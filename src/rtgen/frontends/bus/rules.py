@@ -1,0 +1,152 @@
+"""Rules of bus files (EDS07xx)."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Rule, Severity
+
+BAD_FILE = Rule(
+    "EDS0700",
+    "bus file cannot be read",
+    Severity.ERROR,
+    """
+The file cannot be opened, or is no TOML in UTF-8.
+
+```toml
+[bus
+bit_rate = 500                 # gives this finding
+```
+""",
+)
+
+BAD_CONTENT = Rule(
+    "EDS0701",
+    "key or value that a bus file cannot have",
+    Severity.ERROR,
+    """
+The content does not follow the schema of bus files (`docs/bus.schema.json`): a key is unknown or
+missing, or a value is of another kind or out of its range.
+
+```toml
+[bus]
+bit_rate = 333                 # gives this finding
+```
+""",
+)
+
+UNKNOWN_DEVICE = Rule(
+    "EDS0702",
+    "unknown kind of device",
+    Severity.ERROR,
+    """
+A node names a kind of device that has no `[device.NAME]`.
+
+```toml
+[node.left]
+device = "drvie"               # gives this finding
+id = 1
+```
+""",
+)
+
+SAME_ID = Rule(
+    "EDS0703",
+    "node-id given twice",
+    Severity.ERROR,
+    """
+Each node has a node-id of its own, the manager too (127 unless `manager` says otherwise).
+
+```toml
+[node.left]
+device = "drive"
+id = 1
+[node.right]
+device = "drive"
+id = 1                         # gives this finding
+```
+""",
+)
+
+BAD_VALUE = Rule(
+    "EDS0704",
+    "value for no object",
+    Severity.ERROR,
+    """
+The device has no object of that number, or it cannot be written, or its data type does not have
+the value. Objects are written as index and sub-index in hexadecimal digits.
+
+```toml
+[node.left.values]
+"1017" = "fast"                # gives this finding
+```
+""",
+)
+
+BAD_MAPPING = Rule(
+    "EDS0705",
+    "impossible PDO",
+    Severity.ERROR,
+    """
+With the values of the bus file a valid PDO has a mapping that cannot be: more than 64 bits, an
+object that does not exist, that cannot be mapped or not in this direction, or a
+reserved COB-ID.
+""",
+)
+
+SAME_COB_ID = Rule(
+    "EDS0706",
+    "COB-ID used twice",
+    Severity.ERROR,
+    """
+Two nodes send PDOs with the same CAN identifier, so frames of both can be on the bus at once and
+destroy each other; or an RPDO listens to another node's TPDO and there is no `[[link]]` that says
+so.
+""",
+)
+
+BAD_LINK = Rule(
+    "EDS0707",
+    "link without its ends",
+    Severity.ERROR,
+    """
+A link goes from a node's TPDO to another node's RPDO, which the devices have, and which carry as
+many octets. An RPDO takes one TPDO.
+
+```toml
+[[link]]
+from = "palette.tpdo4"
+to = "motor.rpdo9"             # gives this finding if there is none
+```
+""",
+)
+
+NO_BIT_RATE = Rule(
+    "EDS0708",
+    "bit rate that a device does not have",
+    Severity.WARNING,
+    """
+The device's description does not name the bit rate of the bus.
+""",
+)
+
+OVERLOAD = Rule(
+    "EDS0709",
+    "bus cannot carry its messages",
+    Severity.WARNING,
+    """
+In the worst case the messages take more time than there is, so the late ones have no bound. Lower
+the rates (event timers, inhibit times, SYNC), or raise the bit rate.
+""",
+)
+
+RULES = (
+    BAD_FILE,
+    BAD_CONTENT,
+    UNKNOWN_DEVICE,
+    SAME_ID,
+    BAD_VALUE,
+    BAD_MAPPING,
+    SAME_COB_ID,
+    BAD_LINK,
+    NO_BIT_RATE,
+    OVERLOAD,
+)

@@ -1,0 +1,63 @@
+"""Values that a bus file writes to objects of a device."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from rtgen.diagnostics import Span
+from rtgen.frontends.eds import numbers
+from rtgen.frontends.eds.findings import Findings
+from rtgen.frontends.eds.ini import Entry
+from rtgen.frontends.eds.pdos import PdoReader
+from rtgen.model.canopen import Device, Value
+
+
+class BadValueError(Exception):
+    """The device cannot have the value; the message says why."""
+
+
+def number_of(text: str) -> tuple[int, int]:
+    """Index and sub-index of an object written as `6401:1` or `6040`, in hexadecimal digits."""
+    index, _, subindex = text.partition(":")
+    return int(index, 16), int(subindex or "0", 16)
+
+
+def configured(
+    device: Device, number: tuple[int, int], value: Any, span: Span
+) -> tuple[Device, Value]:
+    """The device with the value of an object, and the value as its data type has it.
+
+    The PDOs are those of the new values. Raises BadValueError.
+    """
+    variable = device.find(*number)
+    if variable is None:
+        raise BadValueError("there is no such object")
+    if not variable.access.writable:
+        raise BadValueError(f"{variable.name} is {variable.access}")
+    text = f"{value:#x}" if isinstance(value, int) else str(value)
+    findings = Findings()
+    entry = Entry(span.file, span.line, span.column, "value", text, span.column)
+    told = numbers.value(entry, variable.data_type, findings)
+    if told is None or findings.diagnostics:
+        message = findings.diagnostics[0].message.removeprefix("value: ")
+        message = message.removesuffix("; it is ignored")
+        raise BadValueError(f"{variable.name}: {message}")
+    written = replace(variable, value=told, value_span=span)
+    objects = tuple(
+        (
+            replace(
+                thing,
+                variables=tuple(
+                    written if v == variable else v for v in thing.variables
+                ),
+            )
+            if thing.index == number[0]
+            else thing
+        )
+        for thing in device.objects
+    )
+    pdos = PdoReader(
+        objects, device.info, device.dummies, device.node_id, Findings()
+    ).read()
+    return replace(device, objects=objects, pdos=pdos), told

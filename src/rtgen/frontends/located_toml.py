@@ -1,0 +1,85 @@
+"""TOML with places: the content of a file, and where each of its keys stands."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Any, TypeAlias
+
+from rtgen.diagnostics import Span
+
+Path: TypeAlias = tuple[str | int, ...]
+"""Keys from the root on; the number of an entry in an array of tables."""
+
+_PLACE = re.compile(r"\s*\(at line (\d+), column (\d+)\)$")
+_HEADER = re.compile(r"\s*(\[\[?)\s*(.*?)\s*\]")
+_KEY = re.compile(
+    r"""\s*((?:[\w-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[\w-]+|"[^"]*"|'[^']*'))*)\s*="""
+)
+_NAME = re.compile(r"""[\w-]+|"[^"]*"|'[^']*'""")
+
+
+class TomlError(Exception):
+    """The text is no TOML; `span` says where."""
+
+    def __init__(self, message: str, span: Span) -> None:
+        super().__init__(message)
+        self.span = span
+
+
+class Toml:
+    """A TOML text, shown as `file`. Raises TomlError."""
+
+    def __init__(self, text: str, file: str) -> None:
+        self.file = file
+        try:
+            self.content: dict[str, Any] = tomllib.loads(text)
+        except (
+            ValueError
+        ) as error:  # not only TOMLDecodeError: a number may be too long
+            place = _PLACE.search(str(error))
+            lines = text.split("\n")
+            line, column = (
+                (int(place[1]), int(place[2]))
+                if place
+                else (len(lines), len(lines[-1]) + 1)
+            )
+            message = _PLACE.sub("", str(error)).removesuffix(" (at end of document)")
+            raise TomlError(message, self._span(line, column, 1)) from None
+        except RecursionError:
+            raise TomlError("nested too deeply", self._span(1, 1, 1)) from None
+        self._places: dict[Path, Span] = {}
+        self._find(text)
+
+    def span(self, path: Path) -> Span:
+        """Where a key stands, or else the table that it should be in."""
+        while path and path not in self._places:
+            path = path[:-1]
+        return self._places.get(path, self._span(1, 1, 1))
+
+    def _find(self, text: str) -> None:
+        table: Path = ()
+        counts: dict[Path, int] = {}
+        for number, line in enumerate(text.split("\n"), 1):
+            header = _HEADER.match(line)
+            if header is not None:
+                table = _names(header[2])
+                if header[1] == "[[":
+                    counts[table] = counts.get(table, -1) + 1
+                    table = (*table, counts[table])
+                span = self._span(number, header.start(2) + 1, len(header[2]))
+                self._keep(table, span)
+            elif (key := _KEY.match(line)) is not None:
+                span = self._span(number, key.start(1) + 1, len(key[1]))
+                self._keep((*table, *_names(key[1])), span)
+
+    def _keep(self, path: Path, span: Span) -> None:
+        for length in range(1, len(path) + 1):
+            self._places.setdefault(path[:length], span)
+
+    def _span(self, line: int, column: int, length: int) -> Span:
+        return Span(self.file, line, column, line, column + max(length, 1))
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip("\"'") for name in _NAME.findall(text))

@@ -1,0 +1,167 @@
+"""Bus files: nodes with their values, links, messages, and the schema."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from rtgen.frontends.bus import load
+from rtgen.frontends.bus.schema import SCHEMA
+from rtgen.layouts.can_messages import messages
+from rtgen.layouts.can_timing import load as bus_load
+from rtgen.layouts.can_timing import response_times
+from rtgen.model.can_bus import Bus, PdoLink
+from rtgen.model.canopen import Pdo
+
+ROOT = Path(__file__).parents[3]
+BASE = ROOT / "tests/golden/eds_errors/base.eds"
+BUSES = sorted((ROOT / "specs/canopen").glob("*.toml"))
+
+
+def bus(folder: Path, text: str) -> Bus:
+    """The bus of a text without findings."""
+    (folder / "net.toml").write_text(text, encoding="utf-8")
+    shutil.copy(BASE, folder / "board.eds")
+    result = load(folder / "net.toml", root=folder)
+    assert result.diagnostics == ()
+    assert result.bus is not None
+    return result.bus
+
+
+def pdos(of: Bus, node: str) -> dict[str, Pdo]:
+    [found] = [n for n in of.nodes if n.name == node]
+    return {f"{p.direction}{p.number}": p for p in found.device.pdos}
+
+
+LINKED = """
+[bus]
+bit_rate = 500
+sync = 0.01
+heartbeat = 0.1
+
+[device.board]
+eds = "board.eds"
+name = "Board"
+ports = "object"
+parameters = ["2000", "2001:1"]
+
+[device.board.values]
+"2000" = 7
+
+[device.board.factors]
+"2001:1" = 0.5
+
+[node.one]
+device = "board"
+id = 1
+
+[node.one.values]
+"2000" = 9
+"1800:2" = 4
+
+[node.two]
+device = "board"
+id = 0x0A
+
+[node.two.values]
+"1600:0" = 1
+
+[[link]]
+from = "one.tpdo1"
+to = "two.rpdo1"
+"""
+
+
+def test_values_and_links(tmp_path: Path) -> None:
+    found = bus(tmp_path, LINKED)
+    one, two = found.nodes
+    assert (found.name, found.manager) == ("net", 127)
+    assert (one.kind.module, one.kind.ports) == ("Board", "object")
+    assert one.kind.parameters == ((0x2000, 0), (0x2001, 1))
+    assert one.kind.factors == (((0x2001, 1), 0.5),)
+    assert one.device.find(0x2000).current == 9  # type: ignore[union-attr]
+    assert two.device.find(0x2000).current == 7  # type: ignore[union-attr]
+    assert dict(one.values)[0x1800, 2] == 4
+    assert two.id == 10
+    assert found.links == (PdoLink(("one", 1), ("two", 1)),)
+    assert pdos(found, "one")["tpdo1"].cob_id == 0x40000181
+    assert pdos(found, "two")["rpdo1"].cob_id == 0x181
+    assert dict(two.values)[0x1400, 1] == 0x181
+    assert pdos(found, "two")["rpdo1"].bits == 8
+
+
+def test_messages(tmp_path: Path) -> None:
+    found = bus(tmp_path, LINKED)
+    sent = {m.name: (m.identifier, m.octets, m.period) for m in messages(found)}
+    assert sent == {
+        "SYNC": (0x80, 0, 10_000_000),
+        "manager heartbeat": (0x77F, 1, 100_000_000),
+        "one.tpdo1": (0x181, 1, 40_000_000),
+        "one.rpdo1": (0x201, 2, 10_000_000),
+        "two.tpdo1": (0x18A, 1, 10_000_000),
+    }
+
+
+@pytest.mark.parametrize("path", BUSES, ids=lambda path: path.stem)
+def test_our_own(path: Path) -> None:
+    result = load(path, root=ROOT)
+    assert result.diagnostics == ()
+    assert result.bus is not None
+    sent = messages(result.bus)
+    assert 0 < bus_load(sent, result.bus.bit_rate) < 1
+    for timing in response_times(sent, result.bus.bit_rate):
+        assert timing.response is not None
+        assert timing.transmission < timing.response <= timing.message.period
+
+
+def test_ours_are_these() -> None:
+    assert [path.stem for path in BUSES] == ["fourx", "pdo_linking", "rh3_beego"]
+
+
+def test_a_device_with_errors(tmp_path: Path) -> None:
+    (tmp_path / "net.toml").write_text(LINKED, encoding="utf-8")
+    (tmp_path / "board.eds").write_text("[2000]\nParameterName=Speed\n")
+    result = load(tmp_path / "net.toml", root=tmp_path)
+    assert result.bus is None
+    assert "EDS0304" in [d.code for d in result.diagnostics]
+    (tmp_path / "board.eds").unlink()
+    result = load(tmp_path / "net.toml", root=tmp_path)
+    assert "EDS0001" in [d.code for d in result.diagnostics]
+    assert [d.code for d in load(tmp_path / "no.toml", root=tmp_path).diagnostics] == [
+        "EDS0700"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("sync = 0.01", "sync = inf"),
+        ("sync = 0.01", "sync = nan"),
+        ("id = 1", "id = 1e0"),
+        ("[node.one]", "[node.'']"),
+        ('"2000" = 9', '"2000" = [9]'),
+        ("[[link]]", "[link]"),
+        ("[bus]", "[bus.x]"),
+        ('"2000" = 9', '"2000" = ' + "9" * 5000),
+        ('"2000" = 9', '"2000" = 0x' + "9" * 5000),
+        ("id = 1", "id = 0x" + "9" * 5000),
+    ],
+)
+def test_odd_content(tmp_path: Path, old: str, new: str) -> None:
+    text = LINKED.replace(old, new)
+    (tmp_path / "net.toml").write_text(text, encoding="utf-8")
+    shutil.copy(BASE, tmp_path / "board.eds")
+    result = load(tmp_path / "net.toml", root=tmp_path)
+    assert result.bus is None
+    assert {d.code for d in result.diagnostics} <= {"EDS0700", "EDS0701", "EDS0704"}
+
+
+def test_published_schema(update_golden: bool) -> None:
+    file = ROOT / "docs/bus.schema.json"
+    text = json.dumps(SCHEMA, indent=2) + "\n"
+    if update_golden:
+        file.write_text(text, encoding="utf-8")
+    assert file.read_text(encoding="utf-8") == text
