@@ -50,6 +50,10 @@ namespace nBoard {
     long_t wide( [in] const uint8_t grid[2][3], [out,size_is(4)] char_t *label );
     [oneway] void stop( [in] uchar_t why );
     [oneway] ER stop_all( void );
+    ER bytes( [in] Point tagPoint, [in] Point nBoard_tagPoint, [in] int8_t RpcError,
+              [in,nullable] const int8_t *RpcError_in, [in] int8_t codec_nBoard_tagPoint,
+              [out] Point *outs, [inout,nullable] int8_t *outs_out );
+    void list( [in] int8_t handlers );
     void class( [in] int32_t None, [in] int32_t any, [in] int32_t self, [in] int32_t Self,
                 [out] uint8_t *out );
   };

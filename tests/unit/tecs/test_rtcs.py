@@ -192,6 +192,13 @@ def motor_board(modules: dict[str, Any], stem: str = "board") -> Any:
         def stop_all(self) -> None:
             self.stopped.append(-1)
 
+        def bytes_(self, *given: Any) -> tuple[int, Any, int | None]:
+            assert given[2:4] == (-1, 5)
+            return 0, given[0], given[5]
+
+        def list_(self, handlers: int) -> None:
+            self.stopped.append(handlers)
+
         def class_(self, *values: int) -> int:
             return sum(values)
 
@@ -253,10 +260,14 @@ def test_values_in_the_view_of_idl(
         assert service.part(points, 2) == (2, idl.tagPoint(4, 6), [True, False, True])
         assert service.wide([b"\x01\x02\x03", b"\xff\x00\x00"]) == (261, "lab\xe9")
         assert service.class_(1, 2, 3, 4) == 10
+        point = idl.tagPoint(1, 2)
+        found = service.bytes(point, point, 255, b"\x05", 3, b"\x09")
+        assert found == (0, point, b"\x09")
+        service.list(4)
         service.stop("s")
         assert service.stop_all() == 0
         assert service.get() == -7
-    assert board.target.stopped == [ord("s"), -1]
+    assert board.target.stopped == [4, ord("s"), -1]
 
 
 def test_arrays_as_any(

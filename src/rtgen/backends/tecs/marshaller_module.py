@@ -115,7 +115,8 @@ class _Servant:
     def operation(self, layout: FunctionLayout, operation: Operation) -> Method:
         """Converts what is given, has the proxy call, converts what comes back."""
         annotate = self._imports.mapping.annotation
-        names = distinct((p.name for p in operation.parameters), LOCALS)
+        views = _views_used([layout])
+        names = distinct((p.name for p in operation.parameters), LOCALS.union(views))
         pairs = list(zip(layout.items, operation.parameters, strict=True))
         taken = set(names.values())
         body: list[str] = []

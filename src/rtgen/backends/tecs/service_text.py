@@ -26,22 +26,28 @@ from rtgen.typemap.tecs_python import (
 
 LOCALS = frozenset(
     {
-        *("self", "channel", "codec", "error", "first", "more", "outs", "request"),
         *(
+            "self",
+            "channel",
+            "codec",
+            "error",
+            "first",
+            "more",
+            "outs",
             "reply",
-            "result",
-            "results",
-            "returned",
-            "call",
-            "send",
-            "E_OK",
-            "Any",
-            "AnyValue",
-            "target",
+            "request",
         ),
+        *("result", "results", "returned", "target"),
+        *("E_OK", "RpcError", "call", "send"),
         *dir(builtins),
     }
 )
+"""The names that the bodies of methods use, so that no parameter can have them."""
+
+_ANNOTATIONS = frozenset(
+    {"Sequence", "bool", "bytes", "float", "int", "list", "str", "tuple"}
+)
+"""What annotations are written with; a method of such a name would hide it in its class."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +75,11 @@ class ServiceText:
         self.makes_tdr = "make_tdr" in self.make_codec
         self.methods = distinct(
             (f.function.name for f in layout.functions),
-            {"self", "channel", "codec", "handlers", "target"},
+            {
+                *("channel", "codec", "handlers", "target"),
+                *_ANNOTATIONS,
+                *self.struct_classes(),
+            },
         )
 
     def method(self, layout: FunctionLayout, body: Sequence[str]) -> Method:
@@ -85,7 +95,8 @@ class ServiceText:
 
     def parameters(self, layout: FunctionLayout) -> dict[str, str]:
         """The Python names of a function's parameters."""
-        return distinct((item.name for item in layout.items), LOCALS)
+        taken = LOCALS.union(self.struct_classes())
+        return distinct((item.name for item in layout.items), taken)
 
     def struct_classes(self) -> list[str]:
         """The classes that annotations and zeros name."""
