@@ -167,7 +167,9 @@ class TcpChannel:
         if connection is None or (idle > _IDLE and not connection.is_quiet()):
             self._drop()
             connection = self._connection = self._connect()
-        connection.limit(self._deadline - monotonic())
+            connection.limit(self._deadline - monotonic())
+        else:
+            connection.limit(self.timeout)
         return connection
 
     def _connect(self) -> Connection:

@@ -1,0 +1,338 @@
+"""Calls of an empty function: OpaqueRPC beside a raw ping-pong, omniORBpy and gRPC, over loopback.
+
+    python benchmarks/rpc.py
+
+Each server is a process of its own, and all have a time-out armed; the raw one sends the same bytes.
+Batches of 100 calls of a peer and of ours alternate; the ratio is the median of those of 200 such
+pairs. Then the procedure of the RTM-TECS paper, 100 calls, mean and spread; and a server that writes
+each scalar by itself, as C servers do.
+"""
+
+from __future__ import annotations
+
+import importlib
+import os
+import shutil
+import socket
+import statistics
+import struct
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+PAIRS, WARM_UP, CALLS = 200, 20, 100
+SLOW_PAIRS = 5
+LIMITS = {"raw": 1.6, "omniORBpy": 1.0, "grpcio": 0.2}
+"""How many times as long as the peer a call may take."""
+TIMEOUT = 1.0
+HOST = "127.0.0.1"
+REQUEST = bytes.fromhex("672a00015a3c")
+REPLY = bytes.fromhex("561e000000006d5e")
+SCALARS = (b"\x56", b"\x1e", b"\0\0\0\0", b"\x6d\x5e")
+"""The reply as C servers write it."""
+
+CDL = """
+signature sEmpty { ER nothing( void ); };
+celltype tBoard { entry sEmpty eEmpty; };
+[active] celltype tCaller { call sEmpty cEmpty; };
+cell tBoard Board {};
+cell tCaller Caller { [through(RTCPlugin,"")] cEmpty = Board.eEmpty; };
+"""
+PROJECT = '[sources]\npaths = ["empty.cdl"]\n[output]\npackage = "bench"\n'
+IDL = "interface Empty { long nothing(); };"
+
+Call = Callable[[], object]
+
+
+# What the servers do; each prints the address of its own to standard output.
+
+
+def announced(address: object) -> None:
+    print(address, flush=True)
+
+
+def armed(connection: socket.socket) -> socket.socket:
+    """A connection with the time-out of ours."""
+    limit = struct.pack("@ll", int(TIMEOUT), 0)
+    connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, limit)
+    connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, limit)
+    return connection
+
+
+def serve_raw(folder: Path) -> None:
+    with socket.create_server((HOST, 0)) as listener:
+        announced(listener.getsockname()[1])
+        connection = armed(listener.accept()[0])
+        receive, send = connection.recv, connection.send
+        while True:
+            try:
+                if not receive(len(REQUEST)):
+                    return
+            except BlockingIOError:
+                continue
+            send(REPLY)
+
+
+def serve_scalars(folder: Path) -> None:
+    with socket.create_server((HOST, 0)) as listener:
+        announced(listener.getsockname()[1])
+        while True:
+            with listener.accept()[0] as connection:
+                while connection.recv(len(REQUEST)):
+                    for scalar in SCALARS:
+                        connection.send(scalar)
+
+
+def serve_rtgen(folder: Path) -> None:
+    from rtgen.runtime.opaque_rpc import TcpServer
+
+    module = generated(folder, "empty_server")
+
+    class Board(module.EmptyTarget):  # type: ignore[misc,name-defined]
+        def nothing(self) -> int:
+            return 0
+
+    server = TcpServer(module.EmptyUnmarshaller(Board()), HOST, 0, TIMEOUT)
+    announced(server.address[1])
+    server.serve_forever()
+
+
+def serve_omniorb(folder: Path) -> None:
+    orb = omniorb(folder)
+    poa_module = importlib.import_module("_GlobalIDL__POA")
+
+    class Servant(poa_module.Empty):  # type: ignore[misc,name-defined]
+        def nothing(self) -> int:
+            return 0
+
+    servant = Servant()
+    poa = orb.resolve_initial_references("RootPOA")
+    poa._get_the_POAManager().activate()
+    announced(orb.object_to_string(servant._this()))
+    orb.run()
+
+
+def serve_grpc(folder: Path) -> None:
+    import concurrent.futures
+
+    import grpc
+
+    def nothing(request: bytes, context: object) -> bytes:
+        return REPLY
+
+    handler = grpc.unary_unary_rpc_method_handler(nothing)
+    pool = concurrent.futures.ThreadPoolExecutor(1)
+    server = grpc.server(pool)
+    server.add_generic_rpc_handlers(
+        (grpc.method_handlers_generic_handler("Empty", {"nothing": handler}),)
+    )
+    announced(server.add_insecure_port(f"{HOST}:0"))
+    server.start()
+    server.wait_for_termination()
+
+
+SERVERS = {
+    "raw": serve_raw,
+    "scalars": serve_scalars,
+    "rtgen": serve_rtgen,
+    "omniORBpy": serve_omniorb,
+    "grpcio": serve_grpc,
+}
+
+
+# What the clients do.
+
+
+def raw_call(port: str) -> Call:
+    connection = armed(socket.create_connection((HOST, int(port))))
+    receive, send = connection.recv, connection.send
+
+    def call() -> None:
+        send(REQUEST)
+        receive(len(REPLY))
+
+    return call
+
+
+def ordinary_call(port: str) -> Call:
+    """A client that knows nothing of delayed acknowledgements."""
+    connection = armed(socket.create_connection((HOST, int(port))))
+
+    def call() -> None:
+        connection.send(REQUEST)
+        data = b""
+        while len(data) < len(REPLY):
+            data += connection.recv(len(REPLY) - len(data))
+
+    return call
+
+
+def rtgen_call(port: str, folder: Path) -> Call:
+    from rtgen.runtime.opaque_rpc import TcpChannel
+
+    module = generated(folder, "empty_marshaller")
+    proxy = module.EmptyProxy(TcpChannel(HOST, int(port), TIMEOUT))
+    assert proxy.nothing() == 0
+    return proxy.nothing  # type: ignore[no-any-return]
+
+
+def omniorb_call(reference: str, folder: Path) -> Call:
+    orb = omniorb(folder)
+    module = importlib.import_module("_GlobalIDL")
+    empty = orb.string_to_object(reference)._narrow(module.Empty)
+    return empty.nothing  # type: ignore[no-any-return]
+
+
+def grpc_call(port: str) -> Call:
+    import grpc
+
+    channel = grpc.insecure_channel(f"{HOST}:{port}")
+    method = channel.unary_unary("/Empty/nothing")
+    return lambda: method(REQUEST, timeout=TIMEOUT)
+
+
+def generated(folder: Path, module: str) -> Any:
+    """A module that rtgen made of the CDL text."""
+    sys.path.insert(0, str(folder / "generated"))
+    return importlib.import_module(f"tecs.empty.{module}")
+
+
+def omniorb(folder: Path) -> Any:
+    sys.path.insert(0, str(folder))
+    orb_module = importlib.import_module("omniORB.CORBA")
+    arguments = ["bench", "-ORBclientCallTimeOutPeriod", str(int(TIMEOUT * 1000))]
+    return orb_module.ORB_init(arguments, orb_module.ORB_ID)
+
+
+def prepare(folder: Path) -> None:
+    """Generates the code of all."""
+    (folder / "empty.cdl").write_text(CDL, encoding="utf-8")
+    (folder / "rtgen.toml").write_text(PROJECT, encoding="utf-8")
+    (folder / "empty.idl").write_text(IDL, encoding="utf-8")
+    command = [sys.executable, "-m", "rtgen", "generate", "-q"]
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    scripts = sysconfig.get_path("scripts")
+    omniidl = shutil.which("omniidl", path=f"{scripts}{os.pathsep}{os.environ['PATH']}")
+    if omniidl is not None:
+        subprocess.run([omniidl, "-bpython", "empty.idl"], cwd=folder, check=True)
+
+
+@contextmanager
+def server(name: str, folder: Path) -> Iterator[str]:
+    """A server in a process of its own; its address."""
+    command = [sys.executable, __file__, name, str(folder)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        try:
+            yield process.stdout.readline().strip()
+        finally:
+            process.kill()
+
+
+def batch(call: Call, calls: int = CALLS) -> float:
+    """Microseconds of each of so many calls."""
+    start = time.perf_counter_ns()
+    for _ in range(calls):
+        call()
+    return (time.perf_counter_ns() - start) / calls / 1000
+
+
+def compared(peer: Call, ours: Call, pairs: int) -> tuple[list[float], list[float]]:
+    """The times of both, from batches in turn."""
+    for _ in range(min(WARM_UP, pairs)):
+        batch(peer)
+        batch(ours)
+    times = [(batch(peer), batch(ours)) for _ in range(pairs)]
+    return [a for a, _ in times], [b for _, b in times]
+
+
+def shown(name: str, times: list[float]) -> str:
+    ordered = sorted(times)
+    high = ordered[min(len(ordered) - 1, int(len(ordered) * 0.99))]
+    return (
+        f"{name:<28} {statistics.mean(times):9.2f} {statistics.median(times):9.2f}"
+        f" {high:9.2f} {statistics.stdev(times):9.2f}"
+    )
+
+
+def ratio(peer: list[float], ours: list[float]) -> float:
+    """The median of the ratios of pairs."""
+    return statistics.median(b / a for a, b in zip(peer, ours, strict=True))
+
+
+def main() -> int:
+    """Prints the figures; 1 if a limit is passed."""
+    makers: dict[str, Callable[[str, Path], Call]] = {
+        "raw": lambda address, _: raw_call(address),
+        "omniORBpy": omniorb_call,
+        "grpcio": lambda address, _: grpc_call(address),
+    }
+    passed = False
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        prepare(folder)
+        with server("rtgen", folder) as address:
+            ours = rtgen_call(address, folder)
+            print(
+                f"{'us for a call':<28} {'mean':>9} {'median':>9} {'99 %':>9} {'stdev':>9}"
+            )
+            ratios = {}
+            for peer, maker in makers.items():
+                try:
+                    with server(peer, folder) as peer_address:
+                        call = maker(peer_address, folder)
+                        call()
+                        theirs, mine = compared(call, ours, PAIRS)
+                except ImportError as error:
+                    print(f"{peer}: left out, {error}")
+                    continue
+                print(shown(peer, theirs))
+                print(shown(f"  rtgen beside {peer}", mine))
+                ratios[peer] = ratio(theirs, mine)
+            for peer, value in ratios.items():
+                bad = value > LIMITS[peer]
+                passed = passed or bad
+                print(
+                    f"{value:6.3f} times {peer}, at most {LIMITS[peer]}{'  TOO SLOW' * bad}"
+                )
+            paper(ours)
+        scalars(folder)
+    return int(passed)
+
+
+def paper(ours: Call) -> None:
+    """The paper's procedure: 100 calls of an empty function, each timed."""
+    times = [batch(ours, 1) for _ in range(CALLS)]
+    spread = f"{min(times):.1f} to {max(times):.1f}"
+    print(f"100 calls one by one: mean {statistics.mean(times):.1f} us, {spread} us")
+
+
+def scalars(folder: Path) -> None:
+    """A server that writes each scalar by itself, with Nagle's algorithm on."""
+    with server("scalars", folder) as address, server("raw", folder) as raw:
+        ours = rtgen_call(address, folder)
+        call = raw_call(raw)
+        theirs, mine = compared(call, ours, PAIRS)
+        print(shown("scalar by scalar, rtgen", mine))
+        print(f"{ratio(theirs, mine):6.3f} times raw")
+    with server("scalars", folder) as address:
+        ordinary = ordinary_call(address)
+        print(
+            shown(
+                "  an ordinary client", [batch(ordinary, 10) for _ in range(SLOW_PAIRS)]
+            )
+        )
+
+
+if __name__ == "__main__":
+    if len(sys.argv) == 3:
+        SERVERS[sys.argv[1]](Path(sys.argv[2]))
+    else:
+        sys.exit(main())
