@@ -80,6 +80,10 @@ class MotorBoardCodec(Codec):
         self._run14 = tdr.struct("HI2i2d??nH")
         self._items_d = Items(tdr, "d")
         self._text = Text(tdr, encoding)
+        self._request1 = self._run1.pack(SOP_REQUEST, 1, EOP_REPLY_FOLLOWS)
+        self._request4 = self._run1.pack(SOP_REQUEST, 4, EOP_REPLY_FOLLOWS)
+        self._request5 = self._run1.pack(SOP_REQUEST, 5, EOP_NOTHING_FOLLOWS)
+        self._request6 = self._run1.pack(SOP_REQUEST, 6, EOP_REPLY_FOLLOWS)
         self.identify_first = self._run7.size if self._paper else self._run5.size
         self.setLimits_first = self._run3.size
         self.drive_first = self._run14.size if self._paper else self._run5.size
@@ -87,10 +91,7 @@ class MotorBoardCodec(Codec):
         self.release_first = self._run3.size
 
     def encode_identify_request(self) -> bytes:
-        try:
-            return self._run1.pack(SOP_REQUEST, 1, EOP_REPLY_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error("sMotorBoard.identify", failure, {}) from failure
+        return self._request1
 
     def read_identify_request(self, more: More) -> tuple[()]:
         room = Room(self.limit)
@@ -345,10 +346,7 @@ class MotorBoardCodec(Codec):
         return returned, (state,)
 
     def encode_getState_request(self) -> bytes:
-        try:
-            return self._run1.pack(SOP_REQUEST, 4, EOP_REPLY_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error("sMotorBoard.getState", failure, {}) from failure
+        return self._request4
 
     def read_getState_request(self, more: More) -> tuple[()]:
         (eop,) = self._run2.unpack(more(self._run2.size))
@@ -453,10 +451,7 @@ class MotorBoardCodec(Codec):
         return returned, (state,)
 
     def encode_stop_request(self) -> bytes:
-        try:
-            return self._run1.pack(SOP_REQUEST, 5, EOP_NOTHING_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error("sMotorBoard.stop", failure, {}) from failure
+        return self._request5
 
     def read_stop_request(self, more: More) -> tuple[()]:
         (eop,) = self._run2.unpack(more(self._run2.size))
@@ -465,10 +460,7 @@ class MotorBoardCodec(Codec):
         return ()
 
     def encode_release_request(self) -> bytes:
-        try:
-            return self._run1.pack(SOP_REQUEST, 6, EOP_REPLY_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error("sMotorBoard.release", failure, {}) from failure
+        return self._request6
 
     def read_release_request(self, more: More) -> tuple[()]:
         (eop,) = self._run2.unpack(more(self._run2.size))

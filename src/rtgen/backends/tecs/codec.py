@@ -60,6 +60,7 @@ def codec_text(unit: TecsUnit, signature: Signature, header: str) -> str:
     ids = ", ".join(
         f"{string_literal(f.function.name)}: {f.function.id}" for f in layout.functions
     )
+    constants = [f.constant for f in functions if f.constant]
     firsts = [f.first for f in functions if f.first]
     body = render(
         "tecs/codec.py.j2",
@@ -67,7 +68,7 @@ def codec_text(unit: TecsUnit, signature: Signature, header: str) -> str:
         scoped=signature.scoped,
         scoped_literal=string_literal(signature.scoped),
         ids=ids,
-        statements=[*attributes.statements(), *firsts],
+        statements=[*attributes.statements(), *constants, *firsts],
         methods=[*methods, *records],
     )
     return fit_text(header + _head(signature, classes, body) + body)
@@ -157,6 +158,7 @@ class _Function:
         self._name = function.name
         self._shown = string_literal(f"{signature.signature.scoped}.{function.name}")
         self._eop = _EOP[function.oneway]
+        self.constant = ""
         self.first = ""
 
     def methods(self) -> list[str]:
@@ -195,7 +197,11 @@ class _Function:
         ]
         values = {i.name: scope.of(i) for i in layout.arguments}
         name = f"encode_{self._name}_request"
-        return _method(name, parameters, "bytes", self._tried(body, values))
+        if layout.arguments:
+            return _method(name, parameters, "bytes", self._tried(body, values))
+        attribute = f"self._request{layout.function.id}"
+        self.constant = f"{attribute} = {body[-1].removeprefix('return ')}"
+        return _method(name, [], "bytes", [f"return {attribute}"])
 
     def _tried(self, body: list[str], values: dict[str, str]) -> list[str]:
         shown = ", ".join(f"{string_literal(k)}: {v}" for k, v in values.items())

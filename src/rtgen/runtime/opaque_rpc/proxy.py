@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Concatenate, ParamSpec, TypeVar
+from typing import TypeVar, TypeVarTuple
 
 from rtgen.runtime.opaque_rpc.channel import Channel
 from rtgen.runtime.opaque_rpc.codecs import More
 
-_P = ParamSpec("_P")
+_Kept = TypeVarTuple("_Kept")
 _T = TypeVar("_T")
 
 
@@ -16,9 +16,8 @@ def call(
     channel: Channel,
     request: bytes,
     first: int,
-    read: Callable[Concatenate[bytes, More, _P], _T],
-    *kept: _P.args,
-    **named: _P.kwargs,
+    read: Callable[[bytes, More, *_Kept], _T],
+    *kept: *_Kept,
 ) -> _T:
     """Sends a request and reads its reply, whose first bytes can be asked for at once.
 
@@ -26,7 +25,7 @@ def call(
     """
     head = channel.begin(request, first)
     try:
-        result = read(head, channel.more, *kept, **named)
+        result = read(head, channel.more, *kept)
     except BaseException:
         channel.reset()
         raise

@@ -58,6 +58,7 @@ class LampCodec(Codec):
         self._run4 = tdr.struct("HHH")
         self._run5 = tdr.struct("H")
         self._run6 = tdr.struct("H?H")
+        self._request2 = self._run4.pack(SOP_REQUEST, 2, EOP_REPLY_FOLLOWS)
         self.dim_first = self._run3.size
         self.lit_first = self._run6.size
 
@@ -113,10 +114,7 @@ class LampCodec(Codec):
         return returned, ()
 
     def encode_lit_request(self) -> bytes:
-        try:
-            return self._run4.pack(SOP_REQUEST, 2, EOP_REPLY_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error("nBoard::sLamp.lit", failure, {}) from failure
+        return self._request2
 
     def read_lit_request(self, more: More) -> tuple[()]:
         (eop,) = self._run5.unpack(more(self._run5.size))

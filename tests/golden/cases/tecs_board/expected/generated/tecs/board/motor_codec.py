@@ -107,6 +107,8 @@ class MotorCodec(Codec):
         self._items_b = Items(tdr, "b")
         self._text = Text(tdr, encoding)
         self._text_H = WideText(tdr, "H")
+        self._request2 = self._run7.pack(SOP_REQUEST, 2, EOP_REPLY_FOLLOWS)
+        self._request9 = self._run7.pack(SOP_REQUEST, 9, EOP_NOTHING_FOLLOWS)
         self.set_first = self._run6.size
         self.get_first = self._run8.size
         self.state_first = self._run4.size if self._paper else self._run10.size
@@ -175,10 +177,7 @@ class MotorCodec(Codec):
         return returned, ()
 
     def encode_get_request(self) -> bytes:
-        try:
-            return self._run7.pack(SOP_REQUEST, 2, EOP_REPLY_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error("nBoard::sMotor.get", failure, {}) from failure
+        return self._request2
 
     def read_get_request(self, more: More) -> tuple[()]:
         (eop,) = self._run4.unpack(more(self._run4.size))
@@ -826,10 +825,7 @@ class MotorCodec(Codec):
         return (why,)
 
     def encode_stop_all_request(self) -> bytes:
-        try:
-            return self._run7.pack(SOP_REQUEST, 9, EOP_NOTHING_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error("nBoard::sMotor.stop_all", failure, {}) from failure
+        return self._request9
 
     def read_stop_all_request(self, more: More) -> tuple[()]:
         (eop,) = self._run4.unpack(more(self._run4.size))

@@ -65,6 +65,7 @@ class ServerCodec(Codec):
         self._run12 = tdr.struct("HnIH")
         self._run13 = tdr.struct("IH")
         self._run14 = tdr.struct("HInH")
+        self._request2 = self._run4.pack(SOP_REQUEST, 2, EOP_REPLY_FOLLOWS)
         self.func1_first = self._run3.size
         self.func2_first = self._run9.size if self._paper else self._run7.size
         self.func3_first = self._run14.size if self._paper else self._run7.size
@@ -104,10 +105,7 @@ class ServerCodec(Codec):
         return returned, ()
 
     def encode_func2_request(self) -> bytes:
-        try:
-            return self._run4.pack(SOP_REQUEST, 2, EOP_REPLY_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error("sServer.func2", failure, {}) from failure
+        return self._request2
 
     def read_func2_request(self, more: More) -> tuple[()]:
         (eop,) = self._run5.unpack(more(self._run5.size))
