@@ -2,10 +2,10 @@
 
     python benchmarks/rpc.py
 
-Each server is a process of its own, and all have a time-out armed; the raw one sends the same bytes.
-Batches of 100 calls of a peer and of ours alternate; the ratio is the median of those of 200 such
-pairs. Then the procedure of the RTM-TECS paper, 100 calls, mean and spread; and a server that writes
-each scalar by itself, as C servers do.
+Each server is a process of its own, and all have a time-out armed; the raw one sends the same
+bytes. Batches of 100 calls of a peer and of ours alternate; the ratio is the median of those of 200
+such pairs. Then the procedure of the RTM-TECS paper, 100 calls, mean and spread; and a server that
+writes each scalar by itself, as C servers do.
 """
 
 from __future__ import annotations
