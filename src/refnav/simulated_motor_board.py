@@ -71,12 +71,11 @@ class SimulatedMotorBoard(SimulatedMotorBoardBase):
             return RTC_OK
         code = RTC_OK
         if self.config.link != (self._server is not None):
-            if self._server is None:
-                code = self._listen(board)
-                board.note(BoardEventKind.LINK_UP)
-            else:
+            if self._server is not None:
                 self._close()
                 board.note(BoardEventKind.LINK_DOWN)
+            elif (code := self._listen(board)) is RTC_OK:
+                board.note(BoardEventKind.LINK_UP)
         board.turn()
         while self._log:
             self.events.write(self._log.popleft())

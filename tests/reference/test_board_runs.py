@@ -22,12 +22,14 @@ from board_line import SerialLine, TcpLine
 from pipeline import LONGEST, NAVIGATION, at_end, goal, profile
 
 from refnav.geometry import Pose, wrap
+from refnav.simulated_motor_board import SimulatedMotorBoard
 from refrobots.rh3 import BoardEvent, BoardEventKind
 from rtgen.cli.assembly import assemble
 from rtgen.cli.factories import Factories
 from rtgen.project import load
 from rtgen.runtime import (
     ACTIVE_STATE,
+    ERROR_STATE,
     SECOND,
     Clock,
     JsonLinesRecorder,
@@ -170,6 +172,22 @@ def test_a_board_at_a_serial_line() -> None:
         assert_at(truth(system), 0.3, 0.0, 0.5)
 
 
+def test_a_board_needs_an_address_of_its_own() -> None:
+    with System(SimulatedClock()) as system:
+        for name in ("First0", "Second0", "Third0"):
+            system.add(SimulatedMotorBoard(name), 1000.0)
+            system.configure(name, "link", "0" if name == "Third0" else "1")
+            system.activate(name)
+        system.run(SECOND // 100)
+        assert system.state("First0") is system.state("Third0") is ACTIVE_STATE
+        for name in ("Second0", "Third0"):
+            system.configure(name, "link", "1")
+            system.run(system.time + SECOND // 100)
+            assert system.state(name) is ERROR_STATE
+            assert "cannot listen" in system.statistics(name).reason
+        assert system.observable("First0.truth") == (0.0, 0.0, 0.0)
+
+
 def test_only_the_hardware_differs_from_the_reference_system() -> None:
     def told(file: Path) -> tuple[set[Any], set[tuple[str, str]]]:
         system = profile(file)
@@ -269,5 +287,11 @@ def test_a_board_in_another_process_stops_and_goes_on(way: Any, tmp_path: Path) 
     assert kinds[:3] == ["DRIVING", "WATCHDOG", "DRIVING"]
     [stop, *_] = [event for event in board.events() if event["kind"] == "WATCHDOG"]
     assert (stop["left"], stop["right"]) == (0.0, 0.0)
+    told, heard = (_milliseconds(stop[key]) for key in ("tm", "command"))
+    print(f"stopped {told - heard:.1f} ms after the last speeds")
     [numbers] = re.findall(r"final pose\s+\((.*)\)", report)
     assert_at(Pose(*map(float, numbers.split(","))), 0.4, 0.0, 0.0)
+
+
+def _milliseconds(instant: dict[str, int]) -> float:
+    return instant["sec"] * 1e3 + instant["nsec"] * 1e-6
