@@ -13,7 +13,7 @@ from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.rules import lexical
 
 MAX_BYTES = 16 * 1024 * 1024
-MAX_LINE = 64 * 1024
+MAX_LINE = 1024 * 1024
 
 _FALLBACK = "rtgen-windows-1252"
 _KEY = re.compile(r"\s*([^=]*?)\s*=\s*(.*?)\s*", re.DOTALL)

@@ -55,7 +55,7 @@ def parse(text: str) -> Number | None:
 
 def number(entry: Entry, findings: Findings) -> int | None:
     """The number of an entry; None, without a finding, where it is none."""
-    parsed = parse(_without_comment(entry, findings))
+    parsed = parse(without_comment(entry, findings))
     if parsed is None:
         return None
     _tell(parsed, entry, findings)
@@ -73,7 +73,8 @@ def _tell(parsed: Number, entry: Entry, findings: Findings) -> None:
         findings.add(values.ODD_NUMBER, entry.span, message)
 
 
-def _without_comment(entry: Entry, findings: Findings) -> str:
+def without_comment(entry: Entry, findings: Findings) -> str:
+    """The value of an entry that is no text, without a comment behind it."""
     text = _COMMENT.sub("", entry.value)
     if text != entry.value:
         start = entry.value_column + len(text)
@@ -90,7 +91,7 @@ def value(entry: Entry, type_: int, findings: Findings) -> Value | None:
         return entry.value
     if type_ == DataType.VISIBLE_CHAR and len(entry.value) == 1:
         return entry.value
-    text = _without_comment(entry, findings)
+    text = without_comment(entry, findings)
     if type_ in _OCTETS or type_ not in _KNOWN:
         result: Value | None = _octets(text, entry, findings)
     elif type_ in _REALS:

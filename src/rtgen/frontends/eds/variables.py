@@ -163,11 +163,12 @@ class VariableReader:
             message = "AccessType is missing; it is taken for ro"
             self._findings.add(rules.NO_ACCESS, section.span, message)
             return Access.RO, Access.RO.value
-        written = entry.value.lower()
+        word = numbers.without_comment(entry, self._findings)
+        written = word.lower()
         if written in Access.__members__.values():
             return Access(written), written
         meant = _OTHER_ACCESS.get(written, Access.RO)
-        message = f"{entry.value[:40]} is no access type; it is taken for {meant}"
+        message = f"{word[:40]} is no access type; it is taken for {meant}"
         self._findings.add(rules.UNKNOWN_ACCESS, entry.span, message)
         return meant, written
 
@@ -239,8 +240,12 @@ class VariableReader:
         entry = section.get(key)
         if entry is None:
             return False
-        found = numbers.value(entry, DataType.BOOLEAN, self._findings)
-        return found == 1
+        told = numbers.number(entry, self._findings)
+        if told is None or told in (0, 1):
+            return numbers.value(entry, DataType.BOOLEAN, self._findings) == 1
+        message = f"{entry.key} is {told}, not 0 or 1; it is taken for 1"
+        self._findings.add(information.BAD_INFORMATION, entry.span, message)
+        return True
 
     def tell_of_dcf(self, section: Section, *, whole: bool = False) -> None:
         """Tells, once a file, that the section has (or is) what belongs to a DCF only."""

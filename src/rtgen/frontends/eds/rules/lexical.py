@@ -37,7 +37,7 @@ TOO_LARGE = Rule(
     "file too large",
     Severity.ERROR,
     """
-The file is larger than 16 MiB, or a line of it longer than 64 KiB. The largest device descriptions
+The file is larger than 16 MiB, or a line of it longer than 1 MiB. The largest device descriptions
 known have about 1 MiB.
 """,
 )
@@ -77,7 +77,7 @@ NO_DEVICE = Rule(
     Severity.ERROR,
     """
 The file has no section that describes an object, such as `[1000]`. It may be empty, or of another
-format (XDD, CPJ, a project of an editor).
+format (XDD, CPJ, an EDS of EtherNet/IP).
 """,
 )
 
