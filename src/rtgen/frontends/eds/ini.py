@@ -17,6 +17,7 @@ MAX_LINE = 1024 * 1024
 
 _FALLBACK = "rtgen-windows-1252"
 _KEY = re.compile(r"\s*([^=]*?)\s*=\s*(.*?)\s*", re.DOTALL)
+_KEY_WITH_COLON = re.compile(r"\s*(\w+)\s*:\s*(.*?)\s*", re.DOTALL)
 _HEADER = re.compile(r"\s*\[+([^\[\]]*)\]*\s*(.*?)\s*", re.DOTALL)
 _CLEAN_HEADER = re.compile(r"\s*\[[^\[\]]*\]\s*")
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
@@ -189,6 +190,10 @@ class _Reader:
             self._findings.add(
                 lexical.STRAY_COMMENT, self._whole(number, line), message
             )
+        elif (found := _KEY_WITH_COLON.fullmatch(line)) is not None:
+            message = f"the ':' behind {found[1]} is taken for '='"
+            self._findings.add(lexical.COLON, self._whole(number, line), message)
+            self._entry(number, found)
         elif (found := _KEY.fullmatch(line)) is not None:
             self._entry(number, found)
         else:

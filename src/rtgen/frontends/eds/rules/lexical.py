@@ -253,6 +253,20 @@ ParameterNmae=Speed            ; gives this finding
 """,
 )
 
+COLON = Rule(
+    "EDS0110",
+    "colon in place of the equals sign",
+    Severity.WARNING,
+    """
+A key and its value are separated by `=`. Some tools read `:` as well, so it is taken for one.
+
+```ini
+[2000]
+ParameterName: Speed           ; gives this finding
+```
+""",
+)
+
 RULES = (
     MISSING_FILE,
     UNREADABLE,
@@ -273,4 +287,5 @@ RULES = (
     UNKNOWN_SECTION,
     UNKNOWN_KEY,
     MISSPELT_KEY,
+    COLON,
 )
