@@ -5,10 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from boards import SERVER, emit, joined, texts
+from boards import SERVER, emit, imported, joined, texts, write
 
 from rtgen.backends.tecs.options import RtcOptions
 from rtgen.backends.tecs.rules import UNKNOWN_OPTION
+from rtgen.runtime.opaque_rpc import RpcError, TcpChannel, TcpServer
 
 
 def text_of(folder: Path, name: str, options: str, count: int = 1) -> str:
@@ -84,6 +85,32 @@ def test_options_of_tecsgen_are_left_to_it(tmp_path: Path) -> None:
 def test_codecs(tmp_path: Path, options: str, codec: str) -> None:
     for name in ("server_marshaller.py", "server_server.py"):
         assert f"codec or {codec}\n" in text_of(tmp_path, name, options)
+
+
+BULK = "signature sBulk { int32_t put( [in,size_is(n)] const uint8_t *d, [in] int32_t n ); };"
+
+
+@pytest.mark.parametrize(("options", "limit"), [("", 4096), ("PPAllocatorSize=9", 9)])
+def test_servers_take_as_much_as_the_option_says(
+    tmp_path: Path, options: str, limit: int
+) -> None:
+    text = joined(BULK, "sBulk", options=options)
+    emission, findings = emit(tmp_path, {"bulk.cdl": text})
+    assert not findings
+    write(tmp_path, emission.artifacts)
+    names = ("tecs.bulk.bulk_server", "tecs.bulk.bulk_marshaller")
+    with imported(tmp_path, *names) as (server, marshaller):
+
+        class Target(server.BulkTarget):  # type: ignore[name-defined, misc]
+            def put(self, d: bytes, n: int) -> int:
+                return len(d)
+
+        with TcpServer(server.BulkUnmarshaller(Target())) as listening:
+            bulk = marshaller.BulkProxy(TcpChannel(*listening.address))
+            assert bulk.put(bytes(limit), limit) == limit
+            with pytest.raises(RpcError):
+                bulk.put(bytes(limit + 1), limit + 1)
+            bulk.channel.close()
 
 
 @pytest.mark.parametrize(

@@ -21,6 +21,7 @@ signature sMove {
   ER fill( [out,size_is(n)] uint16_t *v, [in] int16_t n );
   ER maybe( [out,nullable] int8_t *a, [inout,nullable] int16_t *b );
   [oneway] void stop( void );
+  ER load( [in,size_is(n)] const uint16_t *v, [in] int16_t n );
 };
 namespace nArm { signature sArm { void grip( [in] enum eKind k ); long_t far( void ); }; };
 """
@@ -46,7 +47,7 @@ def test_list(rpc: Rpc) -> None:
         "    1  ER go([in] struct tagPoint p, [out] int32_t* id)",
     ]
     assert "    5  [oneway] void stop(void)" in lines
-    assert lines[6] == "nArm::sArm"
+    assert lines[7] == "nArm::sArm"
     assert lines[-1].startswith("       not transferable: enum")
 
 
@@ -63,6 +64,13 @@ def test_encode_and_decode(rpc: Rpc) -> None:
     data = rpc("encode", "sMove.go", "--reply", skipped).strip()
     assert data == "561effffffbc6d5e"
     assert rpc("decode", "sMove.go", "--reply", data) == f"{skipped}\n"
+
+
+def test_requests_may_be_longer_than_a_board_takes(rpc: Rpc) -> None:
+    args = {"v": [7] * 5000, "n": 5000}
+    data = rpc("encode", "sMove.load", "--request", json.dumps(args)).strip()
+    assert len(data) == 2 * (4 + 2 + 2 * 5000 + 2)
+    assert json.loads(rpc("decode", "sMove.load", "--request", data)) == args
 
 
 def test_options_of_the_peer(rpc: Rpc) -> None:

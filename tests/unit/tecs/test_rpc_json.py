@@ -92,6 +92,15 @@ def test_wide_units_that_are_no_characters_are_numbers() -> None:
     assert called.arguments_to_json(called.arguments_from_json(value)) == value
 
 
+def test_units_of_16_bits_are_those_of_utf_16() -> None:
+    called = function(text(Scalar.UINT16, unsized_string=True))
+    arguments = called.arguments_from_json({"a": "a\U0001f916"})
+    assert arguments == ([0x61, 0xD83E, 0xDD16],)
+    assert called.arguments_to_json(arguments) == {"a": "a\U0001f916"}
+    single = {"a": "\ud83e"}
+    assert called.arguments_to_json(called.arguments_from_json(single)) == single
+
+
 @pytest.mark.parametrize(
     ("returned", "shown"), [(float("inf"), "inf"), (float("nan"), "nan"), (1.5, 1.5)]
 )

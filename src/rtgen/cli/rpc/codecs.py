@@ -29,6 +29,7 @@ from rtgen.layouts.tdr_messages import layout_of
 from rtgen.model.tecs import Signature, TecsUnit
 from rtgen.runtime.opaque_rpc import (
     E_BOVR,
+    REQUEST_LIMIT,
     ChannelError,
     Codec,
     More,
@@ -51,11 +52,12 @@ class Service:
         signature: Signature,
         tdr: Tdr,
         reply: ReplyOrder = "tecsgen",
+        limit: int = REQUEST_LIMIT,
     ) -> None:
         self.signature = signature
         self.layout: SignatureLayout = layout_of(unit, signature)
         self.types, class_ = _loaded(unit, signature)
-        self.codec: Codec = class_(tdr, reply=reply)
+        self.codec: Codec = class_(tdr, reply=reply, limit=limit)
         self.functions = {
             layout.function.name: Function(layout, self.codec, self.types)
             for layout in self.layout.functions

@@ -17,7 +17,7 @@ from rtgen.cli.rpc.values import Json
 from rtgen.diagnostics import InputError, has_errors
 from rtgen.layouts.tdr import TransferError
 from rtgen.model.tecs import Signature, TecsUnit
-from rtgen.runtime.opaque_rpc import Order, ReplyOrder, Tdr, make_tdr
+from rtgen.runtime.opaque_rpc import REPLY_LIMIT, Order, ReplyOrder, Tdr, make_tdr
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -112,14 +112,19 @@ def signatures_of(unit: TecsUnit) -> list[Signature]:
     return [d for d in unit.declarations if isinstance(d, Signature)]
 
 
-def service_of(unit: TecsUnit, name: str, peer: Peer) -> Service:
-    """The service of a signature by its name; raises ClickException."""
+def service_of(
+    unit: TecsUnit, name: str, peer: Peer, limit: int = REPLY_LIMIT
+) -> Service:
+    """The service of a signature by its name; raises ClickException.
+
+    `limit`: bytes that arrays and texts may need in a request that is read.
+    """
     signatures = {d.scoped: d for d in signatures_of(unit)}
     signature = signatures.get(name.removeprefix("::"))
     if signature is None:
         raise _unknown("signature", name, list(signatures))
     try:
-        return Service(unit, signature, peer.tdr, peer.reply)
+        return Service(unit, signature, peer.tdr, peer.reply, limit)
     except TransferError as error:
         raise refused(f"{error.span.file}:{error.span.line}: {error}") from error
 

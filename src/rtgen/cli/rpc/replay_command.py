@@ -48,8 +48,11 @@ def replay_(console: Console, traces: Path, verbose: bool, peer: Peer) -> int:
     if not isinstance(recorded, dict) or recorded.get("format") != _FORMAT:
         raise refused(f"{traces}: no file of the format {_FORMAT}")
     replay = _Replay(recorded, peer)
-    cases = [*recorded["cases"], *recorded.get("shared_channel_cases", [])]
-    found = [(case["id"], list(replay.differences(case))) for case in cases]
+    try:
+        cases = [*recorded["cases"], *recorded.get("shared_channel_cases", [])]
+        found = [(case["id"], list(replay.differences(case))) for case in cases]
+    except (KeyError, TypeError) as error:
+        raise refused(f"{traces}: {type(error).__name__}: {error}") from error
     equal = sum(not differences for _, differences in found)
     lines = [f"{len(cases)} cases, {equal} equal"]
     for name, differences in found:

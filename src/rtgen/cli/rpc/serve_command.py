@@ -18,7 +18,12 @@ from rtgen.cli.rpc.common import (
     with_peer,
 )
 from rtgen.diagnostics import ToolError
-from rtgen.runtime.opaque_rpc import ChannelError, SerialServer, TcpServer
+from rtgen.runtime.opaque_rpc import (
+    REQUEST_LIMIT,
+    ChannelError,
+    SerialServer,
+    TcpServer,
+)
 from rtgen.runtime.opaque_rpc.messages import log
 
 
@@ -70,7 +75,7 @@ def serve_(
     """
     if script is not None and echo:
         raise click.UsageError("--script and --echo exclude each other")
-    service = service_of(read_unit(cdl, include), signature, peer)
+    service = service_of(read_unit(cdl, include), signature, peer, REQUEST_LIMIT)
     text = None
     if script is not None:
         try:

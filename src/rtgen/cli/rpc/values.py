@@ -34,6 +34,7 @@ Json: TypeAlias = (
 
 _FLOATS = (Scalar.FLOAT32, Scalar.DOUBLE64)
 _LAST_CHARACTER = 0x10FFFF
+_LAST_UTF16 = 0xFFFF
 
 
 class JsonError(ValueError):
@@ -109,7 +110,21 @@ def _text_to_json(node: String, value: object) -> Json:
     units = [unit & _mask(node) for unit in value]
     if any(unit > _LAST_CHARACTER for unit in units):
         return list(value)
-    return "".join(map(chr, units))
+    text = "".join(map(chr, units))
+    return _from_utf16(text) if _mask(node) == _LAST_UTF16 else text
+
+
+def _from_utf16(text: str) -> str:
+    """Pairs of surrogates as one character, as every reader of JSON takes them."""
+    return text.encode("utf-16-le", "surrogatepass").decode(
+        "utf-16-le", "surrogatepass"
+    )
+
+
+def _to_utf16(text: str) -> list[int]:
+    """The code units, two of a character beyond 16 bits."""
+    data = text.encode("utf-16-le", "surrogatepass")
+    return list(struct.unpack(f"<{len(data) // 2}H", data))
 
 
 def _mask(node: String) -> int:
@@ -247,7 +262,13 @@ def _text_from_json(node: String, value: Json, place: str) -> object:
         if isinstance(value, str):
             return value
         raise JsonError(f"{place}: a text is needed")
-    units = [ord(c) for c in value] if isinstance(value, str) else _list(value, place)
+    units: Sequence[Json]
+    if not isinstance(value, str):
+        units = _list(value, place)
+    elif _mask(node) == _LAST_UTF16:
+        units = _to_utf16(value)
+    else:
+        units = [ord(character) for character in value]
     low = -(_mask(node) + 1) // 2 if node.kind.islower() else 0
     found = []
     for unit in units:

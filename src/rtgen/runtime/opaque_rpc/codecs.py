@@ -274,7 +274,8 @@ def argument_error(
 ) -> ArgumentError:
     """What to raise when the values cannot be encoded."""
     shown = ", ".join(f"{name}={_short(value)}" for name, value in values.items())
-    return ArgumentError(f"{function}({shown}): {failure}")
+    what = f"{failure} is out of range" if isinstance(failure, KeyError) else failure
+    return ArgumentError(f"{function}({shown}): {what}")
 
 
 def size_error(function: str, failure: Exception) -> ProtocolError:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import logging
+import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Literal, Protocol, TypeAlias
 
-from rtgen.runtime.opaque_rpc.codecs import REQUEST_LIMIT, More
+from rtgen.runtime.opaque_rpc.codecs import More
 from rtgen.runtime.opaque_rpc.errors import (
     E_BOVR,
     E_ID,
@@ -43,14 +44,17 @@ class Unmarshaller(Protocol):
 
 
 class MessageReader(ABC):
-    """Bytes of requests, buffered. Of one message no more than `limit` bytes are taken."""
+    """Bytes of requests, buffered. Of one message no more than `limit` bytes are taken.
 
-    def __init__(self, limit: int = REQUEST_LIMIT) -> None:
+    Without it the codec alone says how long a message may be.
+    """
+
+    def __init__(self, limit: int | None = None) -> None:
         self._data = b""
         self._at = 0
         self._ready = 0
         self._start = 0
-        self._limit = limit
+        self._limit = sys.maxsize if limit is None else limit
         self._deadline: float | None = None
 
     @abstractmethod
@@ -120,7 +124,7 @@ class MessageReader(ABC):
 class PacketReader(MessageReader):
     """Reads requests out of one packet."""
 
-    def __init__(self, packet: bytes, limit: int = REQUEST_LIMIT) -> None:
+    def __init__(self, packet: bytes, limit: int | None = None) -> None:
         super().__init__(limit)
         self._data = packet
 
@@ -248,7 +252,7 @@ class PacketServer:
     A packet that the server would answer by closing the connection raises ChannelError.
     """
 
-    def __init__(self, service: Service, limit: int = REQUEST_LIMIT) -> None:
+    def __init__(self, service: Service, limit: int | None = None) -> None:
         self._service = service
         self._limit = limit
 

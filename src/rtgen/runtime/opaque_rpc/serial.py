@@ -7,7 +7,6 @@ complete message is taken for one, since OpaqueRPC has no check sum.
 
 from __future__ import annotations
 
-import math
 import sys
 import threading
 from collections.abc import Iterator
@@ -16,7 +15,6 @@ from time import monotonic
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from rtgen.runtime.opaque_rpc.codecs import REQUEST_LIMIT
 from rtgen.runtime.opaque_rpc.connection import TIMEOUT, checked_timeout
 from rtgen.runtime.opaque_rpc.errors import E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import MessageReader, Service, log, serve, starts
@@ -120,7 +118,7 @@ class _Line:
 class SerialChannel:
     """A caller's end of a serial line, opened by the first call. See `Channel`.
 
-    `timeout` [s] is for a whole call. Raises RpcError (E_NOSPT) without pyserial.
+    `timeout` [s] is for a whole call. Without pyserial calls raise ChannelError (E_OBJ).
     """
 
     def __init__(
@@ -299,7 +297,7 @@ class SerialServer:
         device: str,
         baudrate: int = BAUDRATE,
         timeout: float = TIMEOUT,
-        allocator_size: int = REQUEST_LIMIT,
+        allocator_size: int | None = None,
     ) -> None:
         self.device = device
         self.timeout = checked_timeout(timeout)
@@ -316,8 +314,7 @@ class SerialServer:
             while not self.closed:
                 reader = _SerialReader(self._line, self)
                 if not serve(self._service, reader, self._send):
-                    self._line.drain(math.inf)
-                    log.info("%s: silent again", self.device)
+                    self._drain()
         except OSError as error:
             if not self.closed:
                 raise ChannelError(E_OBJ, f"{self.device}: {error}") from error
@@ -349,6 +346,12 @@ class SerialServer:
         trace: TracebackType | None,
     ) -> None:
         self.close()
+
+    def _drain(self) -> None:
+        while not self.closed:
+            if self._line.drain(monotonic() + _LOOK):
+                log.info("%s: silent again", self.device)
+                return
 
     def _send(self, reply: bytes) -> None:
         try:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.opaque_rpc.codecs import REQUEST_LIMIT
 from rtgen.runtime.opaque_rpc.errors import E_BOVR, E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import MessageReader, Service, serve
 from rtgen.runtime.simulated_network import SimulatedNetwork, Stream
@@ -92,7 +91,7 @@ class SimulatedChannel:
 class _StreamReader(MessageReader):
     """Reads the requests that have arrived."""
 
-    def __init__(self, stream: Stream, limit: int) -> None:
+    def __init__(self, stream: Stream, limit: int | None) -> None:
         super().__init__(limit)
         self._stream = stream
         self.ended = False
@@ -130,7 +129,7 @@ class SimulatedServer:
         network: SimulatedNetwork,
         address: str,
         service: Service,
-        allocator_size: int = REQUEST_LIMIT,
+        allocator_size: int | None = None,
     ) -> None:
         self.allocator_size = allocator_size
         self._service = service

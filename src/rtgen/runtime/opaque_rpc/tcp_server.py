@@ -10,7 +10,6 @@ import threading
 from time import monotonic
 from types import TracebackType
 
-from rtgen.runtime.opaque_rpc.codecs import REQUEST_LIMIT
 from rtgen.runtime.opaque_rpc.connection import (
     BLOCK,
     SMALL_BLOCK,
@@ -36,7 +35,9 @@ _HANG_UP: int = getattr(select, "POLLRDHUP", 0)
 class _SocketReader(MessageReader):
     """Reads requests from a connection."""
 
-    def __init__(self, connection: Connection, timeout: float, limit: int) -> None:
+    def __init__(
+        self, connection: Connection, timeout: float, limit: int | None
+    ) -> None:
         super().__init__(limit)
         self._connection = connection
         self._timeout = timeout
@@ -155,7 +156,8 @@ class TcpServer:
     A request whose caller gave up meanwhile is not executed (Linux). `port` 0 takes a free one,
     see `address`. `timeout` [s] is for the rest of a request once its first byte is here, and for
     its reply; between requests a client may be silent. `allocator_size` limits the bytes of a
-    request. An error closes the connection without a reply.
+    whole request, beyond what the codec allows its arrays and texts (`PPAllocatorSize`). An error
+    closes the connection without a reply.
     """
 
     def __init__(
@@ -164,7 +166,7 @@ class TcpServer:
         host: str = "127.0.0.1",
         port: int = 0,
         timeout: float = TIMEOUT,
-        allocator_size: int = REQUEST_LIMIT,
+        allocator_size: int | None = None,
     ) -> None:
         self.timeout = checked_timeout(timeout)
         self.allocator_size = allocator_size
