@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 from boards import SERVER, emit, imported, joined, texts, write
 
-from rtgen.backends.tecs.options import RtcOptions
+from rtgen.backends.tecs.options import FIRST_PORT, RtcOptions
 from rtgen.backends.tecs.rules import UNKNOWN_OPTION
-from rtgen.runtime.opaque_rpc import RpcError, TcpChannel, TcpServer
+from rtgen.runtime.opaque_rpc import (
+    REQUEST_LIMIT,
+    Codec,
+    LinkSettings,
+    Order,
+    RpcError,
+    TcpChannel,
+    TcpServer,
+    make_tdr,
+)
+from rtgen.runtime.opaque_rpc.serial import BAUDRATE
+from rtgen.typemap.tecs_idl import Widths
 
 
 def text_of(folder: Path, name: str, options: str, count: int = 1) -> str:
@@ -17,6 +29,28 @@ def text_of(folder: Path, name: str, options: str, count: int = 1) -> str:
     emission, findings = emit(folder, {"server.cdl": text})
     assert not findings
     return texts(emission.artifacts)[f"tecs/server/{name}"]
+
+
+def test_the_defaults_are_those_of_the_runtime() -> None:
+    """Neither side may import the other, so each has them."""
+
+    class Silent(Codec):
+        ids: ClassVar[dict[str, int]] = {}
+
+    usual, link, codec = RtcOptions(), LinkSettings(), Silent()
+    assert usual.baudrate == BAUDRATE
+    assert usual.limit == REQUEST_LIMIT
+    assert (usual.address, usual.timeout) == (link.ipaddr, link.timeout)
+    assert str(FIRST_PORT) == link.port
+    assert (usual.tdr, usual.encoding) == (codec.tdr.order, codec.encoding)
+
+
+@pytest.mark.parametrize("order", ["network", "little", "big"])
+def test_the_usual_widths_are_those_of_the_runtime(order: Order) -> None:
+    widths, tdr = RtcOptions(tdr=order).widths, make_tdr(order)
+    assert widths == Widths(
+        tdr.short_bits, tdr.int_bits, tdr.long_bits, tdr.intptr_bits
+    )
 
 
 @pytest.mark.parametrize(

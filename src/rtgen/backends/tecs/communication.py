@@ -9,6 +9,7 @@ from rtgen.backends.components.members import attributes_of
 from rtgen.backends.idl_text import idl_text
 from rtgen.backends.python_text import header_comment
 from rtgen.backends.rendering import render
+from rtgen.backends.tecs.options import FIRST_PORT, RtcOptions
 from rtgen.backends.tecs.plan import ROOT
 from rtgen.backends.tecs.rtc_components import COMMUNICATION
 from rtgen.diagnostics import Span
@@ -45,13 +46,14 @@ _NOWHERE = Span(FILE, 1, 1, 1, 1)
 _OCTETS = NamedType((*COMMUNICATION, "Octets"))
 _FAILED = (*COMMUNICATION, "Failed")
 _UNSIGNED_LONG = PrimitiveType(Primitive.UNSIGNED_LONG)
+_USUAL = RtcOptions()
 _PARAMETERS: tuple[tuple[str, str | float, str, str], ...] = (
     ("type", "TCP", "", "`TCP`, or `SERIA` (`SERIAL`) for a serial line."),
-    ("ipaddr", "127.0.0.1", "", "TCP: the board's address."),
-    ("port", "8931", "", "TCP: the board's port; serial line: its device."),
+    ("ipaddr", _USUAL.address, "", "TCP: the board's address."),
+    ("port", str(FIRST_PORT), "", "TCP: the board's port; serial line: its device."),
     ("baudrate", "none", "", "Serial line: its speed in bit/s."),
     ("tap", "none", "", "TCP: the local address or network interface to use."),
-    ("timeout", 1.0, "s", "How long a call may take."),
+    ("timeout", _USUAL.timeout, "s", "How long a call may take."),
 )
 
 

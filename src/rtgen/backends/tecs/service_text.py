@@ -111,22 +111,22 @@ class ServiceText:
 
 def _codec_arguments(options: RtcOptions) -> str:
     """What the codec is made with where it is not the default."""
-    widths = {
-        "short_bits": None if options.short_bits == 16 else options.short_bits,
-        "int_bits": None if options.int_bits == 32 else options.int_bits,
-        "long_bits": options.long_bits,
-        "intptr_bits": options.intptr_bits,
-    }
-    told = [f"{name}={bits}" for name, bits in widths.items() if bits is not None]
+    usual = RtcOptions()
+    widths = ("short_bits", "int_bits", "long_bits", "intptr_bits")
+    told = [
+        f"{name}={getattr(options, name)}"
+        for name in widths
+        if getattr(options, name) != getattr(usual, name)
+    ]
     arguments = []
-    if told or options.tdr != "network":
+    if told or options.tdr != usual.tdr:
         order = string_literal(options.tdr)
         arguments.append(f"make_tdr({', '.join([order, *told])})")
-    if options.reply != "tecsgen":
+    if options.reply != usual.reply:
         arguments.append(f"reply={string_literal(options.reply)}")
-    if options.encoding != "latin-1":
+    if options.encoding != usual.encoding:
         arguments.append(f"encoding={string_literal(options.encoding)}")
-    if options.limit != 4096:
+    if options.limit != usual.limit:
         arguments.append(f"limit={options.limit}")
     return ", ".join(arguments)
 

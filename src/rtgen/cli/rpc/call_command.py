@@ -29,12 +29,13 @@ from rtgen.runtime.opaque_rpc import (
     TcpChannel,
 )
 from rtgen.runtime.opaque_rpc.codecs import is_rpc_error
+from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 
 
 @click.command("call")
 @click.argument("words", metavar="[HOST:PORT] SIG.FUNC [JSON]", nargs=-1)
 @click.option("--serial", metavar="DEV", help="Call over a serial line.")
-@click.option("--baud", type=click.IntRange(min=1), default=115200, show_default=True)
+@click.option("--baud", type=click.IntRange(min=1), default=BAUDRATE, show_default=True)
 @with_cdl
 @with_peer
 @with_console

@@ -18,6 +18,7 @@ from rtgen.diagnostics import InputError, has_errors
 from rtgen.layouts.tdr import TransferError
 from rtgen.model.tecs import Signature, TecsUnit
 from rtgen.runtime.opaque_rpc import REPLY_LIMIT, Order, ReplyOrder, Tdr, make_tdr
+from rtgen.runtime.opaque_rpc.connection import TIMEOUT
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -58,7 +59,7 @@ def with_peer(function: Callable[P, R]) -> Callable[..., R]:
     @click.option(
         "--timeout",
         type=click.FloatRange(min=0, min_open=True),
-        default=1.0,
+        default=TIMEOUT,
         show_default=True,
         metavar="S",
         help="Seconds to wait for the peer.",

@@ -24,7 +24,9 @@ from rtgen.runtime.opaque_rpc import (
     SerialServer,
     TcpServer,
 )
+from rtgen.runtime.opaque_rpc.connection import PORT
 from rtgen.runtime.opaque_rpc.messages import log
+from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 
 
 @click.command("serve")
@@ -33,12 +35,12 @@ from rtgen.runtime.opaque_rpc.messages import log
 @click.option(
     "--port",
     type=click.IntRange(0, 65535),
-    default=8931,
+    default=PORT,
     show_default=True,
     help="0 takes a free one.",
 )
 @click.option("--serial", metavar="DEV", help="Serve a serial line.")
-@click.option("--baud", type=click.IntRange(min=1), default=115200, show_default=True)
+@click.option("--baud", type=click.IntRange(min=1), default=BAUDRATE, show_default=True)
 @click.option(
     "--script",
     type=click.Path(dir_okay=False, path_type=Path),

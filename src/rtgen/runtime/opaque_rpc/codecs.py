@@ -38,7 +38,6 @@ from rtgen.runtime.opaque_rpc.errors import (
 )
 from rtgen.runtime.opaque_rpc.tdr import (
     NETWORK,
-    SOP_REPLY,
     SOP_REQUEST,
     Items,
     Tdr,
@@ -98,7 +97,6 @@ class Codec:
         self.limit: Final = limit
         self.reply_limit: Final = reply_limit
         self.request_sop: Final = tdr.int16(SOP_REQUEST)
-        self.reply_sop: Final = tdr.int16(SOP_REPLY)
         self.heads: Final[Mapping[bytes, int]] = MappingProxyType(
             {self.request_sop + tdr.int16(id_): id_ for id_ in self.ids.values()}
         )

@@ -10,6 +10,8 @@ from time import monotonic
 
 from rtgen.runtime.opaque_rpc.messages import log
 
+PORT = 8931
+"""The port of the first board of a CDL file, as tecsgen has it."""
 TIMEOUT = 1.0
 """Seconds that a call may take by default."""
 SMALL_BLOCK = 448

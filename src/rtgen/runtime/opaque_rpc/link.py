@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from rtgen.runtime.opaque_rpc.channel import Channel
-from rtgen.runtime.opaque_rpc.connection import checked_timeout
+from rtgen.runtime.opaque_rpc.connection import PORT, TIMEOUT, checked_timeout
 from rtgen.runtime.opaque_rpc.errors import E_NOEXS, E_TMOUT, ChannelError
 
 if TYPE_CHECKING:
@@ -40,10 +40,10 @@ class LinkSettings:
 
     type: str = _TCP
     ipaddr: str = "127.0.0.1"
-    port: str = "8931"
+    port: str = str(PORT)
     baudrate: str = NONE
     tap: str = NONE
-    timeout: float = 1.0
+    timeout: float = TIMEOUT
 
     @property
     def is_serial(self) -> bool:
