@@ -23,12 +23,14 @@ _COMMENTS = (
     *(
         '/* " */',
         "// don't\n",
-        "//@key\n",
         "/**/",
         "/*\n * Long.\n *\n * @param x y\n */",
     ),
     *("// \u65e5\u672c\u8a9e\n", "/* \u8868\u80fd */", "// \u00e9 \\ \n", "/*\\\n*/"),
 )
+_KEY = "//@key\n"
+"""A comment that is an annotation: it makes the member before it a key."""
+
 _PLAIN = str.maketrans({"\u65e5": "a", "\u672c": "b", "\u8a9e": "c"})
 
 
@@ -47,7 +49,9 @@ def write(chance: Random, tokens: list[str], *, faithful: bool) -> bytes:
         parts.append(token)
         if token in _TIGHT and chance.random() < 0.5:
             continue
-        parts.append(_space(chance, token) if chance.random() < busy else _usual(token))
+        parts.append(
+            _space(chance, token, faithful) if chance.random() < busy else _usual(token)
+        )
     return _encode(chance, "".join(parts), faithful)
 
 
@@ -58,12 +62,12 @@ def _usual(token: str) -> str:
     return "\n" if token in (";", "{") else " "
 
 
-def _space(chance: Random, token: str) -> str:
+def _space(chance: Random, token: str, faithful: bool) -> str:
     """Unusual white space."""
     return chance.choice(
         (
             *("  ", "\t", "\n", "\r\n", "\f", "\v", "\n\n\n", "\\\n ", " \\\r\n"),
-            f" {chance.choice(_COMMENTS)} ",
+            f" {chance.choice(_COMMENTS if faithful else (*_COMMENTS, _KEY))} ",
             _usual(token),
         )
     )

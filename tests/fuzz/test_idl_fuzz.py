@@ -43,6 +43,11 @@ BOUNDED = settings(
     derandomize=True,
 )
 FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
+    "typedef_of_itself_in_a_misplaced_module": (
+        "const long t = 1; module t { module E { interface x; };"
+        " module E { typedef x M, x; struct S { ::t::E::x a; }; }; };",
+        ("IDL0202", "IDL0202", "IDL0209"),
+    ),
     "annotation_of_native": ("@key native N;", ("IDL0801",)),
     "annotation_of_box": ("@nested valuetype V long;", ("IDL0801",)),
     "absolute_name_behind_annotation": (

@@ -521,6 +521,12 @@ class PythonNames:
                     found.update(self.contested(declaration))
             if self.is_nested(declaration.name):
                 found.add(self._attribute(declaration.name))
+                if isinstance(declaration, Enum):
+                    scope = declaration.name[:-1]
+                    found.update(
+                        self._attribute((*scope, member.name))
+                        for member in declaration.members
+                    )
         return frozenset(found)
 
     def _depth(self, name: ScopedName) -> int:

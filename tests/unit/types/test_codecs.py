@@ -495,3 +495,17 @@ def test_negative_enumerators_are_in_twos_complement(tmp_path: Path) -> None:
     assert report(outcome.LOST, 7).to_xcdr2(False).hex() == "fffffffd00000007"
     assert package.Small.LOW.to_xcdr2() == b"\xfe"
     assert package.Small.from_xcdr2(b"\xff") is package.Small.HIGH
+
+
+def test_enumerators_in_a_struct_called_like_what_its_class_needs(
+    tmp_path: Path,
+) -> None:
+    package = emitted.emit_text(
+        tmp_path,
+        "struct S { enum E { K, field, int, bytes, Decimal, list } m; sequence<long> a;"
+        " sequence<octet> b; fixed<3,1> c; };",
+    )
+    value = package.S()
+    assert (value.a, value.b, value.c) == ([], b"", Decimal(0))
+    assert package.S.from_cdr(value.to_cdr()) == value
+    assert package.S.int is package.S.E.int

@@ -107,13 +107,16 @@ class Types:
         return ArrayType(type_, sizes)
 
     def unaliased(self, type_: Type | None) -> Type | None:
-        """The type behind typedefs."""
-        passed: list[ScopedName] = []
+        """The type behind typedefs; None where a misplaced one leads back to itself."""
+        passed: dict[ScopedName, None] = {}
         while isinstance(type_, NamedType) and type_.name in self._aliases:
             if type_.name in self._plain:
                 type_ = self._plain[type_.name]
                 break
-            passed.append(type_.name)
+            if type_.name in passed:
+                type_ = None
+                break
+            passed[type_.name] = None
             type_ = self.of_entity(self._aliases[type_.name])
         for name in passed:
             self._plain[name] = type_
