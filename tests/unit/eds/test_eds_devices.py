@@ -117,6 +117,30 @@ NrOfEntries=1
     assert found.node_id == 12
 
 
+@pytest.mark.parametrize(
+    ("section", "index", "subindex", "expected"),
+    [
+        ("1000", 0x1000, 0, DataType.UNSIGNED32),
+        ("1008", 0x1008, 0, DataType.VISIBLE_STRING),
+        ("1017", 0x1017, 0, DataType.UNSIGNED16),
+        ("1200sub1", 0x1200, 1, DataType.UNSIGNED32),
+        ("1280sub3", 0x1280, 3, DataType.UNSIGNED8),
+        ("1400sub2", 0x1400, 2, DataType.UNSIGNED8),
+        ("1805sub5", 0x1805, 5, DataType.UNSIGNED16),
+        ("1A00sub1", 0x1A00, 1, DataType.UNSIGNED32),
+    ],
+)
+def test_communication_objects_without_a_type(
+    tmp_path: Path, section: str, index: int, subindex: int, expected: DataType
+) -> None:
+    """They have those of CiA 301."""
+    text = f"[{section}]\nParameterName=A\nAccessType=rw\n"
+    if subindex:
+        text = f"[{section[:4]}]\nParameterName=R\nObjectType=9\n" + text
+    found = {(v.index, v.subindex): v for v in device(tmp_path, text).variables}
+    assert found[index, subindex].data_type is expected
+
+
 def test_pdos_of_the_file_and_of_its_values(tmp_path: Path) -> None:
     text = BASE.read_text(encoding="ascii")
     found = device(tmp_path, text, node=5)
