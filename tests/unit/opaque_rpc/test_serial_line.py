@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
 import select
@@ -337,7 +338,8 @@ def test_several_signatures_on_a_line(cable: tuple[Terminal, Terminal]) -> None:
 
 def test_a_device_that_is_not_there() -> None:
     channel = SerialChannel("/dev/no-such-device", RATE, SHORT)
-    with pytest.raises(ChannelError, match="no-such-device") as caught:
+    expected = f"^/dev/no-such-device: {os.strerror(errno.ENOENT)} "
+    with pytest.raises(ChannelError, match=expected) as caught:
         channel.begin(set_request(1), REPLY_SIZE)
     assert caught.value.sub == E_OBJ
     with pytest.raises(ChannelError, match="no-such-device"):
@@ -345,7 +347,7 @@ def test_a_device_that_is_not_there() -> None:
 
 
 def test_a_device_is_not_shared(line: Terminal) -> None:
-    with serving(line, Board()), pytest.raises(ChannelError) as caught:
+    with serving(line, Board()), pytest.raises(ChannelError, match="in use") as caught:
         SerialServer(Board(), line.device)
     assert caught.value.sub == E_OBJ
 

@@ -7,6 +7,8 @@ complete message is taken for one, since OpaqueRPC has no check sum.
 
 from __future__ import annotations
 
+import errno
+import os
 import sys
 import threading
 from collections.abc import Iterator
@@ -62,6 +64,14 @@ def _as_os_errors() -> Iterator[None]:
         raise OSError(*error.args) from error
 
 
+def _reason(error: Exception) -> str:
+    """Why a device cannot be opened; the text of pyserial's own errors repeats itself."""
+    number = getattr(error, "errno", None)
+    if number in (errno.EAGAIN, errno.EBUSY):
+        return "it is in use"
+    return os.strerror(number) if number else str(error)
+
+
 class _Line:
     """An open serial line, 8N1 without flow control, not shared with other processes."""
 
@@ -76,7 +86,7 @@ class _Line:
         try:
             self._port: Serial = Serial(device, baudrate, exclusive=True)
         except (OSError, ValueError) as error:
-            raise ChannelError(E_OBJ, f"{device}: {error}") from error
+            raise ChannelError(E_OBJ, f"{device}: {_reason(error)}") from error
 
     def read(self, size: int, seconds: float) -> bytes:
         """What is there, at least one byte; empty when time is over."""
