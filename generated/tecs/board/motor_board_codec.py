@@ -65,9 +65,9 @@ class MotorBoardCodec(Codec):
             reply_limit=reply_limit,
         )
         self._run1 = tdr.struct("HHH")
-        self._run2 = tdr.struct("H")
-        self._run3 = tdr.struct("HnH")
-        self._run4 = tdr.struct("Hni")
+        self._run2 = tdr.struct("HnH")
+        self._run3 = tdr.struct("Hni")
+        self._run4 = tdr.struct("H")
         self._run5 = tdr.struct("Hn")
         self._run6 = tdr.struct("i")
         self._run7 = tdr.struct("Hi")
@@ -85,18 +85,17 @@ class MotorBoardCodec(Codec):
         self._request5 = self._run1.pack(SOP_REQUEST, 5, EOP_NOTHING_FOLLOWS)
         self._request6 = self._run1.pack(SOP_REQUEST, 6, EOP_REPLY_FOLLOWS)
         self.identify_first = self._run7.size if self._paper else self._run5.size
-        self.setLimits_first = self._run3.size
+        self.setLimits_first = self._run2.size
         self.drive_first = self._run14.size if self._paper else self._run5.size
         self.getState_first = self._run14.size if self._paper else self._run5.size
-        self.release_first = self._run3.size
+        self.release_first = self._run2.size
 
     def encode_identify_request(self) -> bytes:
         return self._request1
 
     def read_identify_request(self, more: More) -> tuple[()]:
         room = Room(self.limit)
-        (eop,) = self._run2.unpack(more(self._run2.size))
-        if eop != EOP_REPLY_FOLLOWS:
+        if more(2) != self.awaiting_reply:
             raise magic_error("sMotorBoard.identify", "no EOP")
         room.take(32, 1)
         return ()
@@ -106,13 +105,13 @@ class MotorBoardCodec(Codec):
             return self._encode_identify_reply_in_paper_order(returned, name)
         try:
             if is_rpc_error(returned):
-                return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+                return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
             name_units = self._text.units(name, 32)
             return b"".join(
                 (
-                    self._run4.pack(SOP_REPLY, returned, len(name_units)),
+                    self._run3.pack(SOP_REPLY, returned, len(name_units)),
                     name_units,
-                    self._run2.pack(EOP_NOTHING_FOLLOWS),
+                    self._run4.pack(EOP_NOTHING_FOLLOWS),
                 ),
             )
         except FAILURES as failure:
@@ -134,15 +133,14 @@ class MotorBoardCodec(Codec):
         if sop != SOP_REPLY:
             raise magic_error("sMotorBoard.identify", "no SOP")
         if is_rpc_error(returned):
-            (eop,) = self._run2.unpack(more(self._run2.size))
-            if eop != EOP_NOTHING_FOLLOWS:
+            if more(2) != self.nothing_follows:
                 raise magic_error("sMotorBoard.identify", "no EOP")
             return returned, None
         (name_count,) = self._run6.unpack(more(self._run6.size))
         name_size = room.take(name_count, 1, 32)
-        packet = more(name_size + self._run2.size)
+        packet = more(name_size + self._run4.size)
         name = self._text.text(packet[:name_size])
-        (eop,) = self._run2.unpack_from(packet, name_size)
+        (eop,) = self._run4.unpack_from(packet, name_size)
         if eop != EOP_NOTHING_FOLLOWS:
             raise magic_error("sMotorBoard.identify", "no EOP")
         return returned, (name,)
@@ -205,7 +203,7 @@ class MotorBoardCodec(Codec):
 
     def encode_setLimits_reply(self, returned: int) -> bytes:
         try:
-            return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
         except FAILURES as failure:
             raise argument_error(
                 "sMotorBoard.setLimits",
@@ -214,7 +212,7 @@ class MotorBoardCodec(Codec):
             ) from failure
 
     def read_setLimits_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
-        sop, returned, eop = self._run3.unpack(first)
+        sop, returned, eop = self._run2.unpack(first)
         if sop != SOP_REPLY:
             raise magic_error("sMotorBoard.setLimits", "no SOP")
         if eop != EOP_NOTHING_FOLLOWS:
@@ -227,7 +225,7 @@ class MotorBoardCodec(Codec):
                 (
                     self._run11.pack(SOP_REQUEST, 3, count),
                     self._items_d.pack(exactly(speed, within(count, 2))),
-                    self._run2.pack(EOP_REPLY_FOLLOWS),
+                    self._run4.pack(EOP_REPLY_FOLLOWS),
                 ),
             )
         except FAILURES as failure:
@@ -242,9 +240,9 @@ class MotorBoardCodec(Codec):
         (count,) = self._run6.unpack(more(self._run6.size))
         speed_count = count
         speed_size = room.take(speed_count, self._items_d.width, 2)
-        packet = more(speed_size + self._run2.size)
+        packet = more(speed_size + self._run4.size)
         speed = self._items_d.floats(packet, speed_count)
-        (eop,) = self._run2.unpack_from(packet, speed_size)
+        (eop,) = self._run4.unpack_from(packet, speed_size)
         if eop != EOP_REPLY_FOLLOWS:
             raise magic_error("sMotorBoard.drive", "no EOP")
         return (speed, count)
@@ -254,7 +252,7 @@ class MotorBoardCodec(Codec):
             return self._encode_drive_reply_in_paper_order(returned, state)
         try:
             if is_rpc_error(returned):
-                return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+                return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
             return self._run12.pack(
                 SOP_REPLY,
                 returned,
@@ -283,8 +281,7 @@ class MotorBoardCodec(Codec):
         if sop != SOP_REPLY:
             raise magic_error("sMotorBoard.drive", "no SOP")
         if is_rpc_error(returned):
-            (eop,) = self._run2.unpack(more(self._run2.size))
-            if eop != EOP_NOTHING_FOLLOWS:
+            if more(2) != self.nothing_follows:
                 raise magic_error("sMotorBoard.drive", "no EOP")
             return returned, None
         unpacked = self._run13.unpack(more(self._run13.size))
@@ -349,8 +346,7 @@ class MotorBoardCodec(Codec):
         return self._request4
 
     def read_getState_request(self, more: More) -> tuple[()]:
-        (eop,) = self._run2.unpack(more(self._run2.size))
-        if eop != EOP_REPLY_FOLLOWS:
+        if more(2) != self.awaiting_reply:
             raise magic_error("sMotorBoard.getState", "no EOP")
         return ()
 
@@ -359,7 +355,7 @@ class MotorBoardCodec(Codec):
             return self._encode_getState_reply_in_paper_order(returned, state)
         try:
             if is_rpc_error(returned):
-                return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+                return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
             return self._run12.pack(
                 SOP_REPLY,
                 returned,
@@ -388,8 +384,7 @@ class MotorBoardCodec(Codec):
         if sop != SOP_REPLY:
             raise magic_error("sMotorBoard.getState", "no SOP")
         if is_rpc_error(returned):
-            (eop,) = self._run2.unpack(more(self._run2.size))
-            if eop != EOP_NOTHING_FOLLOWS:
+            if more(2) != self.nothing_follows:
                 raise magic_error("sMotorBoard.getState", "no EOP")
             return returned, None
         unpacked = self._run13.unpack(more(self._run13.size))
@@ -454,8 +449,7 @@ class MotorBoardCodec(Codec):
         return self._request5
 
     def read_stop_request(self, more: More) -> tuple[()]:
-        (eop,) = self._run2.unpack(more(self._run2.size))
-        if eop != EOP_NOTHING_FOLLOWS:
+        if more(2) != self.nothing_follows:
             raise magic_error("sMotorBoard.stop", "no EOP")
         return ()
 
@@ -463,14 +457,13 @@ class MotorBoardCodec(Codec):
         return self._request6
 
     def read_release_request(self, more: More) -> tuple[()]:
-        (eop,) = self._run2.unpack(more(self._run2.size))
-        if eop != EOP_REPLY_FOLLOWS:
+        if more(2) != self.awaiting_reply:
             raise magic_error("sMotorBoard.release", "no EOP")
         return ()
 
     def encode_release_reply(self, returned: int) -> bytes:
         try:
-            return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
         except FAILURES as failure:
             raise argument_error(
                 "sMotorBoard.release",
@@ -479,7 +472,7 @@ class MotorBoardCodec(Codec):
             ) from failure
 
     def read_release_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
-        sop, returned, eop = self._run3.unpack(first)
+        sop, returned, eop = self._run2.unpack(first)
         if sop != SOP_REPLY:
             raise magic_error("sMotorBoard.release", "no SOP")
         if eop != EOP_NOTHING_FOLLOWS:

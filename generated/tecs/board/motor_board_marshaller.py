@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rtgen.runtime import RTC_OK, ReturnCode_t
-from rtgen.runtime.opaque_rpc import Channel, RpcError, call, send
+from rtgen.runtime.opaque_rpc import Channel, RpcError, send
 
 from . import MotorBoard, tagWheelState as tagWheelState_
 from ..opaque_rpc_communication import CommunicationChannel
@@ -27,17 +27,18 @@ class MotorBoardProxy:
     def identify(self) -> tuple[int, str]:
         """`ER identify([out] char_t *name)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_identify_request()
         try:
-            reply = call(
-                self.channel,
-                request,
-                codec.identify_first,
-                codec.read_identify_reply,
-            )
+            head = channel.begin(request, codec.identify_first)
+            try:
+                returned, outs = codec.read_identify_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code, ""
-        returned, outs = reply
         if outs is None:
             return returned, ""
         return returned, *outs
@@ -45,32 +46,35 @@ class MotorBoardProxy:
     def setLimits(self, speed: float, acceleration: float) -> int:
         """`ER setLimits([in] double64_t speed, [in] double64_t acceleration)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_setLimits_request(speed, acceleration)
         try:
-            reply = call(
-                self.channel,
-                request,
-                codec.setLimits_first,
-                codec.read_setLimits_reply,
-            )
+            head = channel.begin(request, codec.setLimits_first)
+            try:
+                returned, _ = codec.read_setLimits_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code
-        return reply[0]
+        return returned
 
     def drive(self, speed: Sequence[float], count: int) -> tuple[int, tagWheelState]:
         """`ER drive([in] const double64_t *speed, [in] int32_t count, [out] struct tagWheelState *state)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_drive_request(speed, count)
         try:
-            reply = call(
-                self.channel,
-                request,
-                codec.drive_first,
-                codec.read_drive_reply,
-            )
+            head = channel.begin(request, codec.drive_first)
+            try:
+                returned, outs = codec.read_drive_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code, tagWheelState()
-        returned, outs = reply
         if outs is None:
             return returned, tagWheelState()
         return returned, *outs
@@ -78,17 +82,18 @@ class MotorBoardProxy:
     def getState(self) -> tuple[int, tagWheelState]:
         """`ER getState([out] struct tagWheelState *state)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_getState_request()
         try:
-            reply = call(
-                self.channel,
-                request,
-                codec.getState_first,
-                codec.read_getState_reply,
-            )
+            head = channel.begin(request, codec.getState_first)
+            try:
+                returned, outs = codec.read_getState_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code, tagWheelState()
-        returned, outs = reply
         if outs is None:
             return returned, tagWheelState()
         return returned, *outs
@@ -101,17 +106,19 @@ class MotorBoardProxy:
     def release(self) -> int:
         """`ER release(void)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_release_request()
         try:
-            reply = call(
-                self.channel,
-                request,
-                codec.release_first,
-                codec.read_release_reply,
-            )
+            head = channel.begin(request, codec.release_first)
+            try:
+                returned, _ = codec.read_release_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code
-        return reply[0]
+        return returned
 
 
 class _MotorBoardServant(MotorBoard):

@@ -27,6 +27,12 @@ from rtgen.layouts.tdr import (
 )
 from rtgen.typemap.tecs_python import annotation, item_annotation, struct_class
 
+MAGIC_BYTES = {
+    "EOP_REPLY_FOLLOWS": "self.awaiting_reply",
+    "EOP_NOTHING_FOLLOWS": "self.nothing_follows",
+}
+"""The attributes of codecs with the bytes of a magic that is read alone."""
+
 
 class Decoder:
     """Writes the body of one method, but for its end.
@@ -86,6 +92,9 @@ class Decoder:
         return f"{self._attributes.run(run.kinds)}.size"
 
     def _run(self, run: Run, first: str | None) -> list[str]:
+        if first is None and [field.role for field in run.fields] == [Role.EOP]:
+            expected, complaint = self._checks[Role.EOP]
+            return [f"if more(2) != {MAGIC_BYTES[expected]}:", f"    {complaint}"]
         source = first or f"more({self.run_size(run)})"
         return self._unpack(run, "unpack", source)
 

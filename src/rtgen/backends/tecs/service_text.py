@@ -27,18 +27,18 @@ from rtgen.typemap.tecs_python import (
 LOCALS = frozenset(
     {
         *(
+            "_",
             "self",
             "channel",
             "codec",
             "error",
-            "first",
+            "head",
             "more",
             "outs",
-            "reply",
             "request",
         ),
         *("result", "results", "returned", "target"),
-        *("E_OK", "RpcError", "call", "send"),
+        *("E_OK", "RpcError", "send"),
         *dir(builtins),
     }
 )

@@ -41,7 +41,7 @@ from rtgen.runtime.opaque_rpc.messages import (
     Unmarshaller,
     serve_message,
 )
-from rtgen.runtime.opaque_rpc.proxy import call, send
+from rtgen.runtime.opaque_rpc.proxy import send
 from rtgen.runtime.opaque_rpc.serial import SerialChannel, SerialServer
 from rtgen.runtime.opaque_rpc.shared_channel import SharedChannel
 from rtgen.runtime.opaque_rpc.simulated import SimulatedChannel, SimulatedServer
@@ -98,7 +98,6 @@ __all__ = [
     "TcpServer",
     "Tdr",
     "Unmarshaller",
-    "call",
     "make_tdr",
     "send",
     "serve_message",

@@ -37,6 +37,8 @@ from rtgen.runtime.opaque_rpc.errors import (
     ProtocolError,
 )
 from rtgen.runtime.opaque_rpc.tdr import (
+    EOP_NOTHING_FOLLOWS,
+    EOP_REPLY_FOLLOWS,
     NETWORK,
     SOP_REQUEST,
     Items,
@@ -97,6 +99,8 @@ class Codec:
         self.limit: Final = limit
         self.reply_limit: Final = reply_limit
         self.request_sop: Final = tdr.int16(SOP_REQUEST)
+        self.awaiting_reply: Final = tdr.int16(EOP_REPLY_FOLLOWS)
+        self.nothing_follows: Final = tdr.int16(EOP_NOTHING_FOLLOWS)
         self.heads: Final[Mapping[bytes, int]] = MappingProxyType(
             {self.request_sop + tdr.int16(id_): id_ for id_ in self.ids.values()}
         )

@@ -6,7 +6,7 @@ import logging
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Literal, Protocol, TypeAlias
+from typing import Final, Literal, Protocol, TypeAlias
 
 from rtgen.runtime.opaque_rpc.codecs import More
 from rtgen.runtime.opaque_rpc.errors import (
@@ -24,7 +24,8 @@ Handler: TypeAlias = Callable[[More], bytes | None]
 Handlers: TypeAlias = Mapping[bytes, Handler]
 Send: TypeAlias = Callable[[bytes], None]
 
-_HEAD = 4
+HEAD: Final = 4
+"""How many bytes lead to the handler of a message: SOP and function id."""
 _SOP = 2
 
 log = logging.getLogger("rtgen.runtime.opaque_rpc")
@@ -75,17 +76,18 @@ class MessageReader(ABC):
         Empty at the end of the stream. Size and time of the message are counted from now.
         """
         at = self._at
-        data = self._data
-        if at >= len(data):
-            data = self._data = self._wait()
-            at = 0
-        self._deadline = None
-        self._start = at
-        size = len(data)
-        self._ready = size if size - at <= self._limit else at + self._limit
-        head = data[at : at + n]
-        self._at = at + len(head)
-        return head
+        if at < len(self._data):
+            return self._begin(self._data, at, n)
+        return self._begin(self._wait(), 0, n)
+
+    def serve(self, handlers: Handlers, send: Send) -> None:
+        """Serves requests until the stream ends; raises what `serve_message` raises."""
+        next_head, more, find = self.head, self.more, handlers.get
+        while head := next_head(HEAD):
+            handler = find(head) or find_handler(head, more, handlers)
+            reply = handler(more)
+            if reply is not None:
+                send(reply)
 
     def more(self, n: int) -> bytes:
         """The next n bytes of the message.
@@ -99,6 +101,17 @@ class MessageReader(ABC):
             return self._more(n)
         self._at = end
         return self._data[at:end]
+
+    def _begin(self, data: bytes, at: int, n: int) -> bytes:
+        """Begins a message that starts there; its first n bytes, or those that are here."""
+        self._data = data
+        self._deadline = None
+        self._start = at
+        size = len(data)
+        self._ready = size if size - at <= self._limit else at + self._limit
+        head = data[at : at + n]
+        self._at = at + len(head)
+        return head
 
     def _more(self, n: int) -> bytes:
         have = self._at - self._start
@@ -140,11 +153,11 @@ def serve_message(reader: MessageReader, handlers: Handlers) -> bytes | None:
 
     Raises ProtocolError and ChannelError; the function was not executed then.
     """
-    handler = _find(reader.head(_HEAD), reader.more, handlers)
+    handler = find_handler(reader.head(HEAD), reader.more, handlers)
     return handler(reader.more)
 
 
-def _find(head: bytes, more: More, handlers: Handlers) -> Handler:
+def find_handler(head: bytes, more: More, handlers: Handlers) -> Handler:
     """The handler of a message whose head is perhaps not here as a whole, or wrong.
 
     A wrong byte is told at once, without waiting for the rest of the head.
@@ -152,20 +165,10 @@ def _find(head: bytes, more: More, handlers: Handlers) -> Handler:
     while (handler := handlers.get(head)) is None:
         if not any(key.startswith(head[:_SOP]) for key in handlers):
             raise ProtocolError(E_MAGIC, f"no start of a request: {head.hex(' ')}")
-        if len(head) == _HEAD:
+        if len(head) == HEAD:
             raise ProtocolError(E_ID, f"unknown function id: {head[_SOP:].hex(' ')}")
         head += more(1)
     return handler
-
-
-def serve_messages(reader: MessageReader, handlers: Handlers, send: Send) -> None:
-    """Serves requests until the stream ends; raises what `serve_message` raises."""
-    next_head, more, find = reader.head, reader.more, handlers.get
-    while head := next_head(_HEAD):
-        handler = find(head) or _find(head, more, handlers)
-        reply = handler(more)
-        if reply is not None:
-            send(reply)
 
 
 class SharedUnmarshaller:
@@ -202,7 +205,7 @@ class SharedUnmarshaller:
         number = int.from_bytes(reader.more(2), self._order, signed=True)
         if not 0 <= number < len(self._handlers):
             raise ProtocolError(E_ID, f"unknown sub-channel {number}")
-        handler = _find(reader.more(_HEAD), reader.more, self._handlers[number])
+        handler = find_handler(reader.more(HEAD), reader.more, self._handlers[number])
         reply = handler(reader.more)
         if reply is not None:
             send(reply)
@@ -236,7 +239,7 @@ def serve(service: Service, reader: MessageReader, send: Send) -> bool:
         if isinstance(service, SharedUnmarshaller):
             service.serve(reader, send)
         else:
-            serve_messages(reader, service.handlers, send)
+            reader.serve(service.handlers, send)
     except RpcError as error:
         log.info("connection given up: %s", error)
         return False

@@ -59,7 +59,8 @@ class TcpChannel:
             raise ChannelError(E_TMOUT, f"{self}: in use by another call")
         try:
             now = monotonic()
-            idle, self._begun = now - self._begun, now
+            idle = now - self._begun
+            self._begun = now
             connection = self._connection
             if connection is None or idle > _IDLE or connection.seconds != self.timeout:
                 connection = self._ready(idle)

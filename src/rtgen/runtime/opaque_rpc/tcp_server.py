@@ -20,8 +20,12 @@ from rtgen.runtime.opaque_rpc.connection import (
 )
 from rtgen.runtime.opaque_rpc.errors import E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import (
+    HEAD,
+    Handlers,
     MessageReader,
+    Send,
     Service,
+    find_handler,
     log,
     serve,
 )
@@ -43,21 +47,36 @@ class _SocketReader(MessageReader):
         self._timeout = timeout
         self._in_pieces = False
 
+    def serve(self, handlers: Handlers, send: Send) -> None:
+        """See `MessageReader`; a request that comes in one piece takes no detour."""
+        receive, begin = self._connection.receive, self._begin
+        more, find = self.more, handlers.get
+        while True:
+            if self._in_pieces or self._at < len(self._data):
+                head = self.head(HEAD)
+            else:
+                try:
+                    head = begin(receive(SMALL_BLOCK), 0, HEAD)
+                except OSError as error:
+                    _pass_silence(error)
+                    continue
+            if not head:
+                return
+            handler = find(head) or find_handler(head, more, handlers)
+            reply = handler(more)
+            if reply is not None:
+                send(reply)
+
     def _wait(self) -> bytes:
         connection = self._connection
-        if connection.seconds != self._timeout:
-            connection.limit(self._timeout)
+        connection.limit(self._timeout)
         while True:
             try:
                 if self._in_pieces:
                     connection.acknowledge()
                 return connection.receive(SMALL_BLOCK)
-            except TIME_OVER:
-                continue
-            except ConnectionError as error:
-                raise ChannelError(
-                    E_OBJ, error.strerror or "connection lost"
-                ) from error
+            except OSError as error:
+                _pass_silence(error)
 
     def _receive(self, size: int) -> bytes:
         connection = self._connection
@@ -73,7 +92,7 @@ class _SocketReader(MessageReader):
                 E_TMOUT, f"a request took longer than {self._timeout} s"
             ) from error
         except OSError as error:
-            raise ChannelError(E_OBJ, error.strerror or "connection lost") from error
+            raise _lost(error) from error
 
     def send(self, reply: bytes) -> None:
         """Sends a reply; raises ChannelError."""
@@ -82,10 +101,21 @@ class _SocketReader(MessageReader):
             sent = connection.send(reply)
             if sent != len(reply):
                 connection.send_all(reply, monotonic() + self._timeout, sent)
+                connection.limit(self._timeout)
         except TIME_OVER as error:
             raise ChannelError(E_TMOUT, "the client does not read the reply") from error
         except OSError as error:
-            raise ChannelError(E_OBJ, error.strerror or "connection lost") from error
+            raise _lost(error) from error
+
+
+def _lost(error: OSError) -> ChannelError:
+    return ChannelError(E_OBJ, error.strerror or "connection lost")
+
+
+def _pass_silence(error: OSError) -> None:
+    """A client may be silent between requests; any other error ends the connection."""
+    if not isinstance(error, TIME_OVER):
+        raise _lost(error) from error
 
 
 class _Door:

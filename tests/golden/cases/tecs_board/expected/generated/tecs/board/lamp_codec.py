@@ -56,11 +56,10 @@ class LampCodec(Codec):
         self._run2 = tdr.struct("BhhiH")
         self._run3 = tdr.struct("HnH")
         self._run4 = tdr.struct("HHH")
-        self._run5 = tdr.struct("H")
-        self._run6 = tdr.struct("H?H")
+        self._run5 = tdr.struct("H?H")
         self._request2 = self._run4.pack(SOP_REQUEST, 2, EOP_REPLY_FOLLOWS)
         self.dim_first = self._run3.size
-        self.lit_first = self._run6.size
+        self.lit_first = self._run5.size
 
     def encode_dim_request(
         self,
@@ -117,14 +116,13 @@ class LampCodec(Codec):
         return self._request2
 
     def read_lit_request(self, more: More) -> tuple[()]:
-        (eop,) = self._run5.unpack(more(self._run5.size))
-        if eop != EOP_REPLY_FOLLOWS:
+        if more(2) != self.awaiting_reply:
             raise magic_error("nBoard::sLamp.lit", "no EOP")
         return ()
 
     def encode_lit_reply(self, returned: bool) -> bytes:
         try:
-            return self._run6.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            return self._run5.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
         except FAILURES as failure:
             raise argument_error(
                 "nBoard::sLamp.lit",
@@ -133,7 +131,7 @@ class LampCodec(Codec):
             ) from failure
 
     def read_lit_reply(self, first: bytes, more: More) -> tuple[bool, tuple[()]]:
-        sop, returned, eop = self._run6.unpack(first)
+        sop, returned, eop = self._run5.unpack(first)
         if sop != SOP_REPLY:
             raise magic_error("nBoard::sLamp.lit", "no SOP")
         if eop != EOP_NOTHING_FOLLOWS:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from rtgen.runtime import RTC_OK, ReturnCode_t
-from rtgen.runtime.opaque_rpc import Channel, RpcError, call, make_tdr
+from rtgen.runtime.opaque_rpc import Channel, RpcError, make_tdr
 
 from . import nboard
 from ..opaque_rpc_communication import CommunicationChannel
@@ -25,19 +25,33 @@ class LampProxy:
     def dim(self, percent: int, level: int, at: nBoard_tagPoint) -> int:
         """`ER dim([in] uint8_t percent, [in] nBoard::Level level, [in] const nBoard::Point *at)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_dim_request(percent, level, at)
         try:
-            reply = call(self.channel, request, codec.dim_first, codec.read_dim_reply)
+            head = channel.begin(request, codec.dim_first)
+            try:
+                returned, _ = codec.read_dim_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code
-        return reply[0]
+        return returned
 
     def lit(self) -> bool:
         """`bool_t lit(void)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_lit_request()
-        reply = call(self.channel, request, codec.lit_first, codec.read_lit_reply)
-        return reply[0]
+        head = channel.begin(request, codec.lit_first)
+        try:
+            returned, _ = codec.read_lit_reply(head, channel.more)
+        except BaseException:
+            channel.reset()
+            raise
+        channel.end()
+        return returned
 
 
 class _LampServant(nboard.Lamp):

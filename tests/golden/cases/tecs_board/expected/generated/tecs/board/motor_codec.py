@@ -180,8 +180,7 @@ class MotorCodec(Codec):
         return self._request2
 
     def read_get_request(self, more: More) -> tuple[()]:
-        (eop,) = self._run4.unpack(more(self._run4.size))
-        if eop != EOP_REPLY_FOLLOWS:
+        if more(2) != self.awaiting_reply:
             raise magic_error("nBoard::sMotor.get", "no EOP")
         return ()
 
@@ -222,8 +221,7 @@ class MotorCodec(Codec):
     def read_state_request(self, more: More) -> tuple[nBoard_tagState]:
         room = Room(self.limit)
         given = self._read_nBoard_tagState(more, room)
-        (eop,) = self._run4.unpack(more(self._run4.size))
-        if eop != EOP_REPLY_FOLLOWS:
+        if more(2) != self.awaiting_reply:
             raise magic_error("nBoard::sMotor.state", "no EOP")
         return (given,)
 
@@ -259,13 +257,11 @@ class MotorCodec(Codec):
         if sop != SOP_REPLY:
             raise magic_error("nBoard::sMotor.state", "no SOP")
         if is_rpc_error(returned):
-            (eop,) = self._run4.unpack(more(self._run4.size))
-            if eop != EOP_NOTHING_FOLLOWS:
+            if more(2) != self.nothing_follows:
                 raise magic_error("nBoard::sMotor.state", "no EOP")
             return returned, None
         state = self._read_nBoard_tagState(more, room)
-        (eop,) = self._run4.unpack(more(self._run4.size))
-        if eop != EOP_NOTHING_FOLLOWS:
+        if more(2) != self.nothing_follows:
             raise magic_error("nBoard::sMotor.state", "no EOP")
         return returned, (state,)
 
@@ -405,8 +401,7 @@ class MotorCodec(Codec):
         if sop != SOP_REPLY:
             raise magic_error("nBoard::sMotor.maybe", "no SOP")
         if is_rpc_error(returned):
-            (eop,) = self._run4.unpack(more(self._run4.size))
-            if eop != EOP_NOTHING_FOLLOWS:
+            if more(2) != self.nothing_follows:
                 raise magic_error("nBoard::sMotor.maybe", "no EOP")
             return returned, None
         letter: int | None = None
@@ -415,8 +410,7 @@ class MotorCodec(Codec):
         out32: int | None = None
         if given_out32:
             (out32,) = self._run16.unpack(more(self._run16.size))
-        (eop,) = self._run4.unpack(more(self._run4.size))
-        if eop != EOP_NOTHING_FOLLOWS:
+        if more(2) != self.nothing_follows:
             raise magic_error("nBoard::sMotor.maybe", "no EOP")
         return returned, (letter, out32)
 
@@ -538,8 +532,7 @@ class MotorCodec(Codec):
         if sop != SOP_REPLY:
             raise magic_error("nBoard::sMotor.names", "no SOP")
         if is_rpc_error(returned):
-            (eop,) = self._run4.unpack(more(self._run4.size))
-            if eop != EOP_NOTHING_FOLLOWS:
+            if more(2) != self.nothing_follows:
                 raise magic_error("nBoard::sMotor.names", "no EOP")
             return returned, None
         (joined_count,) = self._run16.unpack(more(self._run16.size))
@@ -659,8 +652,7 @@ class MotorCodec(Codec):
         if sop != SOP_REPLY:
             raise magic_error("nBoard::sMotor.part", "no SOP")
         if is_rpc_error(returned):
-            (eop,) = self._run4.unpack(more(self._run4.size))
-            if eop != EOP_NOTHING_FOLLOWS:
+            if more(2) != self.nothing_follows:
                 raise magic_error("nBoard::sMotor.part", "no EOP")
             return returned, None
         unpacked = self._run2.unpack(more(self._run2.size))
@@ -828,8 +820,7 @@ class MotorCodec(Codec):
         return self._request9
 
     def read_stop_all_request(self, more: More) -> tuple[()]:
-        (eop,) = self._run4.unpack(more(self._run4.size))
-        if eop != EOP_NOTHING_FOLLOWS:
+        if more(2) != self.nothing_follows:
             raise magic_error("nBoard::sMotor.stop_all", "no EOP")
         return ()
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rtgen.runtime import RTC_OK, ReturnCode_t
-from rtgen.runtime.opaque_rpc import Channel, E_OK, RpcError, call, make_tdr, send
+from rtgen.runtime.opaque_rpc import Channel, E_OK, RpcError, make_tdr, send
 
 from . import nboard
 from ..opaque_rpc_communication import CommunicationChannel
@@ -39,34 +39,49 @@ class MotorProxy:
     ) -> int:
         """`ER set([in] nBoard::Level level, [in] int8_t sign, [in] const char_t *text, [in] const int8_t *raw, [in] int32_t n)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_set_request(level, sign, text, raw, n)
         try:
-            reply = call(self.channel, request, codec.set_first, codec.read_set_reply)
+            head = channel.begin(request, codec.set_first)
+            try:
+                returned, _ = codec.read_set_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code
-        return reply[0]
+        return returned
 
     def get(self) -> int:
         """`nBoard::Level get(void)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_get_request()
-        reply = call(self.channel, request, codec.get_first, codec.read_get_reply)
-        return reply[0]
+        head = channel.begin(request, codec.get_first)
+        try:
+            returned, _ = codec.read_get_reply(head, channel.more)
+        except BaseException:
+            channel.reset()
+            raise
+        channel.end()
+        return returned
 
     def state(self, given: nBoard_tagState) -> tuple[int, nBoard_tagState]:
         """`ER state([in] const struct nBoard::tagState *given, [out] struct nBoard::tagState *state)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_state_request(given)
         try:
-            reply = call(
-                self.channel,
-                request,
-                codec.state_first,
-                codec.read_state_reply,
-            )
+            head = channel.begin(request, codec.state_first)
+            try:
+                returned, outs = codec.read_state_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code, nBoard_tagState()
-        returned, outs = reply
         if outs is None:
             return returned, nBoard_tagState()
         return returned, *outs
@@ -80,19 +95,21 @@ class MotorProxy:
     ) -> tuple[int, int | None, int | None]:
         """`ER maybe([in] const int8_t *in8, [inout] char_t *letter, [in] const nBoard::Point *point, [out] int32_t *out32)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_maybe_request(in8, letter, point, out32)
         try:
-            reply = call(
-                self.channel,
-                request,
-                codec.maybe_first,
-                codec.read_maybe_reply,
-                letter,
-                out32,
-            )
+            head = channel.begin(request, codec.maybe_first)
+            try:
+                (
+                    returned,
+                    outs,
+                ) = codec.read_maybe_reply(head, channel.more, letter, out32)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code, letter, None
-        returned, outs = reply
         if outs is None:
             return returned, letter, None
         return returned, *outs
@@ -105,17 +122,18 @@ class MotorProxy:
     ) -> tuple[int, str]:
         """`ER names([in] const char_t* *list, [in] int32_t n, [out] char_t *joined, [in] const uint16_t *wide)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_names_request(list_, n, wide)
         try:
-            reply = call(
-                self.channel,
-                request,
-                codec.names_first,
-                codec.read_names_reply,
-            )
+            head = channel.begin(request, codec.names_first)
+            try:
+                returned, outs = codec.read_names_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code, ""
-        returned, outs = reply
         if outs is None:
             return returned, ""
         return returned, *outs
@@ -127,12 +145,18 @@ class MotorProxy:
     ) -> tuple[int, nBoard_tagPoint, list[bool]]:
         """`ER part([in] const nBoard::Point *points, [in] uint8_t n, [out] nBoard::Point *sum, [out] bool_t *flags)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_part_request(points, n)
         try:
-            reply = call(self.channel, request, codec.part_first, codec.read_part_reply)
+            head = channel.begin(request, codec.part_first)
+            try:
+                returned, outs = codec.read_part_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code, nBoard_tagPoint(), []
-        returned, outs = reply
         if outs is None:
             return returned, nBoard_tagPoint(), []
         return returned, *outs
@@ -140,9 +164,15 @@ class MotorProxy:
     def wide(self, grid: Sequence[bytes]) -> tuple[int, bytes]:
         """`long_t wide([in] const uint8_t grid[2][3], [out] char_t *label)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_wide_request(grid)
-        reply = call(self.channel, request, codec.wide_first, codec.read_wide_reply)
-        returned, outs = reply
+        head = channel.begin(request, codec.wide_first)
+        try:
+            returned, outs = codec.read_wide_reply(head, channel.more)
+        except BaseException:
+            channel.reset()
+            raise
+        channel.end()
         return returned, *outs
 
     def stop(self, why: int) -> None:
@@ -162,9 +192,16 @@ class MotorProxy:
     def class_(self, None_: int, any_: int, self_: int, Self: int) -> int:
         """`void class([in] int32_t None, [in] int32_t any, [in] int32_t self, [in] int32_t Self, [out] uint8_t *out)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_class_request(None_, any_, self_, Self)
-        reply = call(self.channel, request, codec.class_first, codec.read_class_reply)
-        return reply[1][0]
+        head = channel.begin(request, codec.class_first)
+        try:
+            _, outs = codec.read_class_reply(head, channel.more)
+        except BaseException:
+            channel.reset()
+            raise
+        channel.end()
+        return outs[0]
 
 
 class _MotorServant(nboard.Motor):

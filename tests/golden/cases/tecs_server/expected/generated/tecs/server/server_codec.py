@@ -55,20 +55,19 @@ class ServerCodec(Codec):
         self._run2 = tdr.struct("iH")
         self._run3 = tdr.struct("HnH")
         self._run4 = tdr.struct("HHH")
-        self._run5 = tdr.struct("H")
-        self._run6 = tdr.struct("HnBH")
-        self._run7 = tdr.struct("Hn")
-        self._run8 = tdr.struct("BH")
-        self._run9 = tdr.struct("HBnH")
-        self._run10 = tdr.struct("HHqIH")
-        self._run11 = tdr.struct("qIH")
-        self._run12 = tdr.struct("HnIH")
-        self._run13 = tdr.struct("IH")
-        self._run14 = tdr.struct("HInH")
+        self._run5 = tdr.struct("HnBH")
+        self._run6 = tdr.struct("Hn")
+        self._run7 = tdr.struct("BH")
+        self._run8 = tdr.struct("HBnH")
+        self._run9 = tdr.struct("HHqIH")
+        self._run10 = tdr.struct("qIH")
+        self._run11 = tdr.struct("HnIH")
+        self._run12 = tdr.struct("IH")
+        self._run13 = tdr.struct("HInH")
         self._request2 = self._run4.pack(SOP_REQUEST, 2, EOP_REPLY_FOLLOWS)
         self.func1_first = self._run3.size
-        self.func2_first = self._run9.size if self._paper else self._run7.size
-        self.func3_first = self._run14.size if self._paper else self._run7.size
+        self.func2_first = self._run8.size if self._paper else self._run6.size
+        self.func3_first = self._run13.size if self._paper else self._run6.size
 
     def encode_func1_request(self, indata: int) -> bytes:
         try:
@@ -108,8 +107,7 @@ class ServerCodec(Codec):
         return self._request2
 
     def read_func2_request(self, more: More) -> tuple[()]:
-        (eop,) = self._run5.unpack(more(self._run5.size))
-        if eop != EOP_REPLY_FOLLOWS:
+        if more(2) != self.awaiting_reply:
             raise magic_error("sServer.func2", "no EOP")
         return ()
 
@@ -119,7 +117,7 @@ class ServerCodec(Codec):
         try:
             if is_rpc_error(returned):
                 return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-            return self._run6.pack(
+            return self._run5.pack(
                 SOP_REPLY,
                 returned,
                 UINT8[outdata],
@@ -139,22 +137,21 @@ class ServerCodec(Codec):
     ) -> tuple[int, tuple[int] | None]:
         if self._paper:
             return self._read_func2_reply_in_paper_order(first, more)
-        sop, returned = self._run7.unpack(first)
+        sop, returned = self._run6.unpack(first)
         if sop != SOP_REPLY:
             raise magic_error("sServer.func2", "no SOP")
         if is_rpc_error(returned):
-            (eop,) = self._run5.unpack(more(self._run5.size))
-            if eop != EOP_NOTHING_FOLLOWS:
+            if more(2) != self.nothing_follows:
                 raise magic_error("sServer.func2", "no EOP")
             return returned, None
-        outdata, eop = self._run8.unpack(more(self._run8.size))
+        outdata, eop = self._run7.unpack(more(self._run7.size))
         if eop != EOP_NOTHING_FOLLOWS:
             raise magic_error("sServer.func2", "no EOP")
         return returned, (outdata,)
 
     def _encode_func2_reply_in_paper_order(self, returned: int, outdata: int) -> bytes:
         try:
-            return self._run9.pack(
+            return self._run8.pack(
                 SOP_REPLY,
                 UINT8[outdata],
                 returned,
@@ -172,7 +169,7 @@ class ServerCodec(Codec):
         first: bytes,
         more: More,
     ) -> tuple[int, tuple[int] | None]:
-        sop, outdata, returned, eop = self._run9.unpack(first)
+        sop, outdata, returned, eop = self._run8.unpack(first)
         if sop != SOP_REPLY:
             raise magic_error("sServer.func2", "no SOP")
         if eop != EOP_NOTHING_FOLLOWS:
@@ -181,7 +178,7 @@ class ServerCodec(Codec):
 
     def encode_func3_request(self, indata: int, iodata: int) -> bytes:
         try:
-            return self._run10.pack(SOP_REQUEST, 3, indata, iodata, EOP_REPLY_FOLLOWS)
+            return self._run9.pack(SOP_REQUEST, 3, indata, iodata, EOP_REPLY_FOLLOWS)
         except FAILURES as failure:
             raise argument_error(
                 "sServer.func3",
@@ -190,7 +187,7 @@ class ServerCodec(Codec):
             ) from failure
 
     def read_func3_request(self, more: More) -> tuple[int, int]:
-        indata, iodata, eop = self._run11.unpack(more(self._run11.size))
+        indata, iodata, eop = self._run10.unpack(more(self._run10.size))
         if eop != EOP_REPLY_FOLLOWS:
             raise magic_error("sServer.func3", "no EOP")
         return (indata, iodata)
@@ -201,7 +198,7 @@ class ServerCodec(Codec):
         try:
             if is_rpc_error(returned):
                 return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-            return self._run12.pack(SOP_REPLY, returned, iodata, EOP_NOTHING_FOLLOWS)
+            return self._run11.pack(SOP_REPLY, returned, iodata, EOP_NOTHING_FOLLOWS)
         except FAILURES as failure:
             raise argument_error(
                 "sServer.func3",
@@ -216,22 +213,21 @@ class ServerCodec(Codec):
     ) -> tuple[int, tuple[int] | None]:
         if self._paper:
             return self._read_func3_reply_in_paper_order(first, more)
-        sop, returned = self._run7.unpack(first)
+        sop, returned = self._run6.unpack(first)
         if sop != SOP_REPLY:
             raise magic_error("sServer.func3", "no SOP")
         if is_rpc_error(returned):
-            (eop,) = self._run5.unpack(more(self._run5.size))
-            if eop != EOP_NOTHING_FOLLOWS:
+            if more(2) != self.nothing_follows:
                 raise magic_error("sServer.func3", "no EOP")
             return returned, None
-        iodata, eop = self._run13.unpack(more(self._run13.size))
+        iodata, eop = self._run12.unpack(more(self._run12.size))
         if eop != EOP_NOTHING_FOLLOWS:
             raise magic_error("sServer.func3", "no EOP")
         return returned, (iodata,)
 
     def _encode_func3_reply_in_paper_order(self, returned: int, iodata: int) -> bytes:
         try:
-            return self._run14.pack(SOP_REPLY, iodata, returned, EOP_NOTHING_FOLLOWS)
+            return self._run13.pack(SOP_REPLY, iodata, returned, EOP_NOTHING_FOLLOWS)
         except FAILURES as failure:
             raise argument_error(
                 "sServer.func3",
@@ -244,7 +240,7 @@ class ServerCodec(Codec):
         first: bytes,
         more: More,
     ) -> tuple[int, tuple[int] | None]:
-        sop, iodata, returned, eop = self._run14.unpack(first)
+        sop, iodata, returned, eop = self._run13.unpack(first)
         if sop != SOP_REPLY:
             raise magic_error("sServer.func3", "no SOP")
         if eop != EOP_NOTHING_FOLLOWS:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from rtgen.runtime import RTC_OK, ReturnCode_t
-from rtgen.runtime.opaque_rpc import Channel, RpcError, call
+from rtgen.runtime.opaque_rpc import Channel, RpcError
 
 from . import Server
 from ..opaque_rpc_communication import CommunicationChannel
@@ -23,32 +23,35 @@ class ServerProxy:
     def func1(self, indata: int) -> int:
         """`ER func1([in] int32_t indata)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_func1_request(indata)
         try:
-            reply = call(
-                self.channel,
-                request,
-                codec.func1_first,
-                codec.read_func1_reply,
-            )
+            head = channel.begin(request, codec.func1_first)
+            try:
+                returned, _ = codec.read_func1_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code
-        return reply[0]
+        return returned
 
     def func2(self) -> tuple[int, int]:
         """`ER func2([out] char_t *outdata)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_func2_request()
         try:
-            reply = call(
-                self.channel,
-                request,
-                codec.func2_first,
-                codec.read_func2_reply,
-            )
+            head = channel.begin(request, codec.func2_first)
+            try:
+                returned, outs = codec.read_func2_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code, 0
-        returned, outs = reply
         if outs is None:
             return returned, 0
         return returned, *outs
@@ -56,17 +59,18 @@ class ServerProxy:
     def func3(self, indata: int, iodata: int) -> tuple[int, int]:
         """`ER func3([in] int64_t indata, [inout] uint32_t *iodata)`."""
         codec = self.codec
+        channel = self.channel
         request = codec.encode_func3_request(indata, iodata)
         try:
-            reply = call(
-                self.channel,
-                request,
-                codec.func3_first,
-                codec.read_func3_reply,
-            )
+            head = channel.begin(request, codec.func3_first)
+            try:
+                returned, outs = codec.read_func3_reply(head, channel.more)
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
         except RpcError as error:
             return error.code, iodata
-        returned, outs = reply
         if outs is None:
             return returned, iodata
         return returned, *outs
