@@ -10,7 +10,7 @@ from rtgen.backends.components.members import attributes_of
 from rtgen.backends.python_text import docstring, fit_text
 from rtgen.backends.rendering import render
 from rtgen.backends.tecs.idl_model import IdlService
-from rtgen.backends.tecs.proxies import names_used, proxy_method
+from rtgen.backends.tecs.proxies import names_used, proxy_class, proxy_method
 from rtgen.backends.tecs.service_text import (
     LOCALS,
     Method,
@@ -84,10 +84,7 @@ def marshaller_module(
         ],
         imports=sorted(filter(None, lines)),
         proxy=f"{name}Proxy",
-        codec=text.codec,
-        make_codec=text.make_codec,
-        signature=text.signature,
-        functions=functions,
+        proxy_class=proxy_class(text),
         servant=servant,
         interface=interface,
         interface_name="::".join(idl.interface.name),

@@ -4,10 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
+from rtgen.backends.rendering import render
 from rtgen.backends.tecs.service_text import Method, ServiceText, returning
 from rtgen.layouts.tdr import FunctionLayout, Item
 from rtgen.layouts.tdr_messages import is_error_code
 from rtgen.typemap.tecs_python import zero
+
+
+def proxy_class(text: ServiceText) -> str:
+    """The class `<Name>Proxy`, which calls the functions of a board."""
+    return render(
+        "tecs/proxy.py.j2",
+        proxy=f"{text.name}Proxy",
+        codec=text.codec,
+        make_codec=text.make_codec,
+        signature=text.signature,
+        functions=[proxy_method(text, layout) for layout in text.layout.functions],
+    )
 
 
 def proxy_method(text: ServiceText, layout: FunctionLayout) -> Method:

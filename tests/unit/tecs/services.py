@@ -1,0 +1,48 @@
+"""The generated client and server of a signature, loaded from memory beside its codec."""
+
+from __future__ import annotations
+
+from types import ModuleType
+from typing import Any
+
+from rtgen.backends.tecs.options import RtcOptions
+from rtgen.backends.tecs.plan import Service as Planned
+from rtgen.backends.tecs.proxies import names_used, proxy_class
+from rtgen.backends.tecs.server_module import server_module
+from rtgen.backends.tecs.service_text import ServiceText
+from rtgen.cli.rpc.codecs import Service
+
+PROXY_HEAD = """from __future__ import annotations
+from rtgen.runtime.opaque_rpc import {names}
+from {codec} import {class_}
+from ._types import *
+"""
+
+
+class Generated:
+    """The classes that `<name>_marshaller.py` and `<name>_server.py` have for a service.
+
+    The proxy stands alone, so that types count, too, which no IDL can have.
+    """
+
+    def __init__(self, service: Service) -> None:
+        planned = Planned(service.signature, "Random", "random", RtcOptions())
+        text = ServiceText(planned, service.layout, "")
+        names = names_used(service.layout.functions) or {"Channel"}
+        head = PROXY_HEAD.format(
+            names=", ".join(sorted(names)), codec=text.codec_module, class_=text.codec
+        )
+        package = service.types.__package__ or ""
+        self.methods = text.methods
+        proxies = _module(package, "random_proxy", head + proxy_class(text))
+        server = _module(package, "random_server", server_module(text))
+        self.proxy: Any = proxies.RandomProxy
+        self.target: Any = server.RandomTarget
+        self.unmarshaller: Any = server.RandomUnmarshaller
+
+
+def _module(package: str, name: str, text: str) -> ModuleType:
+    module = ModuleType(f"{package}.{name}")
+    module.__package__ = package
+    exec(compile(text, f"<{package}.{name}>", "exec"), module.__dict__)
+    return module
