@@ -10,6 +10,7 @@ import pytest
 from rtgen.diagnostics import Severity
 from rtgen.frontends.cdl.pipeline import read_text
 from rtgen.frontends.cdl.rules import RULES
+from rtgen.model.tecs import Cell
 
 FOLDER = Path(__file__).parent
 BASE = (FOLDER / "base.cdl").read_text(encoding="utf-8")
@@ -54,3 +55,38 @@ EXAMPLES = {
 def test_examples_of_explain(code: str) -> None:
     _, found = read_text(EXAMPLES[code])
     assert code in {d.code for d in found}
+
+
+@pytest.mark.parametrize(
+    ("target", "message", "hint"),
+    [
+        ("Q", "Q is not known: a join leads to a cell", None),
+        ("Inne", "Inne is not known: a join leads to a cell", "did you mean Inner?"),
+        ("n", "n is no cell of tC: a join leads to a cell", None),
+        ("Worker", "Worker is not known: a join leads to a cell", None),
+    ],
+)
+def test_a_join_inside_a_composite_leads_to_a_cell_of_it(
+    target: str, message: str, hint: str | None
+) -> None:
+    text = (
+        "[active] composite tC { attr { int32_t n = 1; }; entry sWork eW;"
+        " cell tWorker Inner { number = composite.n; };"
+        f" cell tUser U {{ cWork = {target}.eWork; }}; eW => Inner.eWork; }};"
+    )
+    _, found = read_text(BASE + text)
+    [told] = [d for d in found if d.severity is Severity.ERROR]
+    assert (told.code, told.message, told.hint) == ("CDL0610", message, hint)
+
+
+def test_joins_of_a_cell_whose_celltype_is_missing() -> None:
+    """The file is what is wrong; where the join leads is seen all the same."""
+    text = "import( <no_file.cdl> ); cell tMissing M { cX = Worker.eWork; };"
+    unit, found = read_text(BASE + text)
+    assert [d.code for d in found if d.severity is Severity.ERROR] == ["CDL0006"]
+    assert "CDL0608" not in {
+        d.code for d in found if "Worker" in d.message
+    }, "somebody calls it"
+    [cell] = [d for d in unit.declarations if isinstance(d, Cell) and d.name == ("M",)]
+    [join] = cell.joins
+    assert (join.port, join.target, join.target_port) == ("cX", ("Worker",), "eWork")
