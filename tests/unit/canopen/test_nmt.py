@@ -212,3 +212,14 @@ def test_without_supervision() -> None:
     consumer = HeartbeatConsumer(5, timeout=0)
     assert beat(consumer, OPERATIONAL, 0) is not None
     assert consumer.poll(1 << 60) is None
+
+
+def test_a_command_to_where_the_node_is() -> None:
+    """It is answered by the next heartbeat; a later visit there was not asked for."""
+    consumer = HeartbeatConsumer(5, timeout=100)
+    beat(consumer, OPERATIONAL, 0)
+    consumer.ask(OPERATIONAL)
+    assert beat(consumer, OPERATIONAL, 10) is None
+    beat(consumer, PRE_OPERATIONAL, 20)
+    back = beat(consumer, OPERATIONAL, 30)
+    assert back == HeartbeatEvent(HeartbeatNews.CHANGED, OPERATIONAL, asked=False)

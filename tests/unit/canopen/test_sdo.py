@@ -365,3 +365,72 @@ def test_size_untold() -> None:
 )
 def test_what_a_server_does_not_answer(frame: Frame) -> None:
     assert SdoServer(5, Values()).receive(frame, 0) == []
+
+
+def test_acknowledgements_that_cannot_be() -> None:
+    server = SdoServer(5, Values(value_of(20)))
+    server.receive(request("a400200002000000"), 0)
+    server.receive(request("a3" + "00" * 7), 0)
+    told = server.receive(request("a203020000000000"), 0)
+    assert told == [answer("8000200003000405")]
+
+
+def test_blocks_of_which_nothing_arrives() -> None:
+    """Five in a row, and the sender gives up."""
+    server = SdoServer(5, Values(value_of(20)))
+    server.receive(request("a400200002000000"), 0)
+    server.receive(request("a3" + "00" * 7), 0)
+    for _ in range(4):
+        assert len(server.receive(request("a200020000000000"), 0)) == 2
+    told = server.receive(request("a200020000000000"), 0)
+    assert told == [answer("8000200003000405")]
+
+
+def test_blocks_are_bounded() -> None:
+    server = SdoServer(5, Values(), max_size=8)
+    server.receive(request("c400200000000000"), 0)
+    assert server.receive(request("01" + "61" * 7), 0) == []
+    assert server.receive(request("02" + "61" * 7), 0) == []
+    told = server.receive(request("03" + "61" * 7), 0)
+    assert told == [answer("8000200005000405")]
+    server.receive(request("c000200000000000"), 0)
+    server.receive(request("01" + "61" * 7), 0)
+    server.receive(request("82" + "61" * 7), 0)
+    told = server.receive(request("c1" + "00" * 7), 0)
+    assert told == [answer("8000200012000706")]
+
+
+def test_aborts_are_matched_within_a_transfer() -> None:
+    client = SdoClient(5)
+    client.upload(0x2000, 0, 0)
+    client.receive(answer("4100200009000000"), 0)
+    client.receive(answer("8001200000000405"), 0)
+    assert client.busy
+    client.receive(answer("8000200000000405"), 0)
+    assert not client.busy
+    assert client.ready
+
+
+def test_the_client_drains_after_its_own_abort() -> None:
+    client = SdoClient(5)
+    client.upload(0x2000, 0, 0)
+    client.receive(answer("6000200000000000"), 0)
+    assert not client.busy
+    assert not client.ready
+
+
+def test_toggle_of_upload_requests() -> None:
+    server = SdoServer(5, Values(value_of(20)))
+    server.receive(request("4000200000000000"), 0)
+    told = server.receive(request("70" + "00" * 7), 0)
+    assert told == [answer("8000200000000305")]
+
+
+def test_a_request_after_the_last_block() -> None:
+    """Within blocks every message is a segment; behind them a transfer may begin."""
+    server = SdoServer(5, Values(b"x"))
+    server.receive(request("c400200000000000"), 0)
+    server.receive(request("81" + "61" * 7), 0)
+    assert server.receive(request("4000200000000000"), 0) == [
+        answer("4f00200078000000")
+    ]

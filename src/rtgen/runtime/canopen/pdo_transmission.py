@@ -106,7 +106,7 @@ class TpdoTransmitter:
 
     def stop(self) -> None:
         """The node has left OPERATIONAL; an event that waits is forgotten."""
-        self._running = self._pending = False
+        self._running = False
 
     def update(self, data: bytes, now: int, *, event: bool = True) -> Frame | None:
         """Takes new data; what is to be sent at once.

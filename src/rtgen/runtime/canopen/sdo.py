@@ -297,8 +297,6 @@ class BlockReceiver:
             self.complete = last
             if len(self._value) - SEGMENT > self._limit:
                 raise SdoAbort(OUT_OF_MEMORY)
-        elif sequence <= self._sequence:
-            return None
         if not last and sequence < self.size:
             return None
         got, self._sequence = self._sequence, 0
