@@ -264,6 +264,11 @@ def string_literal(value: str) -> str:
     return "'" + body.replace("'", "\\'") + "'"
 
 
+def number_literal(value: float) -> str:
+    """A number as black leaves it: no plus sign in an exponent."""
+    return repr(value).replace("e+", "e")
+
+
 def docstring(text: str, indent: int) -> str:
     """The text as a docstring at that indent, with the newline at its end; empty for no text."""
     lines = _CONTROL.sub(" ", text.expandtabs().replace("\\", "\\\\")).split("\n")

@@ -27,6 +27,7 @@ MOTOR = """\
 const int32_t WHEELS = 2;
 namespace nBoard {
   const float32_t GAIN = 1.5;
+  const double64_t FAR = 1.5e300;
   const bool_t GEARED = true;
   const char_t MARK = 'm';
   typedef int16_t Level;
@@ -54,6 +55,7 @@ namespace nBoard {
               [in,nullable] const int8_t *RpcError_in, [in] int8_t codec_nBoard_tagPoint,
               [out] Point *outs, [inout,nullable] int8_t *outs_out );
     void list( [in] int8_t handlers );
+    void __init__( void );
     void class( [in] int32_t None, [in] int32_t any, [in] int32_t self, [in] int32_t Self,
                 [out] uint8_t *out );
   };

@@ -210,6 +210,7 @@ def test_modules_structs_and_constants(tmp_path: Path) -> None:
         "const long WHEELS = 2;",
         "module nBoard {",
         "    const float GAIN = 1.5;",
+        "    const double FAR = 1.5e+300;",
         "    const boolean GEARED = TRUE;",
         "    const char MARK = 'm';",
         "    typedef short Level;",

@@ -65,6 +65,7 @@ def test_the_usual_widths_are_those_of_the_runtime(order: Order) -> None:
         ("tdr=middle", "CDL1002", "network, little, big", "middle", "it is network"),
         ("reply=late", "CDL1002", "tecsgen, paper", "late", None),
         ("timeout=-1", "CDL1002", "above 0", "-1", "it is 1.0"),
+        ("timeout=1e9", "CDL1002", "at most 1000000", "1e9", None),
         ("timeout=nan", "CDL1002", "above 0", "nan", None),
         ("encoding=utf-16", "CDL1002", "an encoding", "utf-16", None),
         ("encoding=klingon", "CDL1002", "an encoding", "klingon", None),

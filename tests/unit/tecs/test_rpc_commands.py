@@ -122,6 +122,8 @@ def test_a_reply_to_its_request(rpc: Rpc) -> None:
         (("encode", "go", "--request", "{}"), "SIGNATURE.FUNCTION"),
         (("encode", "sMove.go", "--request", "{"), "this is no JSON"),
         (("encode", "sMove.go", "--request", "{}"), "'p' is missing"),
+        (("encode", "sMove.go", "--timeout", "inf"), "a positive number of seconds"),
+        (("encode", "sMove.go", "--timeout", "nan"), "a positive number of seconds"),
         (("encode", "sMove.go"), "give --request or --reply"),
         (("encode", "sMove.stop", "--reply", "{}"), "stop is oneway"),
         (("decode", "sMove.go"), "give --request or --reply"),

@@ -199,6 +199,9 @@ def motor_board(modules: dict[str, Any], stem: str = "board") -> Any:
         def list_(self, handlers: int) -> None:
             self.stopped.append(handlers)
 
+        def __init___(self) -> None:
+            self.stopped.append(-2)
+
         def class_(self, *values: int) -> int:
             return sum(values)
 

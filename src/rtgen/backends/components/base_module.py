@@ -14,6 +14,7 @@ from rtgen.backends.python_text import (
     docstring,
     fit_text,
     header_comment,
+    number_literal,
     string_literal,
 )
 from rtgen.backends.rendering import render
@@ -141,7 +142,7 @@ class _BaseModule:
             case str():
                 return string_literal(value)
             case int() | float() if type_ in _FLOATING:
-                return repr(float(value))
+                return number_literal(float(value))
             case _:
                 return repr(value)
 
@@ -178,7 +179,7 @@ class _BaseModule:
             vendor=string_literal(component.vendor),
             version=string_literal(component.version),
             description=string_literal(summary(component)),
-            rate=repr(float(component.rate)),
+            rate=number_literal(float(component.rate)),
             max_instances=str(component.max_instances),
             activity=string_literal(component.activity),
             execution=string_literal(component.execution),

@@ -77,6 +77,7 @@ class ServiceText:
             (f.function.name for f in layout.functions),
             {
                 *("channel", "codec", "handlers", "target"),
+                *dir(object),
                 *_ANNOTATIONS,
                 *self.struct_classes(),
             },

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from rtgen.backends.python_text import comment_text, docstring, fit_text, string_literal
+from rtgen.backends.python_text import (
+    comment_text,
+    docstring,
+    fit_text,
+    number_literal,
+    string_literal,
+)
 from rtgen.backends.rendering import render
 from rtgen.layouts.tdr import Node, Record
 from rtgen.layouts.tdr_messages import layout_of
@@ -93,6 +99,8 @@ def _constants(unit: TecsUnit, taken: set[str]) -> Iterator[str]:
         ):
             continue
         taken.add(name)
-        value = declaration.value
-        text = string_literal(value) if isinstance(value, str) else repr(value)
-        yield f"{name}: Final = {text}"
+        yield f"{name}: Final = {_literal(declaration.value)}"
+
+
+def _literal(value: float | str) -> str:
+    return string_literal(value) if isinstance(value, str) else number_literal(value)

@@ -7,7 +7,12 @@ from dataclasses import dataclass
 from decimal import Decimal
 from math import isfinite
 
-from rtgen.backends.python_text import docstring, fit_text, string_literal
+from rtgen.backends.python_text import (
+    docstring,
+    fit_text,
+    number_literal,
+    string_literal,
+)
 from rtgen.backends.rendering import render
 from rtgen.backends.types.calls import Calls, CallTable
 from rtgen.backends.types.constants import Layouts
@@ -460,7 +465,7 @@ class TypesModule:
                 return f'{self.scope.Decimal}("{value}")'
             case float() if not isfinite(value):
                 return f'float("{value}")'
-        return repr(value)
+        return number_literal(value)
 
     def _alias(self, declaration: Typedef) -> str:
         annotation = self._mapping.annotation(declaration.type)

@@ -18,7 +18,7 @@ from rtgen.diagnostics import InputError, has_errors
 from rtgen.layouts.tdr import TransferError
 from rtgen.model.tecs import Signature, TecsUnit
 from rtgen.runtime.opaque_rpc import REPLY_LIMIT, Order, ReplyOrder, Tdr, make_tdr
-from rtgen.runtime.opaque_rpc.connection import TIMEOUT
+from rtgen.runtime.opaque_rpc.connection import TIMEOUT, checked_timeout
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -31,6 +31,13 @@ class Peer:
     tdr: Tdr
     reply: ReplyOrder
     timeout: float
+
+
+def _timeout(context: click.Context, option: click.Parameter, value: float) -> float:
+    try:
+        return checked_timeout(value)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from error
 
 
 def with_peer(function: Callable[P, R]) -> Callable[..., R]:
@@ -58,7 +65,8 @@ def with_peer(function: Callable[P, R]) -> Callable[..., R]:
     )
     @click.option(
         "--timeout",
-        type=click.FloatRange(min=0, min_open=True),
+        callback=_timeout,
+        type=float,
         default=TIMEOUT,
         show_default=True,
         metavar="S",

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import socket
 import struct
 import sys
@@ -14,6 +13,8 @@ PORT = 8931
 """The port of the first board of a CDL file, as tecsgen has it."""
 TIMEOUT = 1.0
 """Seconds that a call may take by default."""
+LONGEST_TIMEOUT = 1e6
+"""The most that systems take, in milliseconds, for a wait."""
 SMALL_BLOCK = 448
 BLOCK = 65536
 """How many bytes a read asks for that is likely to get few, and at most.
@@ -30,9 +31,12 @@ _KEEP_ALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3}
 
 
 def checked_timeout(seconds: float) -> float:
-    """The time-out as given; ValueError unless it is positive and finite."""
-    if not 0 < seconds < math.inf:
-        raise ValueError(f"a time-out is a positive number of seconds, not {seconds}")
+    """The time-out as given; ValueError unless it is positive and at most `LONGEST_TIMEOUT`."""
+    if not 0 < seconds <= LONGEST_TIMEOUT:
+        raise ValueError(
+            f"a time-out is a positive number of seconds up to {LONGEST_TIMEOUT:.0f}, "
+            f"not {seconds}"
+        )
     return seconds
 
 
