@@ -8,7 +8,7 @@ from typing import ClassVar
 import pytest
 from boards import SERVER, emit, imported, joined, texts, write
 
-from rtgen.backends.tecs.options import FIRST_PORT, RtcOptions
+from rtgen.backends.tecs.options import FIRST_PORT, LONGEST_TIMEOUT, RtcOptions
 from rtgen.backends.tecs.rules import UNKNOWN_OPTION
 from rtgen.runtime.opaque_rpc import (
     REQUEST_LIMIT,
@@ -18,6 +18,7 @@ from rtgen.runtime.opaque_rpc import (
     RpcError,
     TcpChannel,
     TcpServer,
+    connection,
     make_tdr,
 )
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
@@ -42,6 +43,7 @@ def test_the_defaults_are_those_of_the_runtime() -> None:
     assert usual.limit == REQUEST_LIMIT
     assert (usual.address, usual.timeout) == (link.ipaddr, link.timeout)
     assert str(FIRST_PORT) == link.port
+    assert LONGEST_TIMEOUT == connection.LONGEST_TIMEOUT
     assert (usual.tdr, usual.encoding) == (codec.tdr.order, codec.encoding)
 
 

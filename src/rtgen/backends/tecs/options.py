@@ -13,11 +13,13 @@ from typing import Any
 from rtgen.backends.tecs.rules import BAD_OPTION, UNKNOWN_OPTION
 from rtgen.diagnostics import Diagnostic
 from rtgen.model.tecs import PluginOption, Through
-from rtgen.runtime.opaque_rpc.connection import LONGEST_TIMEOUT
 from rtgen.typemap.tecs_idl import Widths
 
 FIRST_PORT = 8931
 """The port of the first join, as tecsgen has it."""
+
+LONGEST_TIMEOUT = 1e6
+"""The greatest time-out [s] that the runtime takes."""
 
 TECSGEN_OPTIONS = frozenset(
     {
@@ -87,10 +89,10 @@ def _seconds(text: str) -> float:
         value = float(text if "_" not in text else "")
     except ValueError:
         value = math.nan
-    if not 0.0 < value <= LONGEST_TIMEOUT:
-        raise _RefusalError(
-            f"it is a number of seconds above 0, at most {LONGEST_TIMEOUT:.0f}"
-        )
+    if value > LONGEST_TIMEOUT:
+        raise _RefusalError(f"it is at most {LONGEST_TIMEOUT:.0f} seconds")
+    if not value > 0.0:
+        raise _RefusalError("it is a number of seconds above 0")
     return value
 
 
