@@ -20,6 +20,8 @@ const bool_t A = 1 < 2 && !(3 == 4) || true
 const int32_t A = true ? 1 : 2
 const int32_t A = (int32_t)1.5
 const bool_t A = 5
+const bool_t A = 0; const int32_t B = A + 1; const bool_t C = A == 0
+const float32_t A = 2; const int32_t B = A % 2 << 1
 const char_t *const A = "a" "b"
 const char_t *const A = 0
 const int32_t *const A = (int32_t *)0x300
@@ -35,6 +37,7 @@ typedef unsigned int T; typedef signed char U; typedef unsigned long V
 typedef int32_t (*T)( void ); typedef void (*U)( int8_t a, T b )
 struct tagA { int32_t a; }
 struct tagA { int32_t a, *b, c[2][3]; struct tagA *next; }
+struct t { int8_t a, *b; }; struct t { int8_t a; int8_t *b; }
 struct tagA { [size_is(n)] int8_t *p; int32_t n; [string] char_t *s; [string(8)] char_t *t; }
 typedef struct { int32_t a; } A; typedef struct tagB { A a; } B
 struct tagA { struct tagB { int32_t b; } b; }
@@ -53,7 +56,6 @@ signature s { void f( [in,string] const char_t *a, [in,string(8)] const char_t *
 signature s { void f( [in,size_is(n)] const int8_t *a, [in] int32_t n ); }
 signature s { void f( [out,size_is(n),count_is(*m)] int8_t *a, [in] int32_t n, [inout] int32_t *m ); }
 signature s { void f( [in,size_is(n,8)] const int8_t *a, [in] int32_t n ); }
-signature s { void f( [in,size_is(8,8)] const int8_t *a ); }
 signature s { void f( [in,size_is(n),string] const char_t **a, [in] int32_t n ); }
 signature s { void f( [in,nullable] const int8_t *a ); }
 signature s { void f( [in] const int8_t a[3], [in] const int8_t (*b)[4], [in] const int8_t *c[2] ); }
@@ -83,6 +85,11 @@ WARNED = [
         "signature s { void f( [in,size_is(2,4)] const int8_t *a ); };",
     ),
     ("W5010", "CDL0404", "signature s { void f(); };"),
+    (
+        "",
+        "CDL0812",
+        "struct t { int8_t a; }; [active] celltype c { attr { struct t a = { 1, 2 }; }; };",
+    ),
     ("", "CDL0308", "signature s { void f( [in] enum e a ); };"),
 ]
 
@@ -130,7 +137,8 @@ REFUSED = [
     ("S1148", "CDL0006", 'import( "nothing.cdl" );'),
     ("S1142", "CDL0900", 'import_C( "nothing.h" );'),
     ("S2001", "CDL0301", "const int32_t A = 1; const int32_t A = 1;"),
-    ("S2001", "CDL0301", "struct t { int8_t a; }; struct t { int8_t a; };"),
+    ("S2001", "CDL0301", "struct t { int8_t a; }; struct t { int8_t b; };"),
+    ("S2001", "CDL0301", "struct t { int8_t a; }; struct t { int16_t a; };"),
     ("S2001", "CDL0307", "struct t { int8_t a, a; };"),
     ("S2001", "CDL0403", "signature s { void f( void ); void f( void ); };"),
     ("S2001", "CDL0428", "signature s { void f( [in] int8_t a, [in] int8_t a ); };"),
@@ -156,11 +164,14 @@ REFUSED = [
     ("S2028", "CDL0422", "signature s { void f( [in,size_is(n,0)] const int8_t *a, [in] int8_t n ); };"),
     ("S2029", "CDL0804", "signature s { void f( [in,size_is(n,n)] const int8_t *a, [in] int8_t n ); };"),
     ("S2030", "CDL0423", "signature s { void f( [in,size_is(4,2)] const int8_t *a ); };"),
+    ("S2030", "CDL0423", "signature s { void f( [in,size_is(4,4)] const int8_t *a ); };"),
     ("T1003", "CDL0417", "signature s { void f( [in,nullable] int8_t a ); };"),
     ("T1007", "CDL0306", "struct t { void a; };"),
     ("T1008", "CDL0304", "const signed uint8_t A = 1;"),
     ("T1011", "CDL0809", "const int32_t A = 1.5;"),
     ("T1011", "CDL0809", "const int32_t A = (int32_t)10/3.0;"),
+    ("T1012", "CDL0806", "const int32_t A = 1 < 2;"),
+    ("T1012", "CDL0806", "const bool_t A = true; const int32_t B = A;"),
     ("T1013", "CDL0808", "const int8_t A = 128;"),
     ("T1014", "CDL0808", "const int8_t A = -129;"),
     ("T1015", "CDL0808", "const uint8_t A = -1;"),
@@ -170,6 +181,7 @@ REFUSED = [
     ("T1029", "CDL0426", "signature s { [oneway] int8_t f( void ); };"),
     ("T1030", "CDL0427", "signature s { [oneway] void f( [out] int8_t *a ); };"),
     ("T1031", "CDL0810", "celltype c { attr { int8_t a[2] = 1; }; };"),
+    ("T1031", "CDL0810", 'celltype c { attr { char_t a[2] = "a"; }; };'),
     ("T1034", "CDL0811", 'const int16_t *const A = "a";'),
     ("T1040", "CDL0418", "signature s { void f( [in,size_is(1)] const void *a ); };"),
     ("T9999", "CDL0419", "signature s { void f( [in,size_is(1),nullable] const int8_t *a ); };"),

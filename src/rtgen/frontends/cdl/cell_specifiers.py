@@ -35,6 +35,7 @@ class CellSpecifiers:
         self._regions = regions
         self._add = add
         self._report = report
+        self._restricted: list[tuple[tree.ScopedName, Place]] = []
 
     def take(
         self, cell: Cell, given: list[tree.Specifier], place: Place, prototype: bool
@@ -49,7 +50,9 @@ class CellSpecifiers:
                         assert isinstance(argument, tree.Allocation)
                         self._allocator(cell, argument, place)
                 case "restrict":
-                    self._restrict(specifier, place)
+                    for argument in specifier.arguments:
+                        assert isinstance(argument, tree.Restriction)
+                        self._restricted += ((name, place) for name in argument.regions)
         generate = specifiers.once(given, "generate", place, self._report)
         if generate is not None:
             name = generate.arguments[0]
@@ -79,20 +82,19 @@ class CellSpecifiers:
         message = "an id cannot be 0" if value == 0 else "an id is a constant integer"
         self._report(rules.BAD_ID.at(place.span(specifier), message))
 
-    def _restrict(self, specifier: tree.Specifier, place: Place) -> None:
-        for restriction in specifier.arguments:
-            assert isinstance(restriction, tree.Restriction)
-            for name in restriction.regions:
-                found = place.lookup(name)
-                if found is None or found.kind is not Kind.REGION:
-                    what = "is not known" if found is None else f"is a {found.kind}"
-                    self._report(
-                        rules.RESTRICT.at(
-                            place.span(name),
-                            f"{name} {what}: restrict names regions",
-                            hint=place.near(name.parts[-1], Kind.REGION),
-                        )
+    def finish(self) -> None:
+        """Check the regions that `restrict` names; they may be declared behind the cell."""
+        for name, place in self._restricted:
+            found = place.lookup(name)
+            if found is None or found.kind is not Kind.REGION:
+                what = "is not known" if found is None else f"is a {found.kind}"
+                self._report(
+                    rules.RESTRICT.at(
+                        place.span(name),
+                        f"{name} {what}: restrict names regions",
+                        hint=place.near(name.parts[-1], Kind.REGION),
                     )
+                )
 
     def _allocator(self, cell: Cell, node: tree.Allocation, place: Place) -> None:
         """`port[i].function.parameter = Cell.eAlloc` before a cell: a join of a hidden port."""

@@ -55,6 +55,10 @@ class Cells:
         """Every cell that was declared, without inner ones."""
         self.export: Export
 
+    def finish(self) -> None:
+        """Check what brackets before cells say of things that may be declared behind them."""
+        self._specifiers.finish()
+
     def declare(
         self,
         item: tree.Item,

@@ -199,6 +199,7 @@ class Components:
     def finish(self) -> None:
         """Resolve what needs the whole unit: joins, required ports, ids; make the cells' model."""
         cells = self._cells
+        cells.finish()
         for cell in cells.all:
             cells.turn(cell)
         for cell in cells.declared:

@@ -59,9 +59,11 @@ class Constants:
             if not self._is_constant(type_, name, unit, declarator.value is not None):
                 continue
             assert declarator.value is not None
-            value = self.initial(declarator.value, type_, unit, scope)
+            look = _Initial(self._analysis, unit, scope, {})
+            value = look.of(declarator.value, type_)
             if value is None:
                 continue
+            entity.value = look.found
             entity.declaration = TecsConst(
                 name=entity.name,
                 file=unit.source.name,
@@ -121,6 +123,8 @@ class _Initial:
         self._unit = unit
         self._scope = scope
         self._names = names
+        self.found: Operand | None = None
+        """What the value is by itself, whatever it is for; None of lists and C_EXP."""
 
     def _tell(
         self, rule: Rule, node: tree.Initialiser, message: str, hint: str | None = None
@@ -139,6 +143,7 @@ class _Initial:
         )
         if found is None:
             return None
+        self.found = found
         return self._single(value, found, type_)
 
     def _aggregate(self, value: tree.Aggregate, type_: CType) -> Expression | None:
@@ -162,8 +167,7 @@ class _Initial:
                 message = (
                     f"{len(value.items)} values for {len(members)} members of {target}"
                 )
-                self._tell(rules.SHAPE, value, message)
-                return None
+                self._tell(rules.SURPLUS, value, message)
             wanted = [member.type for member in members]
         else:
             self._tell(rules.SHAPE, value, f"{type_} takes a single value, no braces")
@@ -181,8 +185,6 @@ class _Initial:
         sort = sort_of(type_)
         target = resolve(type_)
         if isinstance(target, CArrayType):
-            if found.sort is Sort.STRING and is_character(target.element):
-                return found.model
             self._tell(rules.SHAPE, node, "an array takes its values in braces")
             return None
         if sort is Sort.STRUCT:
@@ -222,6 +224,10 @@ class _Initial:
             hint = f"write ({_plain(type_)})"
             message = f"a floating-point number needs a cast to become {type_}"
             self._tell(rules.NEEDS_CAST, node, message, hint)
+            return None
+        if found.sort is Sort.BOOL and found.value is not None:
+            message = f"a truth value cannot be {type_}"
+            self._tell(rules.OPERATOR_KIND, node, message, f"write ({_plain(type_)})")
             return None
         if found.value is None:
             return found.model

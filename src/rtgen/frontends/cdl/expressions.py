@@ -81,6 +81,9 @@ class Operand:
     type: CType | None = None
 
 
+_NUMBERS = (Sort.BOOL, Sort.INTEGER, Sort.FLOAT)
+
+
 class BadError(Exception):
     """An expression with an error, which is told."""
 
@@ -232,6 +235,10 @@ class Look:
             value = declaration.value
             model = Reference("_".join(found.name)) if value is None else Literal(value)
             sort = sort_of(declaration.type)
+            own = found.value
+            if own is not None and sort in _NUMBERS and own.sort in _NUMBERS:
+                # tecsgen puts the value in place of the name as it is written.
+                return Operand(own.sort, own.value, model, declaration.type)
             return Operand(sort, value, model, declaration.type)
         if node.parts[-1].text in self._unit.lost:
             raise BadError

@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Span
 from rtgen.frontends.cdl import tree
 from rtgen.frontends.cdl.unit import Unit
 from rtgen.model.tecs import TecsDeclaration
 from rtgen.model.types import ScopedName
+
+if TYPE_CHECKING:
+    from rtgen.frontends.cdl.expressions import Operand
 
 
 class Kind(StrEnum):
@@ -34,7 +38,8 @@ class Entity:
 
     `unit` and `node` are None for what a C header or the prelude declares. `declaration` is its
     model; None while it is made, and where it has errors. `place` is that of its name.
-    `component` is what the passes over celltypes and cells know of it.
+    `component` is what the passes over celltypes and cells know of it, `value` what the value of a
+    constant is by itself, before it becomes one of the constant's type.
     """
 
     kind: Kind
@@ -45,6 +50,7 @@ class Entity:
     declaration: TecsDeclaration | None = None
     broken: bool = False
     component: object = None
+    value: Operand | None = None
 
 
 @dataclass(eq=False, slots=True)

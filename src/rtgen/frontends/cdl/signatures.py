@@ -542,11 +542,11 @@ class _Parameters(_Signature):
             return None
         if not isinstance(size.value, int):
             return limit
-        if size.value > limit:
-            message = f"{size.value} is above the limit {limit}"
+        if size.value >= limit:
+            message = f"{size.value} is not below the limit {limit}"
             self._tell(rules.SIZE_OVER_MAX, specifier, message)
             parameter.good = False
-        elif size.value < limit:
+        else:
             message = f"the size is {size.value}, so the limit {limit} says nothing"
             self._tell(rules.SIZE_UNDER_MAX, written, message, "leave it out")
         return None

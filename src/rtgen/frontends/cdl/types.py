@@ -105,6 +105,12 @@ def is_void(type_: CType) -> bool:
     return isinstance(found, CScalarType) and found.kind is Scalar.VOID
 
 
+def _same(one: tuple[TecsMember, ...], other: tuple[TecsMember, ...]) -> bool:
+    return [(m.name, str(m.type)) for m in one] == [
+        (m.name, str(m.type)) for m in other
+    ]
+
+
 class Types:
     """Makes types of the tree, and declares the structs and enums that stand in it."""
 
@@ -193,6 +199,11 @@ class Types:
             tag = written.tag.text
             place = unit.place(written.tag)
         entity = Entity(Kind.STRUCT, (*scope.name, tag), unit, written, place)
+        known = scope.tags.get(tag)
+        if known is not None and isinstance(known.declaration, TecsStruct):
+            members = self._members(written.members, unit, scope)
+            if members is not None and _same(members, known.declaration.members):
+                return CStructType(known.name)
         if not self._declare_tag(scope, tag, entity):
             return None
         members = self._members(written.members, unit, scope)

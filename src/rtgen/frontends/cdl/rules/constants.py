@@ -164,6 +164,20 @@ const char_t *const NAME = "beego";  // right
 """,
 )
 
+SURPLUS = Rule(
+    "CDL0812",
+    "more values than a struct has members",
+    Severity.WARNING,
+    """
+The values behind the last member are left out; tecsgen does not look at them.
+
+```cdl
+struct Point { int32_t x; int32_t y; };
+attr { struct Point origin = { 0, 0, 0 }; };   // the third value is for nothing
+```
+""",
+)
+
 RULES = (
     NO_INITIALISER,
     CONSTANT_TYPE,
@@ -177,4 +191,5 @@ RULES = (
     NEEDS_CAST,
     SHAPE,
     POINTER_VALUE,
+    SURPLUS,
 )

@@ -334,7 +334,7 @@ SIZE_OVER_MAX = Rule(
     "size above its limit",
     Severity.ERROR,
     """
-The first argument of `size_is` is a constant and larger than the second. tecsgen: S2030.
+The first argument of `size_is` is a constant and not smaller than the second. tecsgen: S2030.
 
 ```cdl
 ER put( [in,size_is(8,4)] const int8_t *p );   // wrong
