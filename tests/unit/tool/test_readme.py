@@ -21,7 +21,7 @@ def tour() -> tuple[dict[str, str], list[tuple[str, str]]]:
     text = (
         README.read_text(encoding="utf-8")
         .partition("## Five minutes")[2]
-        .partition("## Commands")[0]
+        .partition("\n## ")[0]
     )
     files: dict[str, str] = {}
     commands = []
