@@ -208,9 +208,11 @@ def read(file: Path, name: str) -> Settings:
         content = tomllib.loads(source)
     except tomllib.TOMLDecodeError as error:
         raise InputError([_syntax(name, source, str(error))]) from None
-    except RecursionError:
+    except (RecursionError, ValueError):  # of an integer with thousands of digits
         span = Span(name, 1, 1, 1, 2)
-        raise InputError([FILE_UNREADABLE.at(span, "nested too deeply")]) from None
+        raise InputError(
+            [FILE_UNREADABLE.at(span, "nested too deeply, or a number is too long")]
+        ) from None
     settings = Settings(name, source, content)
     findings = [*_check(settings)]
     if findings:

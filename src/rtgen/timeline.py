@@ -166,9 +166,13 @@ def parse(text: str, name: str, system: System) -> tuple[Step, ...]:
         raise InputError(
             [TIMELINE.at(span, _PLACE.sub("", str(error)).strip())]
         ) from None
-    except RecursionError:
+    except (RecursionError, ValueError):  # of an integer with thousands of digits
         raise InputError(
-            [TIMELINE.at(Span(name, 1, 1, 1, 2), "nested too deeply")]
+            [
+                TIMELINE.at(
+                    Span(name, 1, 1, 1, 2), "nested too deeply, or a number is too long"
+                )
+            ]
         ) from None
     reader = _Reader(text, name, system)
     steps = [*reader.steps(content)]
