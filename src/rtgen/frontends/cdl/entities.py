@@ -295,6 +295,16 @@ class Composite(Celltype):
                 if name in cell.exported:
                     yield port, cell.exported[name].name
 
+    def kept(self) -> Iterator[Port]:
+        """The ports with a fixed join that inner cells keep to themselves."""
+        for cell in self.inner.values():
+            type_ = cell.celltype
+            if type_ is None:
+                continue
+            yield from (p for p, name in type_.fixed() if name not in cell.exported)
+            if isinstance(type_, Composite):
+                yield from type_.kept()
+
 
 @dataclass(frozen=True, slots=True)
 class Plugin:

@@ -11,6 +11,7 @@ from rtgen.frontends.cdl.entities import (
     Cell,
     CellAllocator,
     Celltype,
+    Composite,
     Join,
     Port,
     Report,
@@ -112,26 +113,44 @@ class Joins:
         return best
 
     def fixed(self, cell: Cell) -> None:
-        """Make the fixed joins of a cell, at the callers."""
+        """Make the fixed joins of a cell, at the callers.
+
+        Those that inner cells of a composite keep to themselves have no target that could be
+        named from outside: they only count as joins of the caller's port.
+        """
         for port, entry in cell.celltype.fixed() if cell.celltype is not None else ():
-            assert port.fixed is not None
-            assert port.fixed_place is not None
-            found = component(port.fixed_place.lookup(port.fixed.owner))
-            caller = self.nearest(found, cell) if isinstance(found, Celltype) else found
-            assert cell.span is not None
-            if isinstance(caller, Cell):
+            caller = self._fixed_caller(cell, port)
+            if caller is not None:
+                assert port.fixed is not None
+                assert cell.span is not None
                 name = port.fixed.port.text
                 join = self._made(caller, name, -1, cell, entry, cell.span)
                 self._define(caller, join)
-            elif isinstance(found, Celltype):
-                self._report(
-                    celltype_rules.BAD_FIXED_JOIN.at(
-                        cell.span,
-                        f"{cell.name} has a fixed join to {found.name}, which has no cell here",
-                        related=[Related(port.span, "the fixed join")],
-                        hint=f"define a cell of {found.name}",
-                    )
+        if isinstance(cell.celltype, Composite):
+            for port in cell.celltype.kept():
+                caller = self._fixed_caller(cell, port)
+                if caller is not None:
+                    assert port.fixed is not None
+                    caller.tried.add(port.fixed.port.text)
+
+    def _fixed_caller(self, cell: Cell, port: Port) -> Cell | None:
+        assert port.fixed is not None
+        assert port.fixed_place is not None
+        found = component(port.fixed_place.lookup(port.fixed.owner))
+        caller = self.nearest(found, cell) if isinstance(found, Celltype) else found
+        if isinstance(caller, Cell):
+            return caller
+        if isinstance(found, Celltype):
+            assert cell.span is not None
+            self._report(
+                celltype_rules.BAD_FIXED_JOIN.at(
+                    cell.span,
+                    f"{cell.name} has a fixed join to {found.name}, which has no cell here",
+                    related=[Related(port.span, "the fixed join")],
+                    hint=f"define a cell of {found.name}",
                 )
+            )
+        return None
 
     # Resolution
 
