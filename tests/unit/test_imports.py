@@ -52,4 +52,4 @@ def test_running_components_needs_no_compiler(code: str) -> None:
 
 def test_the_command_line_loads_no_heavy_library_by_itself() -> None:
     heavy = {*COMPILER_LIBRARIES, *DEVICE_LIBRARIES} - {"click"}
-    assert not loaded_by("import rtgen.cli, rtgen.cli.rpc") & heavy
+    assert not loaded_by("import rtgen.cli, rtgen.cli.rpc, rtgen.cli.can") & heavy

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from importlib import import_module
 
 import click
 
 from rtgen import __version__
+from rtgen.cli.groups import LazyGroup
 
 COMMANDS = {
     "generate": "Make the files that the definitions ask for.",
@@ -19,6 +19,7 @@ COMMANDS = {
     "run": "Run a system on the embedded runtime.",
     "graph": "Draw a system's components and connections as SVG.",
     "rpc": "Call functions of TECS devices, or look at the bytes of such calls.",
+    "can": "Look at CAN buses, take part in them, or make one.",
     "explain": "Tell what a diagnostic means.",
 }
 """Command to its line of help; the module of the same name has a function of the same name."""
@@ -26,38 +27,12 @@ COMMANDS = {
 _INTERRUPTED = 130
 
 
-class _Commands(click.Group):
-    """The commands, imported one by one as needed."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(COMMANDS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in COMMANDS:
-            return None
-        command = getattr(import_module(f"rtgen.cli.{cmd_name}"), cmd_name)
-        assert isinstance(command, click.Command)
-        return command
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        if args and not args[0].startswith("-") and args[0] not in COMMANDS:
-            from difflib import get_close_matches
-
-            close = get_close_matches(args[0], COMMANDS, n=1)
-            hint = f" Did you mean {close[0]!r}?" if close else ""
-            ctx.fail(f"No such command {args[0]!r}.{hint}")
-        return super().resolve_command(ctx, args)
-
-    def format_commands(
-        self, ctx: click.Context, formatter: click.HelpFormatter
-    ) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
-
-
-@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(
+    cls=LazyGroup,
+    summaries=COMMANDS,
+    target="rtgen.cli.{0}:{0}",
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
 @click.version_option(__version__, prog_name="rtgen", message="%(prog)s %(version)s")
 def application() -> None:
     """An interface compiler for robot software: definitions in, running Python out.

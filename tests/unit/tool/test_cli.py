@@ -13,6 +13,7 @@ from small_pipeline import Pipeline
 
 from rtgen import __version__, compiler
 from rtgen.cli import COMMANDS, run
+from rtgen.cli.can import COMMANDS as CAN_COMMANDS
 from rtgen.cli.rpc import COMMANDS as RPC_COMMANDS
 
 GENERATE = ["generate", "a.idl", "b.idl"]
@@ -33,12 +34,14 @@ def test_version_and_help(capfd: pytest.CaptureFixture[str]) -> None:
     assert run(["--help"]) == 0
     shown = capfd.readouterr().out
     assert all(name in shown for name in COMMANDS)
-    of_rpc = [("rpc", name) for name in RPC_COMMANDS]
-    assert run(["rpc", "--help"]) == 0
-    shown = capfd.readouterr().out
-    assert all(name in shown for name in RPC_COMMANDS)
-    for words in (*((name,) for name in COMMANDS if name != "rpc"), *of_rpc):
-        assert run([*words, "--help"]) == 0
+    words = [[name] for name in COMMANDS if name not in ("rpc", "can")]
+    for group, commands in (("rpc", RPC_COMMANDS), ("can", CAN_COMMANDS)):
+        assert run([group, "--help"]) == 0
+        shown = capfd.readouterr().out
+        assert all(name in shown for name in commands)
+        words += [[group, name] for name in commands]
+    for command in words:
+        assert run([*command, "--help"]) == 0
         assert "--diagnostics" in capfd.readouterr().out
 
 
@@ -46,6 +49,7 @@ def test_version_and_help(capfd: pytest.CaptureFixture[str]) -> None:
     "arguments",
     [
         ["generat"],
+        ["rpc", "serv"],
         ["generate", "--no-such"],
         ["check", "-D", "1x"],
         ["run"],

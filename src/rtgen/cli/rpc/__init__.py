@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
-
 import click
+
+from rtgen.cli.groups import LazyGroup
 
 COMMANDS = {
     "list": "List the functions of the signatures.",
@@ -17,28 +17,7 @@ COMMANDS = {
 """Command to its line of help; the module `<command>_command` has a function `<command>_`."""
 
 
-class _Commands(click.Group):
-    """The commands, imported one by one as needed."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(COMMANDS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in COMMANDS:
-            return None
-        module = import_module(f"rtgen.cli.rpc.{cmd_name}_command")
-        command = getattr(module, f"{cmd_name}_")
-        assert isinstance(command, click.Command)
-        return command
-
-    def format_commands(
-        self, ctx: click.Context, formatter: click.HelpFormatter
-    ) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(COMMANDS.items()))
-
-
-@click.group(cls=_Commands)
+@click.group(cls=LazyGroup, summaries=COMMANDS, target="rtgen.cli.rpc.{0}_command:{0}_")
 def rpc() -> None:
     """Call the functions of TECS devices, or look at the bytes of such calls.
 

@@ -1,0 +1,18 @@
+"""`rtgen can`: CAN buses from the command line."""
+
+from __future__ import annotations
+
+import click
+
+from rtgen.cli.groups import LazyGroup
+
+COMMANDS: dict[str, str] = {}
+"""Command to its line of help; the module `<command>_command` has a function `<command>_`."""
+
+
+@click.group(cls=LazyGroup, summaries=COMMANDS, target="rtgen.cli.can.{0}_command:{0}_")
+def can() -> None:
+    """Look at CAN buses, take part in them, or make one.
+
+    Buses are python-can's: --interface and --channel name one, as for components.
+    """

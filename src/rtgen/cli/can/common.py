@@ -1,0 +1,16 @@
+"""What the commands of `rtgen can` share."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import ToolError
+
+
+def require_python_can() -> None:
+    """Raises ToolError unless python-can is installed."""
+    try:
+        import can  # noqa: F401
+    except ImportError as error:
+        raise ToolError(
+            "this command needs the package python-can, which is not installed",
+            hint="pip install 'rtgen[can]'",
+        ) from error
