@@ -1,0 +1,192 @@
+"""Which ports a device's PDOs become, and what their samples hold.
+
+One place for what the IDL text, the codecs and the conversions of a device have to agree in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from rtgen.layouts.pdo import Mapped, PdoLayout, PdoLayoutError, layout
+from rtgen.model import NamedType, Primitive, PrimitiveType, ScopedName, Type
+from rtgen.model.can_bus import DeviceKind
+from rtgen.model.canopen import (
+    SIGNED,
+    UNSIGNED,
+    DataType,
+    Device,
+    Pdo,
+    PdoDirection,
+    Variable,
+)
+from rtgen.typemap.canopen_idl import row
+from rtgen.typemap.canopen_names import field_names
+
+STAMP = "tm"
+"""The first member of every sample: when it was taken or came, of type `RTC::Time`."""
+
+_DOUBLE = PrimitiveType(Primitive.DOUBLE)
+_NUMERIC = frozenset((*SIGNED, *UNSIGNED, DataType.REAL32, DataType.REAL64))
+_OWN_TIMED = {
+    PrimitiveType(Primitive.LONG_LONG): "TimedLongLong",
+    PrimitiveType(Primitive.UNSIGNED_LONG_LONG): "TimedULongLong",
+    NamedType(("RTC", "Time")): "TimedTime",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A variable as components show it: with a factor it is a physical value, a `double`.
+
+    Physical value = `factor` * value; None where the value is shown as it is.
+    """
+
+    name: str
+    variable: Variable
+    factor: float | None = None
+    unit: str = ""
+
+    @property
+    def type(self) -> Type:
+        """Its IDL type."""
+        return row(self.variable.data_type).type if self.factor is None else _DOUBLE
+
+    def timed(self, module: str) -> ScopedName:
+        """The type of a port that carries it alone; `module` has those that RTC has not."""
+        if self.factor is not None:
+            return ("RTC", "TimedDouble")
+        told = row(self.variable.data_type).timed
+        return (module, _OWN_TIMED[self.type]) if told is None else ("RTC", told)
+
+
+@dataclass(frozen=True, slots=True)
+class PdoSample:
+    """A PDO that becomes a port: `fields` are the members of its struct behind the time stamp.
+
+    `layout` has the same fields, under the same names.
+    """
+
+    pdo: Pdo
+    fields: tuple[Quantity, ...]
+    layout: PdoLayout
+
+    @property
+    def name(self) -> str:
+        """The name of its port: `tpdo1`."""
+        return f"{self.pdo.direction}{self.pdo.number}"
+
+    @property
+    def struct(self) -> str:
+        """The name of its struct: `Tpdo1`."""
+        return self.name.capitalize()
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectPort:
+    """A mapped object that becomes a port of its own.
+
+    `places` are the PDOs that carry it, as (PDO number, place among that PDO's fields).
+    """
+
+    name: str
+    direction: PdoDirection
+    quantity: Quantity
+    places: tuple[tuple[int, int], ...]
+
+
+class DevicePorts:
+    """What the components of a device show, by the settings of its kind.
+
+    `names` are the fields of all variables by index and sub-index. `samples` are the PDOs that map
+    an object, in the order of the device. `refused` are those that no port can have, and why.
+    """
+
+    def __init__(self, device: Device, kind: DeviceKind | None = None) -> None:
+        self.device = device
+        self.kind = kind or DeviceKind(name="", module=device.name, path=device.file)
+        self.names = field_names(device.variables)
+        self._factors: Mapping[tuple[int, int], float] = dict(self.kind.factors)
+        self._units: Mapping[tuple[int, int], str] = dict(self.kind.units)
+        self.refused: list[tuple[Pdo, str]] = []
+        self.samples = tuple(self._samples())
+
+    @property
+    def per_object(self) -> bool:
+        """Whether there is a port for each object, not for each PDO."""
+        return self.kind.ports == "object"
+
+    def quantity(self, variable: Variable) -> Quantity:
+        """A variable with the factor and the unit of the bus file, else those of the EDS."""
+        number = variable.index, variable.subindex
+        factor = self._factors.get(number, variable.factor)
+        if factor == 1 or variable.data_type not in _NUMERIC:
+            factor = None
+        unit = self._units.get(number, variable.unit)
+        return Quantity(self.names[number], variable, factor, unit)
+
+    @property
+    def parameters(self) -> tuple[Quantity, ...]:
+        """The objects that become configuration parameters, in the order of the bus file."""
+        found = (self.device.find(*number) for number in self.kind.parameters)
+        return tuple(self.quantity(variable) for variable in found if variable)
+
+    def of(self, direction: PdoDirection) -> tuple[PdoSample, ...]:
+        """The PDOs of a direction."""
+        return tuple(s for s in self.samples if s.pdo.direction is direction)
+
+    @property
+    def object_ports(self) -> tuple[ObjectPort, ...]:
+        """A port for each mapped object; one that goes both ways has `_in` or `_out` behind it."""
+        found: dict[tuple[PdoDirection, tuple[int, int]], list[tuple[int, int]]] = {}
+        quantities: dict[tuple[int, int], Quantity] = {}
+        for sample in self.samples:
+            for place, field in enumerate(sample.fields):
+                number = field.variable.index, field.variable.subindex
+                quantities[number] = self.quantity(field.variable)
+                key = sample.pdo.direction, number
+                found.setdefault(key, []).append((sample.pdo.number, place))
+        ports = []
+        for (direction, number), places in found.items():
+            quantity = quantities[number]
+            name = quantity.name
+            other = next(d for d in PdoDirection if d is not direction)
+            if (other, number) in found:
+                name += "_out" if direction is PdoDirection.TPDO else "_in"
+            ports.append(ObjectPort(name, direction, quantity, tuple(places)))
+        return tuple(ports)
+
+    def _samples(self) -> Iterator[PdoSample]:
+        for pdo in self.device.pdos:
+            fields: list[Quantity] = []
+            mapped: list[Mapped] = []
+            for entry in pdo.entries:
+                found = (
+                    None
+                    if entry.dummy
+                    else self.device.find(entry.index, entry.subindex)
+                )
+                if found is None:
+                    mapped.append(Mapped(None, 0, entry.bits))
+                    continue
+                quantity = self._member(found, fields)
+                fields.append(quantity)
+                mapped.append(Mapped(quantity.name, found.data_type, entry.bits))
+            if not fields:
+                continue
+            try:
+                laid_out = layout(mapped)
+            except PdoLayoutError as error:
+                self.refused.append((pdo, str(error)))
+            else:
+                yield PdoSample(pdo, tuple(fields), laid_out)
+
+    def _member(self, variable: Variable, known: Sequence[Quantity]) -> Quantity:
+        """A variable as a member: the time stamp and objects mapped twice keep apart."""
+        quantity = self.quantity(variable)
+        taken = {STAMP, *(q.name.lower() for q in known)}
+        name, number = quantity.name, 1
+        while name.lower() in taken:
+            number += 1
+            name = f"{quantity.name}_{number}"
+        return Quantity(name, variable, quantity.factor, quantity.unit)
