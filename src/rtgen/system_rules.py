@@ -110,8 +110,9 @@ t = 5.0
 disconnect = { from = "A0.out", to = "B0.in" }
 ```
 
-Each value may be a list. At one instant: disconnect, connect, set, deactivate, activate. A
-connection is told by its name, by its connector id, or by its two ports.
+Each value may be a list; `reset` is one more key. At one instant: disconnect, connect, set,
+deactivate, reset, activate. A connection is told by its name, by its connector id, or by its two
+ports.
 """,
 )
 

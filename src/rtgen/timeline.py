@@ -7,7 +7,7 @@ import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from rtgen.diagnostics import Diagnostic, InputError, Span
 from rtgen.model import PortReference, System
@@ -17,7 +17,9 @@ SECOND = 1_000_000_000
 
 _AT = re.compile(r"\s*\[\[\s*at\s*\]\]")
 _SUB = re.compile(r"\s*(?:\[\s*at\s*\.\s*)?[\"']?(\w+)[\"']?\s*[\]=.]")
-_ORDER = ("disconnect", "connect", "set", "deactivate", "activate")
+_REQUESTS: Final = ("deactivate", "reset", "activate")
+_ORDER = ("disconnect", "connect", "set", *_REQUESTS)
+"""The order of what happens at one instant."""
 _LINK_KEYS = frozenset({"from", "to", "name", "properties"})
 _ENDS = frozenset({"from", "to"})
 _PLACE = re.compile(r"\(at line (\d+), column (\d+)\)")
@@ -50,23 +52,16 @@ class SetParameter:
 
 
 @dataclass(frozen=True, slots=True)
-class Activate:
-    """Activate the component."""
+class Ask:
+    """Ask for a transition of the component: `activate`, `deactivate` or `reset`."""
 
+    request: str
     instance: str
 
 
-@dataclass(frozen=True, slots=True)
-class Deactivate:
-    """Deactivate the component."""
+Action: TypeAlias = Disconnect | Connect | SetParameter | Ask
 
-    instance: str
-
-
-Action: TypeAlias = Disconnect | Connect | SetParameter | Activate | Deactivate
-
-_KINDS = (Disconnect, Connect, SetParameter, Deactivate, Activate)
-"""The order of what happens at one instant."""
+_KINDS = {Disconnect: "disconnect", Connect: "connect", SetParameter: "set"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,7 +173,14 @@ def parse(text: str, name: str, system: System) -> tuple[Step, ...]:
     steps = [*reader.steps(content)]
     if reader.findings:
         raise InputError(reader.findings)
-    return tuple(sorted(steps, key=lambda s: (s.time, _KINDS.index(type(s.action)))))
+    return tuple(sorted(steps, key=lambda step: (step.time, _place(step.action))))
+
+
+def _place(action: Action) -> int:
+    """Where it comes among what happens at one instant."""
+    if isinstance(action, Ask):
+        return _ORDER.index(action.request)
+    return _ORDER.index(_KINDS[type(action)])
 
 
 class _Reader:
@@ -247,7 +249,7 @@ class _Reader:
             case _, str():
                 yield self._named(kind, value, span)
             case _:
-                forms = "names" if kind in ("activate", "deactivate") else _FORMS[kind]
+                forms = "names" if kind in _REQUESTS else _FORMS[kind]
                 message = f"{kind!r} takes {forms}, not {value!r}"
                 raise InputError([TIMELINE.at(span, message)])
 
@@ -255,12 +257,10 @@ class _Reader:
         match kind:
             case "set":
                 return assignment(value, self._system, span)
-            case "activate":
-                return Activate(require_instance(value, self._system, span))
-            case "deactivate":
-                return Deactivate(require_instance(value, self._system, span))
             case "disconnect":
                 return Disconnect(self._link(value, span, self._links).name)
+        if kind in _REQUESTS:
+            return Ask(kind, require_instance(value, self._system, span))
         links = self._links[: len(self._system.connections)]
         name = self._link(value, span, links).name
         known = next(c for c in self._system.connections if c.name == name)

@@ -18,7 +18,7 @@ from rtgen.system_rules import (
     TIMELINE,
     UNKNOWN_TYPE,
 )
-from rtgen.timeline import Activate, Connect, Deactivate, Disconnect, SetParameter, Step
+from rtgen.timeline import Action, Ask, Connect, Disconnect, SetParameter, Step
 
 _MILLISECOND = 1_000_000
 
@@ -69,7 +69,7 @@ def assemble(
             findings += _findings(PARAMETER, step.span, _checking(system, step.action))
     _raise_if_any(findings)
     for time, instance in _start(profile):
-        system.at(time, _performing(system, Activate(instance)))
+        system.at(time, _performing(system, Ask("activate", instance)))
     for step in steps:
         system.at(step.time, _at_its_place(step, _performing(system, step.action)))
     return system
@@ -162,14 +162,16 @@ def _checking(system: runtime.System, action: SetParameter) -> Callable[[], obje
 
 def _performing(
     system: runtime.System,
-    action: Activate | Deactivate | Connect | Disconnect | SetParameter,
+    action: Action,
 ) -> Callable[[], None]:
     def perform() -> None:
         match action:
-            case Activate():
+            case Ask("activate"):
                 system.activate(action.instance)
-            case Deactivate():
+            case Ask("deactivate"):
                 system.deactivate(action.instance)
+            case Ask("reset"):
+                system.reset(action.instance)
             case Connect(name, source, target, properties):
                 ends = (source.instance, source.port), (target.instance, target.port)
                 system.connect(*ends, properties, name)

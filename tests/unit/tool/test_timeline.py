@@ -8,10 +8,9 @@ from rtgen.diagnostics import Diagnostic, InputError, Span
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.timeline import (
     SECOND,
-    Activate,
+    Ask,
     Condition,
     Connect,
-    Deactivate,
     Disconnect,
     SetParameter,
     assignment,
@@ -90,22 +89,23 @@ def test_assignments() -> None:
 
 def test_a_timeline_in_order_of_time() -> None:
     steps = parse(
-        '[[at]]\nt = 2\nactivate = "A0"\nset = ["A0.x=1", "B0.y=2"]\nconnect = "wire"\n'
-        'disconnect = "wire"\n[[at]]\nt = 0.5\ndeactivate = "B0"\n'
+        '[[at]]\nt = 2\nactivate = "A0"\nreset = "B0"\nset = ["A0.x=1", "B0.y=2"]\n'
+        'connect = "wire"\ndisconnect = "wire"\n[[at]]\nt = 0.5\ndeactivate = "B0"\n'
         'connect = {from = "A0.out", to = "B0.in", properties = {p = "1"}}\n',
         "timeline.toml",
         SYSTEM,
     )
     assert [(s.time / SECOND, s.action) for s in steps] == [
         (0.5, Connect("A0.out-B0.in", A, B, {"p": "1"})),
-        (0.5, Deactivate("B0")),
+        (0.5, Ask("deactivate", "B0")),
         (2.0, Disconnect("wire")),
         (2.0, Connect("wire", A, B, {"k": "v"})),
         (2.0, SetParameter("A0", "x", "1")),
         (2.0, SetParameter("B0", "y", "2")),
-        (2.0, Activate("A0")),
+        (2.0, Ask("reset", "B0")),
+        (2.0, Ask("activate", "A0")),
     ]
-    assert [s.span.line for s in steps] == [10, 9, 6, 5, 4, 4, 3]
+    assert [s.span.line for s in steps] == [11, 10, 7, 6, 5, 5, 4, 3]
 
 
 def actions(text: str) -> list[object]:
