@@ -1,0 +1,85 @@
+"""What LSS master and slave share (CiA 305): commands, addresses, messages."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import Final, NamedTuple
+
+UNCONFIGURED: Final = 0xFF
+"""The node-id of a node that has none."""
+MESSAGE: Final = 8
+"""Octets in every message."""
+
+WAITING: Final = 0
+CONFIGURATION: Final = 1
+"""The two states of a slave, as SWITCH_GLOBAL has them."""
+
+OUT_OF_RANGE: Final = 1
+"""Error code of an answer, as 0 for none and 255 for one of the maker's own."""
+STORING_UNSUPPORTED: Final = 1
+STORING_FAILED: Final = 2
+
+START_OF_SCAN: Final = 0x80
+"""The bit number of the fastscan message that begins a scan."""
+
+BIT_RATES: Final = {
+    1000: 0, 800: 1, 500: 2, 250: 3, 125: 4, 50: 6, 20: 7, 10: 8,
+}  # fmt: skip
+"""Table 0 of bit timings: kbit/s to index."""
+AUTOMATIC_BIT_RATE: Final = 9
+
+
+class LssCommand(IntEnum):
+    """Command specifiers; answers have that of their request but where they have their own."""
+
+    SWITCH_GLOBAL = 0x04
+    CONFIGURE_NODE_ID = 0x11
+    CONFIGURE_BIT_TIMING = 0x13
+    ACTIVATE_BIT_TIMING = 0x15
+    STORE = 0x17
+    SWITCH_VENDOR = 0x40
+    SWITCH_PRODUCT = 0x41
+    SWITCH_REVISION = 0x42
+    SWITCH_SERIAL = 0x43
+    SWITCHED = 0x44
+    IDENTIFY_VENDOR = 0x46
+    IDENTIFY_PRODUCT = 0x47
+    IDENTIFY_REVISION_LOW = 0x48
+    IDENTIFY_REVISION_HIGH = 0x49
+    IDENTIFY_SERIAL_LOW = 0x4A
+    IDENTIFY_SERIAL_HIGH = 0x4B
+    IDENTIFY_UNCONFIGURED = 0x4C
+    IDENTIFIED = 0x4F
+    """A slave that was asked for is there; also the answer to FASTSCAN."""
+    UNCONFIGURED_IDENTIFIED = 0x50
+    FASTSCAN = 0x51
+    INQUIRE_VENDOR = 0x5A
+    INQUIRE_PRODUCT = 0x5B
+    INQUIRE_REVISION = 0x5C
+    INQUIRE_SERIAL = 0x5D
+    INQUIRE_NODE_ID = 0x5E
+
+
+class LssAddress(NamedTuple):
+    """What a slave is known by: the values of 1018h:1 to 4."""
+
+    vendor: int
+    product: int
+    revision: int
+    serial: int
+
+
+def message(command: LssCommand, value: int = 0, size: int = 4) -> bytes:
+    """A message with a number of `size` octets behind the command."""
+    return (bytes((command,)) + value.to_bytes(size, "little")).ljust(MESSAGE, b"\0")
+
+
+def fastscan_message(number: int, bit: int, part: int, following: int) -> bytes:
+    """Asks for slaves whose part (0 to 3) of the address is `number` from bit `bit` upwards."""
+    head = bytes((LssCommand.FASTSCAN,)) + number.to_bytes(4, "little")
+    return head + bytes((bit, part, following))
+
+
+def told_number(data: bytes) -> int:
+    """The number of 4 octets behind the command."""
+    return int.from_bytes(data[1:5], "little")
