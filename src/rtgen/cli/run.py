@@ -228,7 +228,8 @@ class _View:
 
     def _row(self, instance: str) -> Row:
         s = self._running.statistics(instance)
-        return Row(instance, _name(s.state), s.ticks, s.overruns, s.lost, s.reason)
+        why = s.awaited or s.reason
+        return Row(instance, _name(s.state), s.ticks, s.overruns, s.lost, why)
 
     def _pose(self, name: str | None) -> Pose | None:
         values = () if name is None else self._running.observable(name)

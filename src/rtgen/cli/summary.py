@@ -13,7 +13,7 @@ _HEADER = ("instance", "state", "ticks", "overruns", "lost")
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A component at the end of a run; `reason` says why it is in ERROR."""
+    """A component at the end of a run; `reason` says why it is in ERROR, or what it waits for."""
 
     instance: str
     state: str
@@ -35,7 +35,7 @@ class Outcome:
 
 
 def summary(outcome: Outcome) -> str:
-    """The table, the lines, and the reasons of components in ERROR."""
+    """The table, the lines, and the reasons of components in ERROR or waiting."""
     lines = [*_table(outcome.rows), ""]
     results = [*_results(outcome)]
     width = max(len(name) for name, _ in results)

@@ -83,6 +83,7 @@ class Component:
         self._clock: Clock = SimulatedClock()
         self._alive = False
         self._failing = ""
+        self._awaited = ""
         self._active_contexts = 0
         self._contexts: dict[int, ExecutionContext] = {}
         self._turn = threading.RLock()
@@ -287,6 +288,19 @@ class Component:
         ]
 
     # For the runtime.
+
+    def _gate(self, request: Request) -> ReturnCode_t | None:
+        """Whether activate, deactivate or reset may be carried out; None to be asked again.
+
+        Asked at every tick while the request waits, before its callback; `_awaited` may tell what
+        for. Anything but RTC_OK and None is a failure: the component enters, or stays in, ERROR.
+        """
+        return RTC_OK
+
+    def _request_failure(self, reason: str) -> None:
+        """Requests ERROR in every context, for a reason outside of the callbacks."""
+        for context in list(self._contexts.values()):
+            context.fail_component(self, reason)
 
     def _join(self, clock: Clock) -> None:
         self._clock = clock

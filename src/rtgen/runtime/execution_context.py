@@ -11,7 +11,7 @@ from rtgen.runtime.callbacks import is_ok, log, note_answer, note_exception, suc
 from rtgen.runtime.clocks import period_of
 from rtgen.runtime.component import Component
 from rtgen.runtime.errors import RateError
-from rtgen.runtime.life_cycle import TRANSITIONS, Request
+from rtgen.runtime.life_cycle import GATED, TRANSITIONS, Request
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
     BAD_PARAMETER,
@@ -63,6 +63,7 @@ class Participant:
 
     __slots__ = (
         "_chores",
+        "_failure",
         "_requests",
         "_updates",
         "component",
@@ -80,6 +81,7 @@ class Participant:
         self.ticks = 0
         """How often `on_execute` was called."""
         self._requests: deque[Request] = deque()
+        self._failure = ""
         self._chores = component._chores
         own = getattr(component.on_state_update, "__func__", None)
         self._updates = own is not Component.on_state_update
@@ -91,6 +93,14 @@ class Participant:
         if request not in self._requests:
             self._requests.append(request)
         return RTC_OK
+
+    def fail(self, reason: str) -> ReturnCode_t:
+        """Notes FAIL for the next tick, and why; the first reason stays."""
+        if (self.state, Request.FAIL) not in TRANSITIONS:
+            return PRECONDITION_NOT_MET
+        if Request.FAIL not in self._requests:
+            self._failure = reason
+        return self.request(Request.FAIL)
 
     def cycle(self) -> None:
         """A whole tick, where this is the only participant."""
@@ -115,7 +125,9 @@ class Participant:
         """The first phase of a tick; True if it led into ERROR, where the tick ends."""
         before = self.state
         for _ in range(len(self._requests)):
-            self.carry_out(self._requests.popleft())
+            request = self._requests.popleft()
+            if request not in GATED or self._passes(request):
+                self.carry_out(request)
         return self.state is ERROR_STATE and before is not ERROR_STATE
 
     def execute(self) -> None:
@@ -143,9 +155,10 @@ class Participant:
         if row is None:
             log.warning("%s: %s came too late", self.component.instance_name, request)
             return
-        if request is Request.ACTIVATE:
-            self.component.configuration_sets.apply()
-        done = succeeds(self.component, row.callback, self.handle)
+        if request is Request.FAIL:
+            self.component.reason = self._failure
+            log.warning("%s: %s", self.component.instance_name, self._failure)
+        done = not row.callback or succeeds(self.component, row.callback, self.handle)
         self.enter(row.success if done else row.failure)
 
     def enter(self, state: LifeCycleState) -> None:
@@ -159,9 +172,32 @@ class Participant:
         )
         if before is ERROR_STATE:
             self.component.reason = ""
+        self.component._awaited = ""
         self.context._tell(self, before, state)
         if state is ERROR_STATE:
             succeeds(self.component, "on_aborting", self.handle)
+
+    def _passes(self, request: Request) -> bool:
+        """Whether to carry out a gated request now; one that has to wait is put back."""
+        if (self.state, request) not in TRANSITIONS:
+            return True
+        component = self.component
+        component._awaited = ""
+        if request is Request.ACTIVATE:
+            component.configuration_sets.apply()
+        try:
+            code = component._gate(request)
+        except Exception as error:
+            note_exception(component, request, error)
+        else:
+            if code is None:
+                self._requests.append(request)
+                return False
+            if is_ok(code):
+                return True
+            note_answer(component, request, code)
+        self.enter(ERROR_STATE)
+        return False
 
     def _abort(self, callback: str, what: object) -> None:
         if isinstance(what, Exception):
@@ -308,6 +344,14 @@ class ExecutionContext:
     def reset_component(self, component: Component) -> ReturnCode_t:
         """Requests INACTIVE. BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: not in ERROR."""
         return self._request(component, Request.RESET)
+
+    def fail_component(self, component: Component, reason: str) -> ReturnCode_t:
+        """Requests ERROR, for a reason outside of the callbacks.
+
+        BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: in ERROR already.
+        """
+        participant = self._find(component)
+        return BAD_PARAMETER if participant is None else participant.fail(reason)
 
     def get_component_state(self, component: Component) -> LifeCycleState:
         """The component's state here; CREATED if it takes no part."""

@@ -30,11 +30,19 @@ class Request(StrEnum):
     EXECUTE = "tick"
     STATE_UPDATE = "state_update"
     FINALIZE = "finalize"
+    FAIL = "fail"
+
+
+GATED = frozenset({Request.ACTIVATE, Request.DEACTIVATE, Request.RESET})
+"""Requests that wait until the component lets them pass (`Component._gate`)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Transition:
-    """The callback of a legal request, and the state after it returned RTC_OK or did not."""
+    """The callback of a legal request, and the state after it returned RTC_OK or did not.
+
+    Without a callback the request succeeds.
+    """
 
     callback: str
     success: LifeCycleState
@@ -73,11 +81,15 @@ TRANSITIONS: dict[tuple[LifeCycleState, Request], Transition] = {
         (state, Request.SHUTDOWN): Transition("on_shutdown", state, state)
         for state in _ALIVE
     },
+    **{
+        (state, Request.FAIL): Transition("", ERROR_STATE, ERROR_STATE)
+        for state in (INACTIVE_STATE, ACTIVE_STATE)
+    },
     (INACTIVE_STATE, Request.FINALIZE): Transition(
         "on_finalize", CREATED_STATE, CREATED_STATE
     ),
 }
 """Legal requests. Whatever is not here is refused with PRECONDITION_NOT_MET and changes nothing.
 
-Entering ERROR from another state calls `on_aborting` at once.
+Entering ERROR from another state calls `on_aborting` at once. A gate that refuses leads to ERROR.
 """

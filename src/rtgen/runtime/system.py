@@ -49,7 +49,8 @@ class Statistics:
     """What became of a component so far.
 
     `ticks` counts `on_execute`, `overruns` the instants of its own context at which no tick could
-    begin, `lost` the samples lost on the way to its InPorts; `reason` says why a callback failed.
+    begin, `lost` the samples lost on the way to its InPorts; `reason` says why a callback failed,
+    `awaited` what a request waits for.
     """
 
     state: LifeCycleState
@@ -57,6 +58,7 @@ class Statistics:
     overruns: int
     lost: int
     reason: str
+    awaited: str = ""
 
 
 class System:
@@ -168,6 +170,7 @@ class System:
             participant.context.overruns,
             component.lost,
             component.reason,
+            component._awaited,
         )
 
     def observable(self, name: str) -> tuple[float, ...]:

@@ -10,10 +10,11 @@ from typing import Any
 import pytest
 
 from rtgen.runtime import RTC_ERROR, RTC_OK, Component, ExecutionContext, ReturnCode_t
+from rtgen.runtime.life_cycle import Request
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "life-cycle.md"
 CALLBACKS = [name for name in vars(Component) if name.startswith("on_")]
-REQUESTS_OF_THE_NEXT_TICK = {"activate", "deactivate", "reset", "set_rate"}
+REQUESTS_OF_THE_NEXT_TICK = {"activate", "deactivate", "reset", "set_rate", "fail"}
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,12 @@ class Probe(Component):
         self.handles: set[tuple[int, ...]] = set()
         self.failing = ""
         self.fail_by: Callable[[], Any] = lambda: RTC_ERROR
+        self.closed = False
+
+    def _gate(self, request: Request) -> Any:
+        if self.closed:
+            return None
+        return self.fail_by() if self.failing == "gate" else RTC_OK
 
 
 def noting(name: str) -> Callable[..., Any]:
@@ -126,6 +133,8 @@ def ask(probe: Probe, context: ExecutionContext, request: str) -> ReturnCode_t |
             return getattr(context, name)(probe)
         case "activate" | "deactivate" | "reset":
             return getattr(context, f"{name}_component")(probe)
+        case "fail":
+            return context.fail_component(probe, "on purpose")
         case "set_rate":
             return context.set_rate(50.0 if circumstance == "(above 0)" else 0.0)
         case "start" | "stop":
@@ -141,6 +150,7 @@ def cases() -> list[Any]:
         pytest.param(row, way, id=f"{row}-{way}".replace(" ", "-"))
         for row in ROWS
         for way in (WAYS_TO_FAIL if row.fails else ["-"])
+        if (row.fails, way) != ("gate", "returns None")
     ]
 
 
@@ -150,6 +160,7 @@ def test_row(row: Row, way: str) -> None:
     name, _, circumstance = row.request.partition(" ")
     if circumstance == "(stopped)":
         context.stop()
+    probe.closed = circumstance == "(closed)"
     probe.failing = row.fails
     probe.fail_by = WAYS_TO_FAIL.get(way, raise_error)
     probe.calls.clear()
@@ -178,7 +189,7 @@ def test_table_is_complete() -> None:
     """Every request in every state, and every callback failing somewhere it is called."""
     found = {(row.state, row.request) for row in ROWS}
     common = {"initialize", "finalize", "exit", "add_component", "remove_component"}
-    common |= {"activate", "deactivate", "reset", "tick"}
+    common |= {"activate", "deactivate", "reset", "fail", "tick"}
     taking_part = {
         "start (stopped)",
         "start (running)",
@@ -191,8 +202,10 @@ def test_table_is_complete() -> None:
     }
     for state in ("INACTIVE", "ACTIVE", "ERROR"):
         expected |= {(state, request) for request in common | taking_part}
+    gated = [("INACTIVE", "activate"), ("ACTIVE", "deactivate"), ("ERROR", "reset")]
+    expected |= {(state, f"{request} (closed)") for state, request in gated}
     assert found == expected
-    assert {row.fails for row in ROWS} - {""} == set(CALLBACKS) - {"on_aborting"}
+    assert {row.fails for row in ROWS} - {""} == {"gate", *CALLBACKS} - {"on_aborting"}
 
 
 @pytest.mark.parametrize("way", WAYS_TO_FAIL.values(), ids=WAYS_TO_FAIL)
