@@ -98,23 +98,24 @@ class ObjectPort:
 class DevicePorts:
     """What the components of a device show, by the settings of its kind.
 
-    `names` are the fields of all variables by index and sub-index. `samples` are the PDOs that map
-    an object, in the order of the device. `refused` are those that no port can have, and why.
+    `module` is the IDL module, `per_object` says that there is a port for each object, not for
+    each PDO. `names` are the fields of all variables by index and sub-index. `samples` are the PDOs
+    that map an object, in the order of the device. `refused` are those that no port can have, and
+    why.
     """
 
     def __init__(self, device: Device, kind: DeviceKind | None = None) -> None:
         self.device = device
-        self.kind = kind or DeviceKind(name="", module=device.name, path=device.file)
+        self.module = kind.module if kind else device.name
+        self.per_object = kind is not None and kind.ports == "object"
         self.names = field_names(device.variables)
-        self._factors: Mapping[tuple[int, int], float] = dict(self.kind.factors)
-        self._units: Mapping[tuple[int, int], str] = dict(self.kind.units)
+        self._parameters = kind.parameters if kind else ()
+        self._factors: Mapping[tuple[int, int], float] = dict(
+            kind.factors if kind else ()
+        )
+        self._units: Mapping[tuple[int, int], str] = dict(kind.units if kind else ())
         self.refused: list[tuple[Pdo, str]] = []
         self.samples = tuple(self._samples())
-
-    @property
-    def per_object(self) -> bool:
-        """Whether there is a port for each object, not for each PDO."""
-        return self.kind.ports == "object"
 
     def quantity(self, variable: Variable) -> Quantity:
         """A variable with the factor and the unit of the bus file, else those of the EDS."""
@@ -128,7 +129,7 @@ class DevicePorts:
     @property
     def parameters(self) -> tuple[Quantity, ...]:
         """The objects that become configuration parameters, in the order of the bus file."""
-        found = (self.device.find(*number) for number in self.kind.parameters)
+        found = (self.device.find(*number) for number in self._parameters)
         return tuple(self.quantity(variable) for variable in found if variable)
 
     def of(self, direction: PdoDirection) -> tuple[PdoSample, ...]:

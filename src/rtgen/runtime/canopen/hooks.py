@@ -1,11 +1,11 @@
 """What generated code gives to the bases of proxies and devices, and what it takes from them.
 
-`CanopenProxy` (`proxy`) derives from `ProxyHooks`, `CanopenDevice` (`device`) from `DeviceHooks`. In
+`CanopenProxy` derives from `ProxyHooks`, `CanopenDevice` from `DeviceHooks`. In
 generated code, with the package `refrobots` and the module `EposDrive`:
 
 - `EposDriveProxyBase(CanopenProxy)` has the ports and the configuration, and
   `refrobots.canopen.epos_drive.proxy.EposDriveProxy(EposDriveProxyBase)` fills the hooks in.
-- `refrobots.canopen.epos_drive.device.EposDriveSlave(CanopenDevice)` fills them in for a device, and
+- `refrobots.canopen.epos_drive.device.EposDriveSlave(CanopenDevice)` fills them in for a device and
   has `objects`; `EposDriveDeviceBase(EposDriveSlave)` has the ports and the configuration.
 """
 

@@ -7,6 +7,10 @@ from typing import cast
 
 _F32, _U32 = Struct("<f"), Struct("<I")
 _F64, _U64 = Struct("<d"), Struct("<Q")
+_DAY = 86_400_000
+_MILLISECONDS = (1 << 28) - 1
+_EPOCH = 5113 * 86_400
+"""1984-01-01 in seconds since 1970."""
 
 
 class PdoError(ValueError):
@@ -51,3 +55,52 @@ def text(name: str, value: str, size: int) -> bytes:
         return octets(name, value.encode("latin-1"), size)
     except UnicodeEncodeError:
         raise PdoError(f"{name} has a character that is not of Latin-1") from None
+
+
+def wide_text(data: bytes) -> str:
+    """The text of UTF-16 units, without the zeros that fill it up. Raises PdoError."""
+    try:
+        return data.decode("utf-16-le").rstrip("\0")
+    except UnicodeDecodeError:
+        raise PdoError("half a character of UTF-16") from None
+
+
+def wide_octets(name: str, value: str) -> bytes:
+    """The text in UTF-16 units."""
+    try:
+        return value.encode("utf-16-le")
+    except UnicodeEncodeError:
+        raise PdoError(f"{name} has half a character of UTF-16") from None
+
+
+def unscaled(name: str, value: float, factor: float) -> int:
+    """The whole number whose product with the factor comes next to a physical value."""
+    try:
+        return round(value / factor)
+    except (OverflowError, ValueError, TypeError):
+        raise PdoError(f"{name} is {value!r}, no number") from None
+
+
+def seconds(raw: int) -> tuple[int, int]:
+    """A TIME_DIFFERENCE (48 bits) in seconds and nanoseconds."""
+    total = (raw >> 32) * _DAY + (raw & _MILLISECONDS)
+    return total // 1000, total % 1000 * 1_000_000
+
+
+def seconds_of_day(raw: int) -> tuple[int, int]:
+    """A TIME_OF_DAY (48 bits) in seconds since 1970 (UTC) and nanoseconds."""
+    whole, rest = seconds(raw)
+    return whole + _EPOCH, rest
+
+
+def time_bits(name: str, sec: int, nsec: int) -> int:
+    """The 48 bits of a TIME_DIFFERENCE: milliseconds, then days."""
+    days, milliseconds = divmod(sec * 1000 + nsec // 1_000_000, _DAY)
+    if not 0 <= days <= 0xFFFF:
+        raise outside(name, days, 0, 0xFFFF)
+    return days << 32 | milliseconds
+
+
+def day_bits(name: str, sec: int, nsec: int) -> int:
+    """The 48 bits of a TIME_OF_DAY, of a time since 1970 (UTC)."""
+    return time_bits(name, sec - _EPOCH, nsec)

@@ -1,0 +1,47 @@
+"""Values of objects and calls with keyword arguments, as Python text in black's form."""
+
+from __future__ import annotations
+
+import math
+
+from rtgen.backends.python_text import number_literal, string_literal
+
+
+def literal(value: bool | int | float | str | bytes | None) -> str:
+    """A value of an object."""
+    match value:
+        case str():
+            return string_literal(value)
+        case bytes():
+            return octets_literal(value)
+        case float() if not math.isfinite(value):
+            return f'float("{value!r}")'
+        case float():
+            return number_literal(value)
+    return repr(value)
+
+
+def octets_literal(value: bytes) -> str:
+    """Octets in hexadecimal digits."""
+    return 'b"' + "".join(f"\\x{octet:02x}" for octet in value) + '"'
+
+
+def number(index: int, subindex: int) -> str:
+    """Index and sub-index, as two arguments."""
+    return f"0x{index:04X}, {subindex}"
+
+
+def named(index: int, subindex: int) -> str:
+    """Index and sub-index in words: `6401:1`."""
+    return f"{index:04X}:{subindex:X}" if subindex else f"{index:04X}"
+
+
+def call(callee: str, *arguments: str, **named_ones: str) -> str:
+    """A call on one line; keyword arguments that are empty are left to their defaults."""
+    keywords = (f"{key}={value}" for key, value in named_ones.items() if value)
+    return f"{callee}({', '.join((*arguments, *keywords))})"
+
+
+def items(texts: list[str]) -> str:
+    """A tuple on one line."""
+    return f"({', '.join(texts)}{',' if len(texts) == 1 else ''})"

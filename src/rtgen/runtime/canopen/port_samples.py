@@ -1,0 +1,65 @@
+"""Samples of InPorts on their way into RPDOs: what generated proxies use."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator, Sequence
+from typing import Any, Final, TypeVar
+
+from rtgen.runtime.data_ports import InPort
+from rtgen.runtime.descriptors import DataType
+
+T = TypeVar("T", bound=DataType)
+
+_KEPT: Final = 1024
+"""How many samples wait for a PDO that nobody asks for."""
+
+
+def unread(port: InPort[T]) -> Iterator[T]:
+    """The samples that have not been read, oldest first."""
+    while port.is_new():
+        sample = port.read()
+        if sample is not None:
+            yield sample
+
+
+class Inlet:
+    """An InPort of one object, for all of the PDOs that carry the object."""
+
+    def __init__(self, port: InPort[Any], pdos: Sequence[int]) -> None:
+        self._port = port
+        self._queues: dict[int, deque[Any]] = {
+            number: deque(maxlen=_KEPT) for number in pdos
+        }
+
+    def take(self, pdo: int) -> Any:
+        """The next sample for a PDO, None if there is none."""
+        for sample in unread(self._port):
+            for queue in self._queues.values():
+                queue.append(sample)
+        queue = self._queues[pdo]
+        return queue.popleft() if queue else None
+
+
+class Gathering:
+    """An RPDO whose objects have InPorts of their own: it is sent with the last value of each."""
+
+    def __init__(self, pdo: int, *fields: tuple[Inlet, Any]) -> None:
+        """`fields` are the inlets of its objects, and what they have before the first sample."""
+        self._pdo = pdo
+        self._inlets = [inlet for inlet, _ in fields]
+        self._values = [value for _, value in fields]
+
+    def rounds(self) -> Iterator[list[Any]]:
+        """The values to be sent, as often as there is a new one."""
+        values = self._values
+        while True:
+            fresh = False
+            for place, inlet in enumerate(self._inlets):
+                sample = inlet.take(self._pdo)
+                if sample is not None:
+                    values[place] = sample.data
+                    fresh = True
+            if not fresh:
+                return
+            yield values
