@@ -84,6 +84,17 @@ class ProxyHooks(CanopenHooks):
     def write_object(self, index: int, subindex: int, value: ObjectValue) -> None:
         """Writes one, as `read_object`; ValueError if the variable cannot have the value."""
 
+    @abstractmethod
+    def read_octets(self, index: int, subindex: int) -> bytes:
+        """The octets of any object, also of one that the description does not have.
+
+        Errors as `read_object`. `CanopenProxy` defines it.
+        """
+
+    @abstractmethod
+    def write_octets(self, index: int, subindex: int, value: bytes) -> None:
+        """Writes the octets of any object, as `read_octets`."""
+
 
 class DeviceHooks(CanopenHooks):
     """What a generated `<Module>DeviceBase` gives.

@@ -1,0 +1,152 @@
+"""What the modules `proxy` and `device` share: names of types, ports and members, and imports."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+
+from rtgen.backends import Options
+from rtgen.backends.canopen.conversions import from_codec, from_object, is_plain, stamp
+from rtgen.backends.canopen.literals import call
+from rtgen.backends.components.imports import Imports, import_from
+from rtgen.backends.components.members import attributes_of
+from rtgen.backends.python_text import docstring, fit_text
+from rtgen.model import Component, Model, ScopedName, Struct
+from rtgen.model.canopen import PdoDirection
+from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
+from rtgen.typemap.idl_python import PythonNames
+
+TIME = ("RTC", "Time")
+
+_TAKEN = frozenset(
+    {
+        *("annotations", "Any", "Callable", "Iterator", "Mapping", "cast"),
+        *("DESCRIPTION", "Gathering", "Getter", "Incoming", "Inlet", "Outgoing"),
+        *("ObjectNumber", "ObjectValue", "Receiver", "Sender", "Setter", "unread"),
+        *("_pdo", "codecs", "data", "dict", "divmod", "get", "instance_name", "int"),
+        *("bytes", "now", "port", "sample", "self", "set_", "str", "super", "tuple"),
+        *("value", "values"),
+    }
+)
+STANDARD = ("collections.abc", "typing")
+"""The modules of the standard library that are imported from."""
+
+
+class ComponentModule:
+    """One of these modules in the making."""
+
+    def __init__(
+        self,
+        model: Model,
+        component: Component,
+        ports: DevicePorts,
+        options: Options,
+        taken: Collection[str],
+    ) -> None:
+        self.ports = ports
+        self.component = component
+        self.names = PythonNames(model, options.package)
+        self.types = Imports(
+            model, self.names, "...", _TAKEN.union(taken), options.external
+        )
+        self.attributes = {
+            (port.kind.value, port.name): name
+            for port, name in attributes_of(component).ports
+        }
+        self.parameters = {
+            parameter.name: name
+            for parameter, name in attributes_of(component).configuration
+        }
+        self._model = model
+        self._imported: set[tuple[str, str]] = set()
+
+    # Names.
+
+    def use(self, module: str, name: str) -> str:
+        """The name, imported from a module."""
+        self._imported.add((module, name))
+        return name
+
+    @property
+    def time(self) -> str:
+        """The class of `RTC::Time`."""
+        return self.types.type_name(TIME)
+
+    def port(self, direction: PdoDirection, name: str) -> str:
+        """The attribute for a port."""
+        kind = "outport" if direction is PdoDirection.TPDO else "inport"
+        return self.attributes[kind, name]
+
+    def struct(self, sample: PdoSample) -> ScopedName:
+        """The type of a PDO's port."""
+        return (self.ports.module, sample.struct)
+
+    def member(self, struct: ScopedName, name: str) -> str:
+        """A member as an attribute in Python."""
+        declaration = self._model.find(struct)
+        assert isinstance(declaration, Struct)
+        return self.names.members(declaration)[name]
+
+    def object_ports(self, sample: PdoSample) -> list[ObjectPort]:
+        """The ports of a PDO's objects, in the order of its fields; for ports by object."""
+        places = {
+            place: port
+            for port in self.ports.object_ports
+            if port.direction is sample.pdo.direction
+            for number, place in port.places
+            if number == sample.pdo.number
+        }
+        return [places[place] for place in range(len(sample.fields))]
+
+    # Samples.
+
+    def sample(self, sample: PdoSample, values: Iterable[str]) -> str:
+        """The sample of a PDO; `values` are those of its fields as members."""
+        type_ = self.types.type_name(self.struct(sample))
+        return call(type_, stamp(self.time), *values)
+
+    def object_sample(self, port: ObjectPort, value: str) -> str:
+        """The sample of a port of one object."""
+        type_ = self.types.type_name(port.quantity.timed(self.ports.module))
+        return call(type_, stamp(self.time), value)
+
+    def decoded(self, quantity: Quantity, value: str) -> str:
+        """A codec's field as a member."""
+        if is_plain(quantity):
+            return value
+        return from_codec(quantity, value, self._time_of(quantity))
+
+    def of_object(self, quantity: Quantity, value: str) -> str:
+        """A value of the object dictionary as a member."""
+        return from_object(quantity, value, self._time_of(quantity))
+
+    def _time_of(self, quantity: Quantity) -> str:
+        return self.time if quantity.factor is None else ""
+
+    # Text.
+
+    def text(self, header: str, title: str, body: str, relative: list[str]) -> str:
+        """The module: `relative` are further import statements, in order."""
+        if "_pdo." in body:
+            self.use("rtgen.runtime.canopen", "pdo as _pdo")
+        modules: dict[str, set[str]] = {}
+        for module, name in self._imported:
+            modules.setdefault(module, set()).add(name)
+        standard = [
+            import_from(m, n) for m, n in sorted(modules.items()) if m in STANDARD
+        ]
+        runtime = [
+            import_from(m, n) for m, n in sorted(modules.items()) if m not in STANDARD
+        ]
+        own = sorted([*self.types.lines(), *relative], key=_relative_order)
+        blocks = ["from __future__ import annotations"]
+        blocks += ["\n".join(block) for block in (standard, runtime, own) if block]
+        return fit_text(
+            header + docstring(title, 0) + "\n" + "\n\n".join(blocks) + "\n\n\n" + body
+        )
+
+
+def _relative_order(statement: str) -> tuple[int, str]:
+    """As import sorters have it: those of packages farther up first."""
+    module = statement.split()[1]
+    depth = len(module) - len(module.lstrip("."))
+    return -depth, module.lower()

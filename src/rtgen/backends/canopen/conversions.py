@@ -1,0 +1,85 @@
+"""Values on their way between the fields of codecs, the object dictionary and members of samples.
+
+Each function gives a Python expression for the one that it is given; `time` is the class of
+`RTC::Time`. Most values are the same everywhere. What differs: physical values (by a factor), times
+(48 bits in a codec, nanoseconds in the object dictionary), and UNICODE_STRING (octets in a codec).
+"""
+
+from __future__ import annotations
+
+from rtgen.backends.python_text import number_literal, string_literal
+from rtgen.model.canopen import DataType
+from rtgen.typemap.canopen_ports import Quantity
+
+_REALS = (DataType.REAL32, DataType.REAL64)
+_SECONDS: dict[int, str] = {
+    DataType.TIME_OF_DAY: "_pdo.seconds_of_day",
+    DataType.TIME_DIFFERENCE: "_pdo.seconds",
+}
+_BITS: dict[int, str] = {
+    DataType.TIME_OF_DAY: "_pdo.day_bits",
+    DataType.TIME_DIFFERENCE: "_pdo.time_bits",
+}
+_SECOND = "1_000_000_000"
+
+
+def is_plain(quantity: Quantity) -> bool:
+    """Whether codecs have it as samples do."""
+    code = quantity.variable.data_type
+    other = code in _SECONDS or code == DataType.UNICODE_STRING
+    return quantity.factor is None and not other
+
+
+def from_codec(quantity: Quantity, value: str, time: str) -> str:
+    """A member of a sample, from a codec's field."""
+    code = quantity.variable.data_type
+    if quantity.factor is not None:
+        return f"{value} * {number_literal(quantity.factor)}"
+    if code in _SECONDS:
+        return f"{time}(*{_SECONDS[code]}({value}))"
+    if code == DataType.UNICODE_STRING:
+        return f"_pdo.wide_text({value})"
+    return value
+
+
+def to_codec(quantity: Quantity, value: str) -> str:
+    """A codec's field, from a member of a sample."""
+    code = quantity.variable.data_type
+    name = string_literal(quantity.name)
+    if quantity.factor is not None:
+        return _unscaled(quantity, value)
+    if code in _SECONDS:
+        return f"{_BITS[code]}({name}, {value}.sec, {value}.nsec)"
+    if code == DataType.UNICODE_STRING:
+        return f"_pdo.wide_octets({name}, {value})"
+    return value
+
+
+def from_object(quantity: Quantity, value: str, time: str) -> str:
+    """A member of a sample, from a value of the object dictionary."""
+    if quantity.factor is not None:
+        return f"{value} * {number_literal(quantity.factor)}"
+    if quantity.variable.data_type in _SECONDS:
+        return f"{time}(*divmod({value}, {_SECOND}))"
+    return value
+
+
+def to_object(quantity: Quantity, value: str) -> str:
+    """A value of the object dictionary, from a member of a sample."""
+    if quantity.factor is not None:
+        return _unscaled(quantity, value)
+    if quantity.variable.data_type in _SECONDS:
+        return f"{value}.sec * {_SECOND} + {value}.nsec"
+    return value
+
+
+def stamp(time: str) -> str:
+    """The time stamp of a sample, from `now` in ns."""
+    return f"{time}(*divmod(now, {_SECOND}))"
+
+
+def _unscaled(quantity: Quantity, value: str) -> str:
+    factor = number_literal(quantity.factor or 1.0)
+    if quantity.variable.data_type in _REALS:
+        return f"{value} / {factor}"
+    return f"_pdo.unscaled({string_literal(quantity.name)}, {value}, {factor})"

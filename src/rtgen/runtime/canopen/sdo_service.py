@@ -1,0 +1,72 @@
+"""The SDO service of a generated proxy, without the types of its interface."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.hooks import ProxyHooks
+from rtgen.runtime.canopen.link import LinkError
+from rtgen.runtime.canopen.pdo import unscaled
+
+
+class SdoAccess:
+    """Reads and writes objects for the generated servant, and tells errors as its IDL does.
+
+    `aborted` and `gone` make the exceptions CANopen::SdoAbort and CANopen::BusGone. With a factor,
+    values are physical ones: factor * value.
+    """
+
+    def __init__(
+        self,
+        proxy: ProxyHooks,
+        aborted: Callable[[int, str], Exception],
+        gone: Callable[[str], Exception],
+    ) -> None:
+        self._proxy = proxy
+        self._aborted = aborted
+        self._gone = gone
+
+    def get(self, index: int, subindex: int, factor: float | None = None) -> Any:
+        """The value of an object."""
+        with self._told():
+            value: Any = self._proxy.read_object(index, subindex)
+        return value if factor is None else value * factor
+
+    def set(
+        self, index: int, subindex: int, value: Any, factor: float | None = None
+    ) -> None:
+        """Sets the value of an object."""
+        with self._told():
+            if factor is not None:
+                described = self._proxy.description.by_number[index, subindex]
+                real = described.kind in ("r32", "r64")
+                value = (
+                    value / factor if real else unscaled(described.name, value, factor)
+                )
+            self._proxy.write_object(index, subindex, value)
+
+    def read(self, index: int, subindex: int) -> bytes:
+        """The octets of an object."""
+        with self._told():
+            return self._proxy.read_octets(index, subindex)
+
+    def write(self, index: int, subindex: int, value: bytes) -> None:
+        """Sets the octets of an object."""
+        with self._told():
+            self._proxy.write_octets(index, subindex, value)
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """Errors become those of the IDL; a value that cannot be is an abort of this end."""
+        try:
+            yield
+        except sdo.SdoAbort as error:
+            raise self._aborted(error.code, str(error)) from error
+        except LinkError as error:
+            raise self._gone(str(error)) from error
+        except ValueError as error:
+            code = getattr(error, "code", sdo.VALUE_INVALID)
+            raise self._aborted(code, str(error)) from error
