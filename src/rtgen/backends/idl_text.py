@@ -1,8 +1,8 @@
 """OMG IDL text from a model: the other way round than the front end, and read by it again.
 
 What stands in the model is written, nothing else: constants are evaluated, macros are gone.
-Components and homes are left out, so what other compilers know of IDL can be read by them; with
-`annotations` they have to know IDL 4.
+Homes are left out, and components unless they are asked for, so what other compilers know of IDL
+can be read by them; with `annotations` they have to know IDL 4.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from rtgen.model import (
     Bitmask,
     Bitset,
     Case,
+    ConfigurationParameter,
     Const,
     ConstantValue,
     Declaration,
@@ -34,6 +35,8 @@ from rtgen.model import (
     NamedType,
     Native,
     Operation,
+    Port,
+    PortKind,
     Primitive,
     PrimitiveType,
     ScopedName,
@@ -47,12 +50,23 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.components import Component
+from rtgen.typemap.component_annotations import annotations_of
 from rtgen.typemap.idl_words import escaped
 from rtgen.typemap.implementation_modules import referred
 
 _STEP = "    "
 _INLINE = (Struct, Union, ExceptionDecl)
 """What may hold declarations inside of its members' types."""
+
+_PORTS = {
+    PortKind.INPORT: "consumes",
+    PortKind.OUTPORT: "publishes",
+    PortKind.PROVIDER: "provides",
+    PortKind.CONSUMER: "uses",
+}
+
+_TYPED = ("default", "min", "max")
+"""Annotations whose argument is a value of what they belong to."""
 
 _PLAIN = frozenset(map(chr, range(32, 127))).difference("\\\"'")
 
@@ -62,6 +76,7 @@ def idl_text(
     declarations: Iterable[Declaration],
     *,
     annotations: bool = True,
+    components: bool = False,
     guard: Callable[[Declaration], str] = lambda declaration: "",
 ) -> str:
     """The declarations as IDL, each module opened and closed as need be.
@@ -73,7 +88,8 @@ def idl_text(
     parts: list[str] = []
     scope: ScopedName = ()
     for declaration in declarations:
-        if isinstance(declaration, Component | Home) or writer.is_inner(declaration):
+        left_out = (Home,) if components else (Home, Component)
+        if isinstance(declaration, left_out) or writer.is_inner(declaration):
             continue
         macro = guard(declaration)
         wanted = declaration.name[:-1]
@@ -130,6 +146,13 @@ def _character(character: str, wide: bool) -> str:
         return character
     code = ord(character)
     return f"\\u{code:04x}" if wide else f"\\x{code:02x}"
+
+
+def _readable(character: str) -> str:
+    """A character of a text for people: others than ASCII's stay."""
+    if character.isprintable() and character not in '\\"':
+        return character
+    return _character(character, False)
 
 
 def _to(scope: ScopedName, wanted: ScopedName) -> Iterator[str]:
@@ -247,6 +270,8 @@ class _Writer:
                 yield from self._interface(declaration)
             case Valuetype():
                 yield from self._valuetype(declaration)
+            case Component():
+                yield from self._component(declaration)
             case _:
                 raise TypeError(f"no IDL for {type(declaration).__name__}")
 
@@ -316,6 +341,36 @@ class _Writer:
             supported = (self._name(name, scope) for name in declaration.supports)
             head += f" supports {', '.join(supported)}"
         yield from self._braced(head, self._exports(declaration))
+
+    def _component(self, component: Component) -> Iterator[str]:
+        scope = component.name[:-1]
+        head = f"component {escaped(component.name[-1])}"
+        if component.base is not None:
+            head += f" : {self._name(component.base, scope)}"
+        if component.supports:
+            supported = (self._name(name, scope) for name in component.supports)
+            head += f" supports {', '.join(supported)}"
+        yield from self._braced(head, self._items(component))
+
+    def _items(self, component: Component) -> Iterator[str]:
+        """Ports and parameters, but for those of the base."""
+        inherited: frozenset[Port | ConfigurationParameter] = frozenset()
+        if component.base is not None:
+            base = self._model.find(component.base)
+            assert isinstance(base, Component)
+            inherited = frozenset((*base.ports, *base.configuration))
+        scope = component.name[:-1]
+        items: Sequence[Port | ConfigurationParameter]
+        items = [*component.ports, *component.configuration]
+        for item in items:
+            if item in inherited:
+                continue
+            yield from self._above(item)
+            name = escaped(item.identifier)
+            if isinstance(item, Port):
+                yield f"{_PORTS[item.kind]} {self._type(item.type, scope)} {name};"
+            else:
+                yield f"attribute {self._declarator(item.type, name, scope)};"
 
     def _exports(self, declaration: Interface | Valuetype) -> Iterator[str]:
         scope = declaration.name
@@ -391,17 +446,32 @@ class _Writer:
             yield from (f" * {line}".rstrip() for line in doc)
             yield " */"
         if self._with_annotations:
-            yield from map(self._annotation, entry.annotations)
+            for annotation in entry.annotations or annotations_of(entry):
+                yield self._annotation(annotation, getattr(entry, "type", None))
 
-    def _annotation(self, annotation: Annotation) -> str:
+    def _annotation(self, annotation: Annotation, of: Type | None) -> str:
         values = [
-            (key, literal(self._model, _annotated(value), value))
+            (key, self._argument(value, of if annotation.name in _TYPED else None))
             for key, value in annotation.arguments
         ]
         if [key for key, _ in values] == ["value"]:
             return f"@{annotation.name}({values[0][1]})"
         inside = ", ".join(f"{key}={text}" for key, text in values)
         return f"@{annotation.name}({inside})" if inside else f"@{annotation.name}"
+
+    def _argument(self, value: ConstantValue, type_: Type | None) -> str:
+        """An argument of an annotation, as its own kind of value or as one of the type."""
+        plain = None if type_ is None else self._model.unalias(type_)
+        if isinstance(value, str):
+            wide = plain in (StringType(wide=True), PrimitiveType(Primitive.WCHAR))
+            if not wide:
+                return '"' + "".join(map(_readable, value)) + '"'
+            return literal(self._model, StringType(wide=True), value)
+        if plain is None or isinstance(plain, SequenceType | ArrayType):
+            plain = PrimitiveType(
+                Primitive.DOUBLE if isinstance(value, float) else Primitive.LONG
+            )
+        return literal(self._model, plain, value)
 
     # Types.
 
@@ -512,12 +582,3 @@ def _parts(declaration: Declaration) -> Iterator[str]:
             if isinstance(declaration, Valuetype):
                 yield from (member.name for member in declaration.state)
                 yield from (factory.name for factory in declaration.factories)
-
-
-def _annotated(value: ConstantValue) -> Type:
-    """A type under which the argument of an annotation is written."""
-    if isinstance(value, str):
-        return StringType(wide=not value.isascii())
-    return PrimitiveType(
-        Primitive.DOUBLE if isinstance(value, float) else Primitive.LONG
-    )

@@ -12,7 +12,6 @@ from pathlib import PurePosixPath
 
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check, components_of
-from rtgen.backends.components.parameters import Parameters
 from rtgen.backends.components.places import package_folder, source_of, summary
 from rtgen.backends.python_text import header
 from rtgen.backends.rendering import render_xml
@@ -37,6 +36,7 @@ from rtgen.model.constraints import (
     text_of,
 )
 from rtgen.typemap.component_actions import ACTIONS
+from rtgen.typemap.parameters import Parameters
 
 _DATA_PORTS = {
     PortKind.INPORT: ("DataInPort", "LEFT"),

@@ -58,15 +58,17 @@ _BYTE_ORDER_MARKS = {
 
 @dataclass(slots=True, eq=False)
 class Element:
-    """An element without its text; names, of attributes too, are `(namespace, local name)`.
+    """An element; names, of attributes too, are `(namespace, local name)`.
 
-    `span` is that of the tag's name, `_places` holds those of the attributes' values.
+    `span` is that of the tag's name, `_places` holds those of the attributes' values. `text` is
+    what stands directly inside, between the children too.
     """
 
     name: tuple[str, str]
     attributes: Mapping[tuple[str, str], str]
     span: Span
     children: list[Element] = field(default_factory=list)
+    text: str = ""
     _places: Mapping[str, Span] = field(default_factory=dict)
 
     def place(self, local_name: str) -> Span:
@@ -135,8 +137,10 @@ class _Builder:
         self._open: list[Element] = []
         self._root: Element | None = None
         parser = expat.ParserCreate(encoding="utf-8", namespace_separator=" ")
+        parser.buffer_text = True
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
+        parser.CharacterDataHandler = self._characters
         parser.StartDoctypeDeclHandler = self._doctype
         self._parser = parser
 
@@ -209,6 +213,10 @@ class _Builder:
                 key, self._span(found.start(2) + 1, max(len(found[2]) - 2, 1))
             )
             offset = found.end()
+
+    def _characters(self, text: str) -> None:
+        if self._open:
+            self._open[-1].text += text
 
     def _end(self, _: str) -> None:
         self._open.pop()

@@ -10,6 +10,9 @@ from typing import TypeAlias
 from rtgen.diagnostics import Span
 from rtgen.model.types import ScopedName, Type
 
+OPAQUE = "opaque"
+"""The annotation of a struct or interface of which the name alone is known."""
+
 
 @dataclass(frozen=True, slots=True)
 class EnumeratorName:

@@ -214,11 +214,13 @@ class StructDescriptor(_Named):
     """A struct: its members in the order of the wire, those of its bases first.
 
     `extensibility` is `final`, `appendable` or `mutable`; `nested`: it is no topic by itself.
+    `opaque`: its name is all that was known when it was generated.
     """
 
     members: tuple[MemberDescriptor, ...]
     extensibility: str = "final"
     nested: bool = False
+    opaque: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "members", _numbered(self.members, 0))
@@ -272,12 +274,16 @@ class UnionDescriptor(_Named):
 
 @dataclass(frozen=True, slots=True)
 class InterfaceDescriptor(_Named):
-    """An interface: the signatures of its operations and attributes, those of its bases first."""
+    """An interface: the signatures of its operations and attributes, those of its bases first.
+
+    `opaque`: its name is all that was known when it was generated.
+    """
 
     operations: tuple[str, ...] = ()
     bases: tuple[InterfaceDescriptor, ...] = ()
     local: bool = False
     abstract: bool = False
+    opaque: bool = False
 
     def is_a(self, repository_id: str) -> bool:
         """Whether it is the interface of that id or derives from it."""
@@ -494,8 +500,11 @@ class DataType(Protocol):
 def difference(a: Descriptor, b: Descriptor) -> str | None:
     """None if repository id and structure agree, else both types, one beside the other.
 
-    Lines that differ are marked with `!`.
+    Lines that differ are marked with `!`. An opaque type agrees with none, since nobody knows.
     """
+    for one in (a, b):
+        if isinstance(one, StructDescriptor | InterfaceDescriptor) and one.opaque:
+            return f"  the definition of {one.name} was not found; generate with its IDL file"
     if a == b:
         return None
     left, right = list(_lines(a)), list(_lines(b))

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from rtgen.backends import Options
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.members import Attributes, attributes_of
-from rtgen.backends.components.parameters import Parameters
 from rtgen.backends.components.places import heading, source_of, summary
 from rtgen.backends.python_text import (
     docstring,
@@ -36,6 +35,7 @@ from rtgen.model import (
 from rtgen.model.constraints import parse, text_of
 from rtgen.typemap.component_names import CONFIGURATION_NAMES
 from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.parameters import Parameters
 
 _TAKEN = CONFIGURATION_NAMES | {
     *("Component", "ComponentProfile", "ParameterProfile", "PortProfile", "ClassVar"),

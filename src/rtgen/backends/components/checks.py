@@ -9,11 +9,6 @@ from datetime import datetime
 from math import isfinite
 
 from rtgen.backends.components import rules
-from rtgen.backends.components.parameters import (
-    Parameters,
-    ValueMismatchError,
-    value_text,
-)
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.model import (
     Component,
@@ -27,6 +22,11 @@ from rtgen.model import (
     Union,
 )
 from rtgen.model.constraints import ConstraintError, is_enumeration, is_range, text_of
+from rtgen.typemap.parameters import (
+    Parameters,
+    ValueMismatchError,
+    value_text,
+)
 from rtgen.typemap.python_names import module_name
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,119}")

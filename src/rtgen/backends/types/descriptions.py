@@ -37,7 +37,7 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
-from rtgen.model.declarations import ConstantValue, Declaration
+from rtgen.model.declarations import OPAQUE, ConstantValue, Declaration
 from rtgen.typemap.idl_python import PythonNames, is_boolean, is_emitted, is_signed
 
 
@@ -222,6 +222,7 @@ class Descriptions:
         operations = _tuple([string_literal(text) for text in texts])
         head = self._head(declaration)
         facts = [head, operations, _tuple(bases), *_interface_kind(declaration)]
+        facts += ["opaque=True"] * (declaration.annotation(OPAQUE) is not None)
         return f"{self._py.InterfaceDescriptor}({', '.join(facts)})"
 
     def _traits(self, declaration: Struct | Union | ExceptionDecl) -> str:
@@ -232,7 +233,8 @@ class Descriptions:
         extensibility = self._representations.extensibility(declaration)
         if extensibility is not Extensibility.FINAL:
             text = f', extensibility="{extensibility}"'
-        return f"{text}, nested=True" if declaration.nested else text
+        text = f"{text}, nested=True" if declaration.nested else text
+        return f"{text}, opaque=True" if declaration.annotation(OPAQUE) else text
 
     def _head(self, declaration: Declaration) -> str:
         return f"{string_literal(declaration.repository_id)}, {string_literal(declaration.scoped)}"

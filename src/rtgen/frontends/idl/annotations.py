@@ -132,6 +132,8 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
             created=TEXT,
             updated=TEXT,
         ),
+        # rtgen: a type of which the name alone is known
+        "opaque": _define("struct interface"),
         "name": _define("port configuration component", required="value", value=TEXT),
         "port": _define("port", required="value", value=TEXT),
         "instance": _define("port", required="value", value=TEXT),

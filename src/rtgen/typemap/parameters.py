@@ -28,6 +28,7 @@ from rtgen.model.constraints import (
     literals,
     parse,
 )
+from rtgen.typemap.parameter_words import WORDS
 
 _INTEGERS = {
     Primitive.OCTET: (0, 2**8 - 1),
@@ -41,21 +42,6 @@ _INTEGERS = {
     Primitive.UNSIGNED_LONG_LONG: (0, 2**64 - 1),
 }
 _FLOATS = {Primitive.FLOAT: (2 - 2.0**-23) * 2.0**127, Primitive.DOUBLE: inf}
-
-_WORDS = {
-    Primitive.OCTET: "unsigned short int",
-    Primitive.INT8: "short",
-    Primitive.UINT8: "unsigned short int",
-    Primitive.SHORT: "short",
-    Primitive.UNSIGNED_SHORT: "unsigned short int",
-    Primitive.LONG: "int",
-    Primitive.UNSIGNED_LONG: "unsigned int",
-    Primitive.LONG_LONG: "long long",
-    Primitive.UNSIGNED_LONG_LONG: "unsigned long long",
-    Primitive.FLOAT: "float",
-    Primitive.DOUBLE: "double",
-    Primitive.BOOLEAN: "bool",
-}
 
 
 class ValueMismatchError(ValueError):
@@ -73,7 +59,7 @@ class Parameters:
         item = self.item_type(type_)
         match item:
             case PrimitiveType(kind):
-                return kind in _WORDS
+                return kind in WORDS
             case StringType():
                 return True
             case _:
@@ -89,7 +75,7 @@ class Parameters:
                 word = self.profile_type(element)
                 return f"std::vector<{'std::string' if word == 'string' else word}>"
             case PrimitiveType(kind):
-                return _WORDS[kind]
+                return WORDS[kind]
             case _:
                 return "string"
 

@@ -1,0 +1,110 @@
+"""Front end for RtcProfile XML (`RTC.xml`), the files of RTCBuilder: formats 0.1, 0.2 and 0.3.
+
+Names are bound by namespace; what is not known is ignored, what real files leave out or misspell
+is read with a warning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path, PurePosixPath
+
+from rtgen.diagnostics import Diagnostic, InputError
+from rtgen.frontends import Dependency, FrontendResult, located_xml
+from rtgen.frontends.rtc_profile.lowering import components
+from rtgen.frontends.rtc_profile.reader import Reader, idl_files
+from rtgen.model import Model, SourceFile
+from rtgen.model.rtc_profile import RtcProfile
+
+__all__ = ["Profiles", "lowered", "read"]
+
+
+@dataclass(frozen=True, slots=True)
+class Profiles:
+    """What `read` gives: the profiles without errors, and where they and their IDL stand."""
+
+    profiles: tuple[RtcProfile, ...] = ()
+    files: tuple[SourceFile, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
+    sources: dict[str, str] = field(default_factory=dict)
+    dependencies: tuple[Dependency, ...] = ()
+    idl: tuple[Path, ...] = ()
+    """IDL files that the profiles name, where they were found."""
+
+
+def read(paths: Sequence[Path], *, root: Path, include: Sequence[Path]) -> Profiles:
+    """Reads profiles, and looks for the IDL files that they name.
+
+    Those are looked for beside the profile, in a folder `idl` there, and in `include`. Whatever
+    is wrong with a file is in the diagnostics.
+    """
+    profiles: list[RtcProfile] = []
+    files: list[SourceFile] = []
+    found: list[Diagnostic] = []
+    sources: dict[str, str] = {}
+    dependencies: list[Dependency] = []
+    idl: dict[Path, None] = {}
+    for path in paths:
+        file = path.as_posix()
+        try:
+            data = path.read_bytes()
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else str(error)
+            message = f"cannot open {file}: {reason}"
+            found.append(located_xml.UNREADABLE.at(None, message))
+            dependencies.append(Dependency(path, None))
+            continue
+        digest = sha256(data).hexdigest()
+        dependencies.append(Dependency(path, digest))
+        sources[file] = data.decode("utf-8", "replace")
+        try:
+            sources[file] = located_xml.decode(data, file)
+            tree = located_xml.parse(sources[file], file)
+        except InputError as error:
+            found += error.diagnostics
+            continue
+        reader = Reader(file)
+        profile = reader.profile(tree)
+        found += reader.diagnostics
+        if profile is None:
+            continue
+        profiles.append(profile)
+        key = _key(path, root)
+        files.append(SourceFile(name=file, key=key, sha256=digest, main=True))
+        folders = (path.parent, path.parent / "idl", *include)
+        for name in idl_files([profile]):
+            for folder in folders:
+                candidate = folder / name
+                if candidate.is_file():
+                    idl[candidate] = None
+                    break
+                dependencies.append(Dependency(candidate, None))
+    return Profiles(
+        tuple(profiles),
+        tuple(files),
+        tuple(found),
+        sources,
+        tuple(dependencies),
+        tuple(idl),
+    )
+
+
+def lowered(read: Profiles, model: Model) -> FrontendResult:
+    """The components of profiles, with the types of the model, and placeholders for others."""
+    declarations, found = components(read.profiles, model)
+    return FrontendResult(
+        Model(files=read.files, declarations=declarations),
+        (*read.diagnostics, *found),
+        read.sources,
+        read.dependencies,
+    )
+
+
+def _key(path: Path, root: Path) -> str:
+    """The path for generated text: relative to the project, else the name alone."""
+    try:
+        return PurePosixPath(path.resolve().relative_to(root.resolve())).as_posix()
+    except ValueError:
+        return path.name

@@ -1,0 +1,322 @@
+"""From profiles to components of the model: types looked up, names made identifiers."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+from rtgen.diagnostics import Diagnostic, Rule, Span
+from rtgen.frontends.rtc_profile import rules
+from rtgen.model import (
+    Annotation,
+    Component,
+    ConfigurationParameter,
+    ConstantValue,
+    Declaration,
+    Interface,
+    Model,
+    NamedType,
+    Port,
+    PortKind,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+    Union,
+    Valuetype,
+)
+from rtgen.model.constraints import Constraint, text_of
+from rtgen.model.declarations import OPAQUE
+from rtgen.model.rtc_profile import (
+    ProfileDataPort,
+    ProfileInterface,
+    ProfileParameter,
+    RtcProfile,
+)
+from rtgen.typemap.idl_words import escaped
+from rtgen.typemap.parameter_words import type_of
+from rtgen.typemap.parameters import Parameters, ValueMismatchError
+
+_OTHER = re.compile(r"[^A-Za-z0-9_]+")
+_DATA = (Struct, Union, Valuetype)
+
+
+@dataclass
+class Lowering:
+    """Makes components of profiles, with the types of a model, and placeholders for others."""
+
+    model: Model
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    placeholders: dict[ScopedName, Declaration] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self._by_name = {d.name: d for d in self.model.declarations}
+        self._parameters = Parameters(self.model)
+
+    def component(self, profile: RtcProfile) -> Component:
+        """The component of a profile."""
+        taken: set[str] = set()
+        ports = [self._data_port(profile, port, taken) for port in profile.data_ports]
+        for service in profile.service_ports:
+            for interface in service.interfaces:
+                ports.append(self._interface(profile, service.name, interface, taken))
+        known: set[str] = set()
+        parameters = [self._parameter(p, known) for p in profile.parameters]
+        name = self._name(profile)
+        return Component(
+            name=(name,),
+            repository_id=f"IDL:{name}:1.0",
+            file=profile.file,
+            span=profile.span,
+            doc=profile.doc,
+            ports=tuple(port for port in ports if port is not None),
+            configuration=tuple(parameters),
+            kind=profile.kind,
+            category=profile.category,
+            vendor=profile.vendor,
+            version=profile.version,
+            description=profile.description,
+            rate=1000.0 if profile.rate is None else profile.rate,
+            max_instances=profile.max_instances,
+            activity=profile.activity,
+            component_type=profile.component_type,
+            execution=profile.execution,
+            created=profile.created,
+            updated=profile.updated,
+        )
+
+    def _tell(
+        self, rule: Rule, span: Span, message: str, hint: str | None = None
+    ) -> None:
+        self.diagnostics.append(rule.at(span, message, hint=hint))
+
+    def _name(self, profile: RtcProfile) -> str:
+        """The component's name, told if it is not the profile's."""
+        name = _identifier(profile.name, "Component")
+        why = "is no identifier"
+        if (name,) in self._by_name or (name,) in self.placeholders:
+            name, why = f"{name}Component", "is the name of a type, too"
+        if name != profile.name:
+            message = f"{profile.name!r} {why}; the component is {name}"
+            self._tell(rules.NAME, profile.span, message)
+        return name
+
+    # Ports.
+
+    def _data_port(
+        self, profile: RtcProfile, port: ProfileDataPort, taken: set[str]
+    ) -> Port | None:
+        type_ = self._type(profile, port, service=False)
+        if type_ is None:
+            return None
+        kind = PortKind.OUTPORT if port.output else PortKind.INPORT
+        return Port(
+            kind=kind,
+            name=port.name,
+            identifier=_unique(port.variable or port.name, kind.value, taken),
+            type=type_,
+            span=port.span,
+            doc=port.doc,
+            unit=port.unit,
+        )
+
+    def _interface(
+        self,
+        profile: RtcProfile,
+        service: str,
+        interface: ProfileInterface,
+        taken: set[str],
+    ) -> Port | None:
+        type_ = self._type(profile, interface, service=True)
+        if type_ is None:
+            return None
+        identifier = _unique(interface.variable or interface.name, "service", taken)
+        return Port(
+            kind=PortKind.PROVIDER if interface.provided else PortKind.CONSUMER,
+            name=identifier,
+            identifier=identifier,
+            type=type_,
+            port=service,
+            instance=interface.name,
+            span=interface.span,
+            doc=interface.doc,
+        )
+
+    def _type(
+        self,
+        profile: RtcProfile,
+        port: ProfileDataPort | ProfileInterface,
+        *,
+        service: bool,
+    ) -> Type | None:
+        """The type of a port: one of the model, else a placeholder."""
+        written = tuple(part.strip() for part in port.type.split("::") if part.strip())
+        name = self._found(written, service)
+        if name is not None:
+            type_ = NamedType(name)
+            plain = self.model.unalias(type_)
+            declaration = (
+                self._by_name[plain.name] if isinstance(plain, NamedType) else None
+            )
+            if isinstance(declaration, Interface if service else _DATA):
+                return type_
+            wanted = "interface" if service else "struct or union"
+            message = f"{port.type} is no {wanted}"
+            self._tell(rules.WRONG_TYPE, port.type_span, message)
+            return None
+        return self._placeholder(profile, port, written, service)
+
+    def _found(self, written: ScopedName, service: bool) -> ScopedName | None:
+        """The declared name that is meant; one without its module is looked for in all."""
+        if written in self._by_name:
+            return written
+        if len(written) != 1:
+            return None
+        if ("RTC", *written) in self._by_name:
+            return ("RTC", *written)
+        wanted = Interface if service else _DATA
+        others = [
+            name
+            for name, declaration in self._by_name.items()
+            if name[-1:] == written and isinstance(declaration, wanted)
+        ]
+        return others[0] if len(others) == 1 else None
+
+    def _placeholder(
+        self,
+        profile: RtcProfile,
+        port: ProfileDataPort | ProfileInterface,
+        written: ScopedName,
+        service: bool,
+    ) -> Type | None:
+        name = tuple(_identifier(part, "Unknown") for part in written) or ("Unknown",)
+        known = self.placeholders.get(name)
+        if known is None:
+            declared = f", which {port.idl_file} declares," if port.idl_file else ""
+            message = f"{port.type}{declared} is not found; it stays opaque"
+            hint = "name its IDL file as a source, or its folder with -I"
+            self._tell(rules.UNKNOWN_TYPE, port.type_span, message, hint)
+            made = _opaque(name, service, profile.file, port.type_span)
+            self.placeholders[name] = made
+            return NamedType(name)
+        if isinstance(known, Interface) is service:
+            return NamedType(name)
+        kind = "a service" if isinstance(known, Interface) else "data"
+        self._tell(rules.WRONG_TYPE, port.type_span, f"{port.type} is {kind} elsewhere")
+        return None
+
+    # Parameters.
+
+    def _parameter(
+        self, parameter: ProfileParameter, taken: set[str]
+    ) -> ConfigurationParameter:
+        type_ = type_of(parameter.type)
+        if type_ is None:
+            message = f"the type {parameter.type!r} is not known; string is taken"
+            hint = "int, double, bool, string, std::vector<double>, ..."
+            self._tell(rules.PARAMETER_TYPE, parameter.type_span, message, hint)
+            type_ = StringType()
+        made = ConfigurationParameter(
+            name=parameter.name,
+            identifier=_unique(parameter.variable or parameter.name, "value", taken),
+            type=type_,
+            span=parameter.span,
+            doc=parameter.doc,
+            unit=parameter.unit,
+            widget="" if parameter.widget == "text" else parameter.widget,
+        )
+        made = self._with_default(made, parameter)
+        return self._with_constraint(made, parameter)
+
+    def _with_default(
+        self, made: ConfigurationParameter, parameter: ProfileParameter
+    ) -> ConfigurationParameter:
+        text = parameter.default
+        if not text and not isinstance(made.type, StringType | SequenceType):
+            return made
+        try:
+            default: ConstantValue = (
+                text
+                if isinstance(made.type, SequenceType)
+                else self._parameters.parse_item(made.type, text)
+            )
+            self._parameters.check_value(made.type, default)
+        except ValueMismatchError as error:
+            message = f"the default of {parameter.name}: {error}"
+            self._tell(rules.PARAMETER_VALUE, parameter.default_span, message)
+            return made
+        return replace(made, default=default)
+
+    def _with_constraint(
+        self, made: ConfigurationParameter, parameter: ProfileParameter
+    ) -> ConfigurationParameter:
+        if parameter.constraint is None:
+            return made
+        tried = replace(made, constraint=text_of(parameter.constraint))
+        try:
+            limit = self._parameters.constraint(tried)
+        except ValueError as error:
+            message = f"the constraint of {parameter.name} is left out: {error}"
+            self._tell(rules.CONSTRAINT, parameter.span, message)
+            return made
+        if limit and made.default is not None and not self._allowed(tried, limit):
+            message = f"the default of {parameter.name} is against its constraint"
+            self._tell(rules.PARAMETER_VALUE, parameter.default_span, message)
+            return replace(tried, default=None)
+        return tried
+
+    def _allowed(self, parameter: ConfigurationParameter, limit: Constraint) -> bool:
+        return self._parameters.is_default_allowed(parameter, limit)
+
+
+def _opaque(name: ScopedName, service: bool, file: str, span: Span) -> Declaration:
+    """A placeholder: an interface, or a struct."""
+    repository_id = f"IDL:{'/'.join(name)}:1.0"
+    annotations = (Annotation(OPAQUE),)
+    if service:
+        return Interface(
+            name=name,
+            repository_id=repository_id,
+            file=file,
+            span=span,
+            annotations=annotations,
+        )
+    return Struct(
+        name=name,
+        repository_id=repository_id,
+        file=file,
+        span=span,
+        annotations=annotations,
+        members=(),
+    )
+
+
+def _identifier(text: str, otherwise: str) -> str:
+    """The text as an identifier of IDL and Python."""
+    name = _OTHER.sub("_", text).lstrip("_") or otherwise
+    return name if name[0].isalpha() else f"{otherwise}_{name}"
+
+
+def _unique(text: str, otherwise: str, taken: set[str]) -> str:
+    """An identifier that no other of the component has, whatever the case."""
+    base = _identifier(text, otherwise)
+    if escaped(base) != base or keyword.iskeyword(base):
+        base = f"{base}_"
+    name, number = base, 1
+    while name.lower() in taken:
+        number += 1
+        name = f"{base}_{number}"
+    taken.add(name.lower())
+    return name
+
+
+def components(
+    profiles: Sequence[RtcProfile], model: Model
+) -> tuple[tuple[Declaration, ...], tuple[Diagnostic, ...]]:
+    """The placeholders and components of profiles, in that order, and what was found."""
+    lowering = Lowering(model)
+    made = [lowering.component(profile) for profile in profiles]
+    return (*lowering.placeholders.values(), *made), tuple(lowering.diagnostics)

@@ -1,0 +1,14 @@
+"""Namespaces of RtcProfile files, and the words of their attributes."""
+
+from __future__ import annotations
+
+RTC = "http://www.openrtp.org/namespaces/rtc"
+RTC_DOC = "http://www.openrtp.org/namespaces/rtc_doc"
+RTC_EXT = "http://www.openrtp.org/namespaces/rtc_ext"
+
+COMPONENT_TYPES = ("STATIC", "UNIQUE", "COMMUTATIVE")
+ACTIVITY_TYPES = ("PERIODIC", "SPORADIC", "EVENTDRIVEN")
+WIDGET = "__widget__"
+"""The property of a parameter that names its widget."""
+OWN = "rtgen."
+"""Properties that begin so hold what a profile has no place for."""

@@ -1,0 +1,343 @@
+"""From the elements of an RtcProfile to its words and texts; types are not looked up here."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from math import isfinite
+from pathlib import PureWindowsPath
+
+from rtgen.diagnostics import Diagnostic, Rule, Span
+from rtgen.frontends.located_xml import Element
+from rtgen.frontends.rtc_profile import rules
+from rtgen.frontends.rtc_profile.constraints import NoTextFormError, constraint
+from rtgen.frontends.rtc_profile.names import (
+    ACTIVITY_TYPES,
+    COMPONENT_TYPES,
+    RTC,
+    RTC_DOC,
+    RTC_EXT,
+    WIDGET,
+)
+from rtgen.model.constraints import Constraint
+from rtgen.model.rtc_profile import (
+    ProfileDataPort,
+    ProfileInterface,
+    ProfileParameter,
+    ProfileServicePort,
+    RtcProfile,
+)
+
+VERSIONS = ("0.1", "0.2", "0.3")
+
+_DEFAULT_DATE = "1970-01-01T00:00:00+00:00"
+_DATE = re.compile(r"-?\d{4,}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)?")
+_BREAK = re.compile(r"\s*<br\s*/?>\s*|\s*\n\s*", re.IGNORECASE)
+
+
+class Reader:
+    """Reads one file; what is wrong with it is in `diagnostics`."""
+
+    def __init__(self, file: str) -> None:
+        self.diagnostics: list[Diagnostic] = []
+        self._file = file
+        self._misspellings: set[str] = set()
+
+    def profile(self, root: Element) -> RtcProfile | None:
+        """The profile, None if nothing can be made of it."""
+        if root.name != (RTC, "RtcProfile"):
+            message = f"the root element is `{root.name[1]}`, not `RtcProfile` of {RTC}"
+            self._tell(rules.NOT_A_PROFILE, root.span, message)
+            return None
+        version = self._word(root, "version", VERSIONS, "0.3")
+        self._wanted(root, "id", "")
+        info = root.first(RTC, "BasicInfo")
+        if info is None:
+            self._tell(rules.MISSING, root.span, "there is no `rtc:BasicInfo`")
+            return None
+        name = self._required(info, "name")
+        if name is None:
+            return None
+        description = self._get(info, "description")
+        return RtcProfile(
+            file=self._file,
+            span=info.place("name"),
+            format_version=version,
+            name=name,
+            vendor=self._wanted(info, "vendor", ""),
+            category=self._wanted(info, "category", ""),
+            version=self._wanted(info, "version", "1.0.0"),
+            description=_one_line(description),
+            doc=_lines(self._get(info, "abstract") or _doc(info) or description),
+            component_type=self._word(info, "componentType", COMPONENT_TYPES, "STATIC"),
+            activity=self._activity(info),
+            kind=self._wanted(info, "componentKind", "DataFlowComponent"),
+            execution=self._wanted(info, "executionType", "PeriodicExecutionContext"),
+            rate=self._rate(info),
+            max_instances=self._max_instances(info),
+            created=self._date(info, "creationDate"),
+            updated=self._date(info, "updateDate"),
+            parameters=tuple(self._parameters(root)),
+            data_ports=tuple(self._data_ports(root)),
+            service_ports=tuple(self._service_ports(root)),
+            properties=_properties(info),
+        )
+
+    def _tell(
+        self, rule: Rule, span: Span, message: str, hint: str | None = None
+    ) -> None:
+        self.diagnostics.append(rule.at(span, message, hint=hint))
+
+    # Attributes.
+
+    def _get(self, element: Element, name: str, *others: str) -> str:
+        """The attribute `rtc:name`, or what stands for it: without prefix, or misspelt."""
+        value = element.attributes.get((RTC, name))
+        if value is not None:
+            return value
+        for namespace, local in (("", name), *((RTC, o) for o in others)):
+            value = element.attributes.get((namespace, local))
+            if value is not None:
+                written = local if not namespace else f"rtc:{local}"
+                self._misspelt(element, local, written, f"rtc:{name}")
+                return value
+        return ""
+
+    def _variable(self, element: Element) -> str:
+        """`rtcExt:variableName`, which templates of format 0.1 call `varname`."""
+        value = element.attributes.get((RTC_EXT, "variableName"))
+        if value is not None:
+            return value
+        for namespace in (RTC_EXT, RTC):
+            value = element.attributes.get((namespace, "varname"))
+            if value is not None:
+                self._misspelt(element, "varname", "varname", "rtcExt:variableName")
+                return value
+        return ""
+
+    def _misspelt(self, element: Element, local: str, written: str, meant: str) -> None:
+        """Told once for each kind of element."""
+        message = f"`{written}` of `{element.name[1]}` is read as `{meant}`"
+        if message not in self._misspellings:
+            self._misspellings.add(message)
+            self._tell(rules.MISSPELT, element.place(local), message)
+
+    def _required(self, element: Element, name: str) -> str | None:
+        value = self._get(element, name).strip()
+        if value:
+            return value
+        message = f"`{element.name[1]}` has no `rtc:{name}`"
+        self._tell(rules.MISSING, element.place(name), message)
+        return None
+
+    def _wanted(self, element: Element, name: str, usual: str) -> str:
+        """An attribute that the schema requires; an empty one counts as written."""
+        known = (RTC, name) in element.attributes or ("", name) in element.attributes
+        value = self._get(element, name).strip()
+        if not known:
+            taken = f"; {usual} is taken" if usual else ""
+            message = f"`{element.name[1]}` has no `rtc:{name}`{taken}"
+            self._tell(rules.LEFT_OUT, element.span, message)
+        return value or usual
+
+    def _word(
+        self, element: Element, name: str, words: Sequence[str], usual: str
+    ) -> str:
+        value = self._wanted(element, name, usual)
+        if value in words:
+            return value
+        message = f"`rtc:{name}` is {value!r}; {usual} is taken"
+        hint = f"it is one of {', '.join(words)}"
+        self._tell(rules.UNKNOWN_WORD, element.place(name), message, hint)
+        return usual
+
+    def _activity(self, info: Element) -> str:
+        if self._get(info, "activityType") == "EVENT_DRIVEN":
+            return "EVENTDRIVEN"
+        return self._word(info, "activityType", ACTIVITY_TYPES, "PERIODIC")
+
+    def _rate(self, info: Element) -> float | None:
+        text = self._get(info, "executionRate").strip()
+        if not text:
+            return None
+        try:
+            rate = float(text)
+        except ValueError:
+            rate = 0.0
+        if isfinite(rate) and rate > 0:
+            return rate
+        message = f"the rate {text!r} is not a frequency above 0 Hz; 1000 is taken"
+        self._tell(rules.BAD_NUMBER, info.place("executionRate"), message)
+        return None
+
+    def _max_instances(self, info: Element) -> int:
+        text = self._get(info, "maxInstances").strip()
+        try:
+            count = int(text or "1")
+        except ValueError:
+            count = -1
+        if 0 <= count < 1 << 31:
+            return count
+        message = f"`rtc:maxInstances` is {text[:40]!r}; 1 is taken"
+        self._tell(rules.BAD_NUMBER, info.place("maxInstances"), message)
+        return 1
+
+    def _date(self, info: Element, name: str) -> str:
+        text = self._wanted(info, name, _DEFAULT_DATE)
+        found = _DATE.fullmatch(text)
+        if found is not None:
+            return text if found[2] else f"{text}+00:00"
+        message = f"`rtc:{name}` is {text[:40]!r}; {_DEFAULT_DATE} is taken"
+        self._tell(rules.BAD_DATE, info.place(name), message)
+        return _DEFAULT_DATE
+
+    # Parameters and ports.
+
+    def _parameters(self, root: Element) -> Iterator[ProfileParameter]:
+        known: set[str] = set()
+        for group in root.all(RTC, "ConfigurationSet"):
+            for element in group.all(RTC, "Configuration"):
+                name = self._required(element, "name")
+                if name is None or not self._is_new(name, known, element, "parameter"):
+                    continue
+                properties = _properties(element)
+                yield ProfileParameter(
+                    name=name,
+                    type=self._wanted(element, "type", "string"),
+                    default=self._wanted(element, "defaultValue", ""),
+                    span=element.place("name"),
+                    type_span=element.place("type"),
+                    default_span=element.place("defaultValue"),
+                    variable=self._variable(element),
+                    unit=self._get(element, "unit"),
+                    doc=_lines(_doc(element)),
+                    widget=dict(properties).get(WIDGET, ""),
+                    constraint=self._constraint(element),
+                    properties=tuple(p for p in properties if p[0] != WIDGET),
+                )
+
+    def _constraint(self, element: Element) -> Constraint | None:
+        found = element.first(RTC, "Constraint")
+        if found is None:
+            return None
+        try:
+            return constraint(found)
+        except NoTextFormError as error:
+            message = f"the constraint is left out: {error}"
+            self._tell(rules.CONSTRAINT, found.span, message)
+            return None
+
+    def _data_ports(self, root: Element) -> Iterator[ProfileDataPort]:
+        known: dict[bool, set[str]] = {False: set(), True: set()}
+        kinds = {"DataInPort": False, "DataOutPort": True}
+        for element in root.all(RTC, "DataPorts"):
+            name, type_ = (self._required(element, n) for n in ("name", "type"))
+            kind = self._required(element, "portType")
+            if name is None or type_ is None or kind is None:
+                continue
+            output = kinds.get(kind)
+            if output is None:
+                message = f"a port of kind {kind!r} is left out"
+                hint = "DataInPort or DataOutPort"
+                self._tell(rules.UNKNOWN_WORD, element.place("portType"), message, hint)
+                continue
+            if not self._is_new(name, known[output], element, "port"):
+                continue
+            self._get(element, "subscriptionType", "subscriprionType")
+            yield ProfileDataPort(
+                name=name,
+                output=output,
+                type=type_,
+                span=element.place("name"),
+                type_span=element.place("type"),
+                idl_file=_base_name(self._get(element, "idlFile")),
+                variable=self._variable(element),
+                unit=self._get(element, "unit"),
+                doc=_lines(_doc(element)),
+                properties=_properties(element),
+            )
+
+    def _service_ports(self, root: Element) -> Iterator[ProfileServicePort]:
+        known: set[str] = set()
+        for element in root.all(RTC, "ServicePorts"):
+            name = self._required(element, "name")
+            if name is None or not self._is_new(name, known, element, "service port"):
+                continue
+            yield ProfileServicePort(
+                name=name,
+                interfaces=tuple(self._interfaces(element)),
+                doc=_lines(_doc(element)),
+            )
+
+    def _interfaces(self, port: Element) -> Iterator[ProfileInterface]:
+        known: set[str] = set()
+        directions = {"provided": True, "required": False}
+        for element in port.all(RTC, "ServiceInterface"):
+            name, type_ = (self._required(element, n) for n in ("name", "type"))
+            direction = self._required(element, "direction")
+            if name is None or type_ is None or direction is None:
+                continue
+            provided = directions.get(direction.lower())
+            if provided is None:
+                message = f"an interface of direction {direction!r} is left out"
+                place = element.place("direction")
+                self._tell(rules.UNKNOWN_WORD, place, message, "Provided or Required")
+                continue
+            if not self._is_new(f"{direction} {name}", known, element, "interface"):
+                continue
+            yield ProfileInterface(
+                name=name,
+                provided=provided,
+                type=type_,
+                span=element.place("name"),
+                type_span=element.place("type"),
+                idl_file=_base_name(self._get(element, "idlFile")),
+                variable=self._variable(element),
+                instance=self._get(element, "instanceName"),
+                doc=_lines(_doc(element)),
+            )
+
+    def _is_new(self, name: str, known: set[str], element: Element, what: str) -> bool:
+        if name not in known:
+            known.add(name)
+            return True
+        message = f"there is another {what} {name!r}; this one is left out"
+        self._tell(rules.TWICE, element.place("name"), message)
+        return False
+
+
+def _properties(element: Element) -> tuple[tuple[str, str], ...]:
+    return tuple(
+        (name, item.get(RTC_EXT, "value"))
+        for item in element.all(RTC_EXT, "Properties")
+        if (name := item.get(RTC_EXT, "name"))
+    )
+
+
+def _doc(element: Element) -> str:
+    doc = element.first(RTC_DOC, "Doc")
+    return "" if doc is None else doc.get(RTC_DOC, "description")
+
+
+def _lines(text: str) -> str:
+    """A text as RTCBuilder keeps it in an attribute, with its lines."""
+    lines = (line.strip() for line in _BREAK.split(text))
+    return "\n".join(lines).strip()
+
+
+def _one_line(text: str) -> str:
+    return " ".join(_lines(text).split("\n"))
+
+
+def _base_name(path: str) -> str:
+    return PureWindowsPath(path.strip()).name
+
+
+def idl_files(profiles: Iterable[RtcProfile]) -> list[str]:
+    """The base names of the IDL files that profiles name, in order."""
+    named = []
+    for profile in profiles:
+        named += [port.idl_file for port in profile.data_ports]
+        for service in profile.service_ports:
+            named += [interface.idl_file for interface in service.interfaces]
+    return [name for name in dict.fromkeys(named) if name.lower().endswith(".idl")]

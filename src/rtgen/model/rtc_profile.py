@@ -1,0 +1,96 @@
+"""A component as an RtcProfile tells it: words and texts, before types are looked up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rtgen.diagnostics import Span
+from rtgen.model.constraints import Constraint
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileParameter:
+    """A parameter of the set `default`. `type` is a word of C++, `default` its text."""
+
+    name: str
+    type: str
+    default: str
+    span: Span
+    type_span: Span
+    default_span: Span
+    variable: str = ""
+    unit: str = ""
+    doc: str = ""
+    widget: str = ""
+    constraint: Constraint | None = None
+    properties: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileDataPort:
+    """A data port. `type` is a scoped name of IDL, `idl_file` a base name or empty."""
+
+    name: str
+    output: bool
+    type: str
+    span: Span
+    type_span: Span
+    idl_file: str = ""
+    variable: str = ""
+    unit: str = ""
+    doc: str = ""
+    properties: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileInterface:
+    """An interface of a service port."""
+
+    name: str
+    provided: bool
+    type: str
+    span: Span
+    type_span: Span
+    idl_file: str = ""
+    variable: str = ""
+    instance: str = ""
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProfileServicePort:
+    """A service port with its interfaces."""
+
+    name: str
+    interfaces: tuple[ProfileInterface, ...]
+    doc: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RtcProfile:
+    """What `rtc:RtcProfile` says. `format_version` is that of the format, `version` the component's.
+
+    `rate` is in Hz, None where the file has none. `properties` are those of the component.
+    """
+
+    file: str
+    span: Span
+    format_version: str
+    name: str
+    vendor: str
+    category: str
+    version: str
+    description: str
+    doc: str
+    component_type: str
+    activity: str
+    kind: str
+    execution: str
+    rate: float | None
+    max_instances: int
+    created: str
+    updated: str
+    parameters: tuple[ProfileParameter, ...]
+    data_ports: tuple[ProfileDataPort, ...]
+    service_ports: tuple[ProfileServicePort, ...]
+    properties: tuple[tuple[str, str], ...] = ()

@@ -1,0 +1,68 @@
+"""Every `rtc_profile/*.xml`: the component in IDL (`.idl`) and what is found (`.txt`)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from rtgen.backends.idl_text import idl_text
+from rtgen.diagnostics import Diagnostic, has_errors, in_order
+from rtgen.frontends import idl, rtc_profile
+from rtgen.frontends.rtc_profile import rules
+
+CASES = Path(__file__).parent / "rtc_profile"
+SPECS = Path(__file__).parents[2] / "specs" / "idl"
+
+
+def read(path: Path) -> tuple[str, list[Diagnostic]]:
+    """The component as IDL, and the findings."""
+    base = idl.load([SPECS / "BasicDataType.idl"], root=SPECS).model
+    result = rtc_profile.lowered(rtc_profile.read([path], root=CASES, include=()), base)
+    made = result.model.declarations
+    whole = replace(
+        base,
+        files=(*base.files, *result.model.files),
+        declarations=(*base.declarations, *made),
+    )
+    text = idl_text(whole, made, components=True)
+    return text, in_order(result.diagnostics)
+
+
+def shown(found: list[Diagnostic]) -> str:
+    lines = []
+    for diagnostic in found:
+        assert diagnostic.span is not None
+        place = f"{diagnostic.span.line}:{diagnostic.span.column}"
+        lines.append(
+            f"{place}: {diagnostic.severity} {diagnostic.code}: {diagnostic.message}\n"
+        )
+        lines += [f"  hint: {diagnostic.hint}\n"] if diagnostic.hint else []
+    return "".join(lines)
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.xml")))
+def test_case(name: str, update_golden: bool) -> None:
+    text, found = read(CASES / f"{name}.xml")
+    written = {".idl": text, ".txt": shown(found)}
+    for suffix, content in written.items():
+        file = CASES / f"{name}{suffix}"
+        if update_golden:
+            file.write_text(content, encoding="utf-8", newline="")
+        assert content == file.read_bytes().decode()
+    if name.startswith("RTC"):
+        assert name in {diagnostic.code for diagnostic in found}
+
+
+def test_every_rule_has_a_case() -> None:
+    assert {rule.code for rule in rules.RULES} <= {p.stem for p in CASES.glob("*.xml")}
+
+
+@pytest.mark.parametrize("name", ["everything", "old_template", "RTC0537"])
+def test_the_idl_is_read_again(name: str, tmp_path: Path) -> None:
+    text, _ = read(CASES / f"{name}.xml")
+    file = tmp_path / "Component.idl"
+    file.write_text(f'#include "BasicDataType.idl"\n{text}', encoding="utf-8")
+    again = idl.load([file], root=tmp_path, include=[SPECS])
+    assert not has_errors(again.diagnostics), again.diagnostics
