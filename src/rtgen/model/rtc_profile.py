@@ -68,7 +68,7 @@ class ProfileServicePort:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RtcProfile:
-    """What `rtc:RtcProfile` says. `format_version` is that of the format, `version` the component's.
+    """What `rtc:RtcProfile` says: `format_version` of itself, `version` of the component.
 
     `rate` is in Hz, None where the file has none. `properties` are those of the component.
     """
