@@ -43,6 +43,8 @@ class SdoChannel:
         self._client = SdoClient(node_id, timeout=timeout)
         self._waiting: deque[_Transfer] = deque()
         self._current: _Transfer | None = None
+        self.unexpected = 0
+        """Answers to nothing that was asked: another client is at work, or a second node."""
         self.identifiers = frozenset((SDO_RESPONSE + node_id,))
 
     @property
@@ -84,7 +86,13 @@ class SdoChannel:
 
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
         """See `Station`."""
-        return [*self._client.receive(frame, now), *self._go_on(now)]
+        client = self._client
+        # Late answers, which are drained, are no news.
+        draining, dropped = not (client.ready or client.busy), client.dropped
+        frames = client.receive(frame, now)
+        if not draining:
+            self.unexpected += client.dropped - dropped
+        return [*frames, *self._go_on(now)]
 
     def poll(self, now: int) -> Iterable[Frame]:
         """See `Station`."""

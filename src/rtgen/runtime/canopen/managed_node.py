@@ -1,0 +1,434 @@
+"""A node as its manager sees it: booted, identified, configured, started, supervised.
+
+After the published outline of CiA 302-2's boot procedure: reset communication, the boot-up
+message is awaited, 1000h and 1018h are compared, the configuration is written and read back, the
+node is started. All of it comes again after every boot-up message.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Final, Protocol
+
+from rtgen.runtime.canopen.description import NodeDescription
+from rtgen.runtime.canopen.emergency import Emergency
+from rtgen.runtime.canopen.frames import MILLISECOND, Frame
+from rtgen.runtime.canopen.heartbeat import (
+    HeartbeatConsumer,
+    HeartbeatEvent,
+    HeartbeatNews,
+)
+from rtgen.runtime.canopen.link import LinkError
+from rtgen.runtime.canopen.lss import UNCONFIGURED
+from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
+from rtgen.runtime.canopen.node_setup import SetUp, SetUpError, number_text, set_up
+from rtgen.runtime.canopen.sdo import SdoAbort
+from rtgen.runtime.canopen.sdo_channel import Done, Outcome
+
+
+class NodePhase(IntEnum):
+    """How far a manager is with a node; CANopen::NodePhase of the shared IDL."""
+
+    IDLE = 0
+    """The manager does not run the network."""
+    ASSIGNING = 1
+    """It gets its node-id by LSS."""
+    AWAITED = 2
+    """It was reset: its boot-up message is awaited."""
+    IDENTIFYING = 3
+    CONFIGURING = 4
+    READY = 5
+    """It is configured, and is not to be started."""
+    STARTING = 6
+    RUNNING = 7
+    HALTED = 8
+    """It was told to leave operational, or did so by itself."""
+    MISSING = 9
+    """It may be missing, and is."""
+    FAILED = 10
+
+
+_IN_USE: Final = frozenset(
+    {NodePhase.READY, NodePhase.STARTING, NodePhase.RUNNING, NodePhase.HALTED}
+)
+"""The node is configured, and supervised."""
+
+_SETTING_UP: Final = frozenset(
+    {
+        NodePhase.ASSIGNING,
+        NodePhase.AWAITED,
+        NodePhase.IDENTIFYING,
+        NodePhase.CONFIGURING,
+    }
+)
+
+_ASKED_STATES: Final = {
+    NmtCommand.START: NmtState.OPERATIONAL,
+    NmtCommand.STOP: NmtState.STOPPED,
+    NmtCommand.ENTER_PRE_OPERATIONAL: NmtState.PRE_OPERATIONAL,
+    NmtCommand.RESET_NODE: NmtState.INITIALISING,
+    NmtCommand.RESET_COMMUNICATION: NmtState.INITIALISING,
+}
+_RESETS: Final = (NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION)
+
+_FOREIGN_ANSWERS: Final = 3
+"""SDO answers that nobody asked for, in one set-up, that tell of a second node (or client)."""
+_FLIPS: Final = 4
+"""Changes between operational and not within two heartbeat periods that tell of a second node."""
+
+
+class Channel(Protocol):
+    """What the node needs of an `SdoChannel`."""
+
+    @property
+    def unexpected(self) -> int: ...
+
+    def submit_upload(self, index: int, subindex: int, done: Done) -> None: ...
+
+    def submit_download(
+        self, index: int, subindex: int, value: bytes, done: Done
+    ) -> None: ...
+
+
+class Host(Protocol):
+    """What the node needs of its manager."""
+
+    def now(self) -> int:
+        """The time in ns."""
+
+    def command(self, command: NmtCommand, node_id: int) -> None:
+        """Sends an NMT command."""
+
+    def assign(self, node: ManagedNode) -> None:
+        """Gives the node its node-id by LSS; `assigned` or `fail` follows."""
+
+    def changed(self, node: ManagedNode) -> None:
+        """The node's state has changed."""
+
+    def settle(self, node: ManagedNode) -> None:
+        """Frames and deadline of the node may have changed outside of a call by the manager."""
+
+
+@dataclass(frozen=True, slots=True)
+class NodeReport:
+    """A node's state since an instant (ns of the link); `reason` is what went wrong last."""
+
+    since: int
+    id: int
+    name: str
+    phase: NodePhase
+    nmt: NmtState | None
+    restarts: int
+    reason: str
+
+
+class ManagedNode:
+    """The procedure for one node. `deadline` is when `poll` is to be called.
+
+    On an error the node is reset up to `restarts` times (of its description), then it has FAILED,
+    or is MISSING if it has never spoken and is not mandatory. It comes back by a boot-up message,
+    or by a command.
+    """
+
+    def __init__(
+        self, description: NodeDescription, channel: Channel, host: Host
+    ) -> None:
+        self.description = description
+        self.phase = NodePhase.IDLE
+        self.since = 0
+        self.reason = ""
+        self.restarts = 0
+        self._channel = channel
+        self._host = host
+        self._timeout = description.heartbeat_timeout * MILLISECOND
+        self._consumer = HeartbeatConsumer(description.id, self._timeout)
+        self._attempt = 0
+        self._limit: int | None = None
+        self._configured = False
+        self._start = description.start
+        self._assigned = False
+        self._answers_before = 0
+        self._flips: deque[int] = deque(maxlen=_FLIPS)
+        self._emergency: Emergency | None = None
+
+    @property
+    def deadline(self) -> int | None:
+        """When `poll` is to be called; None for never."""
+        heartbeat, limit = self._consumer.deadline, self._limit
+        if heartbeat is None or limit is None:
+            return limit if heartbeat is None else heartbeat
+        return min(heartbeat, limit)
+
+    @property
+    def nmt(self) -> NmtState | None:
+        """The state that it told last; None if nothing is known."""
+        return self._consumer.state
+
+    def report(self) -> NodeReport:
+        """The node's state now."""
+        node = self.description
+        return NodeReport(
+            self.since,
+            node.id,
+            node.name,
+            self.phase,
+            self.nmt,
+            self.restarts,
+            self.reason,
+        )
+
+    # What the manager calls.
+
+    def begin(
+        self, command: NmtCommand | None = NmtCommand.RESET_COMMUNICATION
+    ) -> None:
+        """Resets the node, and awaits its boot-up message; None: it has been reset already."""
+        self._attempt += 1
+        self._configured = self._assigned = False
+        self._await_boot_up(command)
+
+    def activate(self) -> None:
+        """The network starts, and all nodes were reset: as if nothing had been before."""
+        self.restarts, self.reason = 0, ""
+        self._start = self.description.start
+        self.begin(None)
+
+    def idle(self) -> None:
+        """The manager lets go of the network."""
+        self._attempt += 1
+        self._configured = False
+        self._enter(NodePhase.IDLE)
+
+    def cut_off(self, reason: str) -> None:
+        """The bus has gone: the node has till its boot time-out to come back."""
+        self._attempt += 1
+        self._configured = False
+        self.reason = reason
+        self._await_boot_up(None)
+
+    def request(self, command: NmtCommand, *, send: bool = True) -> None:
+        """Somebody wants the node to go to another state; `send` is False if all are told."""
+        if self.phase is NodePhase.IDLE:
+            if send:
+                self._host.command(command, self.description.id)
+        elif command in _RESETS:
+            self.restarts, self._start = 0, self.description.start
+            self.begin(command if send else None)
+        elif command is NmtCommand.START:
+            self._start = True
+            self._start_wanted()
+        else:
+            self._start = False
+            self._halt(command, send)
+
+    def assigned(self, before: int) -> None:
+        """The node, which had another id or none, has got its own."""
+        if self.phase is not NodePhase.ASSIGNING:
+            return
+        # Without an id before it boots up by itself, once LSS lets it go.
+        self._await_boot_up(None)
+        if before != UNCONFIGURED:
+            self._host.command(NmtCommand.RESET_COMMUNICATION, before)
+
+    def heard(self, frame: Frame, now: int) -> None:
+        """A frame of the node's error control."""
+        event = self._consumer.receive(frame, now)
+        phase = self.phase
+        if event is None or phase is NodePhase.IDLE:
+            return
+        if event.news is HeartbeatNews.BOOT_UP:
+            self._booted(event.asked)
+        elif phase in _IN_USE:
+            self._told(event, now)
+        elif phase is NodePhase.MISSING:
+            self.begin()
+        else:
+            self._host.changed(self)
+
+    def alarmed(self, emergency: Emergency) -> None:
+        """The node has sent an emergency message, which may explain what follows."""
+        self._emergency = None if emergency.cleared else emergency
+
+    def poll(self, now: int) -> None:
+        """Does what is due."""
+        lost = self._consumer.poll(now)
+        if lost is not None and self.phase in _IN_USE:
+            milliseconds = self.description.heartbeat_timeout
+            self.fail(f"its heartbeat is lost: none for {milliseconds} ms")
+        elif self._limit is not None and now >= self._limit:
+            self._limit = None
+            self._over()
+
+    def fail(self, reason: str, *, final: bool = False, absent: bool = False) -> None:
+        """Something went wrong: resets the node, or gives it up.
+
+        `final` says that a reset would not help, `absent` that the node has never spoken.
+        """
+        self._attempt += 1
+        self.reason = reason
+        if not final and self.restarts < self.description.restarts:
+            self.restarts += 1
+            self.begin()
+            return
+        missing = absent and not self.description.mandatory
+        self._configured = False
+        self._enter(NodePhase.MISSING if missing else NodePhase.FAILED)
+
+    # Booting
+
+    def _await_boot_up(self, command: NmtCommand | None) -> None:
+        self._supervise_anew()
+        self._consumer.ask(NmtState.INITIALISING)
+        self._enter(NodePhase.AWAITED, self.description.boot_timeout)
+        if command is not None:
+            self._host.command(command, self.description.id)
+
+    def _booted(self, asked: bool) -> None:
+        if not asked and self.phase in _IN_USE:
+            self.reason = "it booted again by itself"
+        if self.phase in (NodePhase.FAILED, NodePhase.MISSING):
+            self.restarts = 0
+        self._attempt += 1
+        self._configured, self._emergency = False, None
+        self._answers_before = self._channel.unexpected
+        self._enter(NodePhase.IDENTIFYING)
+        self._go_on(set_up(self.description, self._identified), None)
+
+    def _identified(self) -> None:
+        self._enter(NodePhase.CONFIGURING)
+
+    def _go_on(self, procedure: SetUp, value: bytes | None) -> None:
+        """Carries the set-up on to its next transfer, or to its end."""
+        try:
+            transfer = next(procedure) if value is None else procedure.send(value)
+        except StopIteration:
+            self._set_up_done()
+            return
+        except SetUpError as error:
+            self.fail(str(error), final=error.final)
+            return
+        attempt = self._attempt
+        index, subindex, octets = transfer
+
+        def done(outcome: Outcome) -> None:
+            if attempt != self._attempt or isinstance(outcome, LinkError):
+                return
+            if isinstance(outcome, SdoAbort):
+                verb = "read" if octets is None else "written"
+                self.fail(f"{number_text(index, subindex)} cannot be {verb}: {outcome}")
+            elif self._channel.unexpected >= self._answers_before + _FOREIGN_ANSWERS:
+                self.fail(
+                    "SDO answers come that were not asked for: two nodes have the id "
+                    f"{self.description.id}, or there is another SDO client"
+                )
+            else:
+                self._go_on(procedure, outcome)
+            self._host.settle(self)
+
+        if octets is None:
+            self._channel.submit_upload(index, subindex, done)
+        else:
+            self._channel.submit_download(index, subindex, octets, done)
+
+    def _set_up_done(self) -> None:
+        self._configured = True
+        # From here on the configured heartbeat time holds.
+        self._supervise_anew()
+        if self._start:
+            self._go_operational()
+        else:
+            node = self.description
+            patience = node.boot_timeout + node.heartbeat_timeout
+            self._enter(NodePhase.READY, patience if self._timeout else None)
+
+    # Configured
+
+    def _go_operational(self) -> None:
+        node = self.description
+        self._consumer.ask(NmtState.OPERATIONAL)
+        if self._timeout and self.nmt is not NmtState.OPERATIONAL:
+            patience = node.boot_timeout + node.heartbeat_timeout
+            self._enter(NodePhase.STARTING, patience)
+        else:
+            self._enter(NodePhase.RUNNING)
+        self._host.command(NmtCommand.START, node.id)
+
+    def _start_wanted(self) -> None:
+        if self.phase in _SETTING_UP:
+            return
+        if self._configured:
+            self._go_operational()
+        else:
+            self.restarts = 0
+            self.begin()
+
+    def _halt(self, command: NmtCommand, send: bool) -> None:
+        # A node that is set up is on its way to pre-operational; stopped, it would be mute.
+        if self.phase in _SETTING_UP:
+            return
+        self._consumer.ask(_ASKED_STATES[command])
+        if self.phase in _IN_USE:
+            self._enter(NodePhase.HALTED)
+        if send:
+            self._host.command(command, self.description.id)
+
+    def _told(self, event: HeartbeatEvent, now: int) -> None:
+        state, phase = event.state, self.phase
+        if phase is NodePhase.READY:
+            self._limit = None
+        if self._contradictory(event, now):
+            self.fail(
+                "its heartbeats contradict each other: two nodes have the id "
+                f"{self.description.id}"
+            )
+        elif state is NmtState.OPERATIONAL:
+            self._enter(NodePhase.RUNNING)
+        elif state is NmtState.STOPPED and not event.asked:
+            self.fail(f"it has stopped by itself{self._cause()}")
+        elif phase is NodePhase.RUNNING and event.news is HeartbeatNews.CHANGED:
+            if not event.asked:
+                self.reason = f"it has left operational by itself{self._cause()}"
+            self._enter(NodePhase.HALTED)
+        else:
+            self._host.changed(self)
+
+    def _contradictory(self, event: HeartbeatEvent, now: int) -> bool:
+        """Whether states flip faster than one node tells them."""
+        if event.news is not HeartbeatNews.CHANGED or event.asked:
+            return False
+        self._flips.append(now)
+        span = 2 * self.description.heartbeat * MILLISECOND
+        return len(self._flips) == _FLIPS and now - self._flips[0] <= span
+
+    def _cause(self) -> str:
+        return f", after EMCY {self._emergency}" if self._emergency else ""
+
+    def _over(self) -> None:
+        """The phase has lasted too long."""
+        node = self.description
+        if self.phase is NodePhase.AWAITED:
+            if node.lss and not self._assigned:
+                self._assigned = True
+                self._enter(NodePhase.ASSIGNING)
+                self._host.assign(self)
+                return
+            self.fail(f"no boot-up message within {node.boot_timeout} ms", absent=True)
+            return
+        patience = node.boot_timeout + node.heartbeat_timeout
+        if self.nmt is None:
+            self.fail(f"no heartbeat within {patience} ms after its configuration")
+        else:
+            self.fail(f"it has not become operational within {patience} ms")
+
+    def _supervise_anew(self) -> None:
+        self._consumer = HeartbeatConsumer(self.description.id, self._timeout)
+        self._flips.clear()
+
+    def _enter(self, phase: NodePhase, milliseconds: int | None = None) -> None:
+        """Goes to a phase that may last so long."""
+        now = self._host.now()
+        self.phase, self.since = phase, now
+        self._limit = None if milliseconds is None else now + milliseconds * MILLISECOND
+        self._host.changed(self)

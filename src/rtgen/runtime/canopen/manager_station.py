@@ -1,0 +1,296 @@
+"""The manager of a network on its bus: NMT master, producer of SYNC and of its own heartbeat."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from heapq import heappop, heappush
+from typing import Final
+
+from rtgen.runtime.canopen.description import Network
+from rtgen.runtime.canopen.emergency import decode_emergency
+from rtgen.runtime.canopen.frames import (
+    EMERGENCY,
+    ERROR_CONTROL,
+    LSS_RESPONSE,
+    MILLISECOND,
+    Frame,
+)
+from rtgen.runtime.canopen.heartbeat import HeartbeatProducer
+from rtgen.runtime.canopen.link import Link
+from rtgen.runtime.canopen.lss_master import Assigned, LssError, LssMaster, assign
+from rtgen.runtime.canopen.managed_node import ManagedNode, NodePhase, NodeReport
+from rtgen.runtime.canopen.nmt import (
+    NmtCommand,
+    NmtState,
+    command_frame,
+    heartbeat_frame,
+)
+from rtgen.runtime.canopen.sync import SyncProducer
+
+_MICROSECOND: Final = 1000
+
+
+class ManagerStation:
+    """Runs a network from `start` to `halt`; between `attach` and `detach` it is on the bus.
+
+    While it runs it is `link.master`. `listener` gets every change of a node, with the link's lock
+    held.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        network: Network,
+        listener: Callable[[NodeReport], None] = lambda report: None,
+    ) -> None:
+        self.network = network
+        self.nodes = {
+            node.id: ManagedNode(node, link.sdo(node.id), self)
+            for node in network.nodes
+        }
+        self.identifiers = frozenset(
+            (
+                LSS_RESPONSE,
+                ERROR_CONTROL + network.manager,
+                *(ERROR_CONTROL + node for node in self.nodes),
+                *(EMERGENCY + node for node in self.nodes),
+            )
+        )
+        self.deadline: int | None = None
+        self.running = False
+        self._link = link
+        self._listener = listener
+        self._lss = LssMaster()
+        self._sync = (
+            SyncProducer(network.sync * _MICROSECOND, network.sync_overflow)
+            if network.sync
+            else None
+        )
+        self._heartbeat = HeartbeatProducer(
+            network.manager, network.heartbeat * MILLISECOND
+        )
+        self._clash = ""
+        self._frames: list[Frame] = []
+        # When nodes may be due, the earliest first; a node's own deadline may have moved on.
+        self._agenda: list[tuple[int, int]] = []
+        self._noted: dict[int, int] = {}
+
+    # For the component that owns it
+
+    @property
+    def failure(self) -> str:
+        """Why the network cannot do its work; empty if it can."""
+        if self._clash:
+            return self._clash
+        for node in self.nodes.values():
+            if node.phase is NodePhase.FAILED and node.description.mandatory:
+                return f"{node.description.name} (node {node.description.id}): {node.reason}"
+        return ""
+
+    def reports(self) -> list[NodeReport]:
+        """The state of every node, by node-id."""
+        with self._link.lock:
+            return [self.nodes[node].report() for node in sorted(self.nodes)]
+
+    def start(self) -> None:
+        """Resets the nodes and boots them; from now on it is the NMT master.
+
+        Raises RuntimeError if the link has another one.
+        """
+        link = self._link
+        with link.lock:
+            if link.master is not None and link.master is not self:
+                raise RuntimeError("there is another NMT master on this bus")
+            link.master = self
+            link.attach(self)
+            self.running, self._clash = True, ""
+            if link.up:
+                self._begin(link.now())
+            else:
+                self._cut_off()
+            self._flush()
+
+    def halt(self) -> None:
+        """Brings the nodes to pre-operational, and lets go of them; its heartbeat goes on."""
+        with self._link.lock:
+            if not self.running:
+                return
+            self.running = False
+            self._link.master = None
+            self._lss.cancel()
+            if self._sync is not None:
+                self._sync.stop()
+            if self._link.up:
+                self._command(NmtCommand.ENTER_PRE_OPERATIONAL, 0)
+            for node in self.nodes.values():
+                node.idle()
+            self._flush()
+
+    def close(self) -> None:
+        """Halts the network, and leaves the bus."""
+        self.halt()
+        with self._link.lock:
+            self._link.detach(self)
+
+    # NmtMaster
+
+    def request(self, command: int, node_id: int) -> None:
+        """See `NmtMaster`. While the bus is gone, it is only noted what is wanted."""
+        wanted = NmtCommand(command)
+        with self._link.lock:
+            if node_id == 0 and wanted is not NmtCommand.START:
+                self._command(wanted, 0)
+            elif node_id not in (0, *self.nodes):
+                self._command(wanted, node_id)
+            for node in self.nodes.values():
+                if node_id in (0, node.description.id):
+                    told = node_id == 0 and wanted is not NmtCommand.START
+                    node.request(wanted, send=not told)
+                    self._note(node)
+            self._flush()
+
+    # Station
+
+    def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
+        """See `Station`."""
+        can_id = frame.can_id
+        if can_id > ERROR_CONTROL:
+            node = self.nodes.get(can_id - ERROR_CONTROL)
+            if node is not None:
+                node.heard(frame, now)
+                self._note(node)
+            elif can_id == LSS_RESPONSE:
+                self._frames += self._lss.receive(frame, now)
+            elif self.running and not self._clash:
+                self._clash = (
+                    f"another node has the manager's node-id {self.network.manager}"
+                )
+        else:
+            told = decode_emergency(frame)
+            if told is not None and told[0] in self.nodes:
+                self.nodes[told[0]].alarmed(told[1])
+        return self._answer()
+
+    def poll(self, now: int) -> Iterable[Frame]:
+        """See `Station`."""
+        if self._sync is not None and (sync := self._sync.poll(now)) is not None:
+            self._frames.append(sync)
+        state = NmtState.OPERATIONAL if self.running else NmtState.PRE_OPERATIONAL
+        if (heartbeat := self._heartbeat.poll(now, state)) is not None:
+            self._frames.append(heartbeat)
+        self._frames += self._lss.poll(now)
+        agenda = self._agenda
+        while agenda and agenda[0][0] <= now:
+            due, node_id = heappop(agenda)
+            if self._noted.get(node_id) != due:
+                continue
+            del self._noted[node_id]
+            node = self.nodes[node_id]
+            node.poll(now)
+            self._note(node)
+        return self._answer()
+
+    def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
+        """See `Station`: when the bus is back, everything begins anew."""
+        if not up:
+            self._heartbeat.stop()
+            if self.running:
+                self._cut_off()
+            self._frames.clear()
+        elif self.running:
+            self._begin(now)
+        return self._answer()
+
+    # Host of the nodes
+
+    def now(self) -> int:
+        """See `Host`."""
+        return self._link.now()
+
+    def command(self, command: NmtCommand, node_id: int) -> None:
+        """See `Host`."""
+        self._command(command, node_id)
+
+    def assign(self, node: ManagedNode) -> None:
+        """See `Host`."""
+        description = node.description
+
+        def done(outcome: Assigned | LssError) -> None:
+            if isinstance(outcome, LssError):
+                if node.phase is NodePhase.ASSIGNING:
+                    timeout = description.boot_timeout
+                    reason = f"no boot-up message within {timeout} ms, and {outcome}"
+                    node.fail(reason, absent=True)
+            else:
+                node.assigned(outcome.before)
+            self._note(node)
+
+        procedure = assign(description.identity[1:], description.id)
+        self._frames += self._lss.submit(procedure, done, self._link.now())
+
+    def changed(self, node: ManagedNode) -> None:
+        """See `Host`."""
+        self._listener(node.report())
+
+    def settle(self, node: ManagedNode) -> None:
+        """See `Host`."""
+        self._note(node)
+        self._flush()
+
+    # The rest
+
+    def _begin(self, now: int) -> None:
+        """Boots up, and resets all nodes with one frame."""
+        manager = self.network.manager
+        self._frames.append(heartbeat_frame(manager, NmtState.INITIALISING))
+        self._heartbeat.booted(now)
+        if self._sync is not None:
+            self._sync.start(now)
+        self._lss.cancel()
+        self._command(NmtCommand.RESET_COMMUNICATION, 0)
+        for node in self.nodes.values():
+            node.activate()
+            self._note(node)
+
+    def _cut_off(self) -> None:
+        if self._sync is not None:
+            self._sync.stop()
+        self._lss.cancel()
+        for node in self.nodes.values():
+            node.cut_off("the bus is gone")
+            self._note(node)
+
+    def _command(self, command: NmtCommand, node_id: int) -> None:
+        if self._link.up:
+            self._frames.append(command_frame(command, node_id))
+
+    def _note(self, node: ManagedNode) -> None:
+        """Puts a node on the agenda, unless it is there for an earlier time."""
+        due, node_id = node.deadline, node.description.id
+        if due is None:
+            return
+        noted = self._noted.get(node_id)
+        if noted is None or due < noted:
+            self._noted[node_id] = due
+            heappush(self._agenda, (due, node_id))
+
+    def _answer(self) -> list[Frame]:
+        """Works the deadline out; gives the frames that are to be sent."""
+        self._set_deadline()
+        frames, self._frames = self._frames, []
+        return frames
+
+    def _flush(self) -> None:
+        """The same, outside of a call by the link."""
+        frames = self._answer()
+        if frames and self._link.up:
+            self._link.send(frames, self)
+        self._link.refresh(self)
+
+    def _set_deadline(self) -> None:
+        deadline = self._agenda[0][0] if self._agenda else None
+        sync = None if self._sync is None else self._sync.deadline
+        for other in (sync, self._heartbeat.deadline, self._lss.deadline):
+            if other is not None and (deadline is None or other < deadline):
+                deadline = other
+        self.deadline = deadline

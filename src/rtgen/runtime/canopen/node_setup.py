@@ -1,0 +1,75 @@
+"""What a manager reads from a node and writes to it before it is started."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from typing import Final, TypeAlias
+
+from rtgen.runtime.canopen.description import NodeDescription, ObjectNumber, Write
+
+Transfer: TypeAlias = tuple[int, int, bytes | None]
+"""Index, sub-index, and the octets to be written; None to read."""
+
+SetUp: TypeAlias = Generator[Transfer, bytes, None]
+"""Yields transfers, and gets what was read; b"" for what was written."""
+
+_IDENTITY: Final = (
+    (0x1000, 0, "device type"),
+    (0x1018, 1, "vendor"),
+    (0x1018, 2, "product"),
+    (0x1018, 3, "revision"),
+    (0x1018, 4, "serial number"),
+)
+
+
+class SetUpError(Exception):
+    """The node is not the one that is expected, or does not keep what is written.
+
+    `final` says that a reset would not help.
+    """
+
+    def __init__(self, reason: str, *, final: bool = False) -> None:
+        self.final = final
+        super().__init__(reason)
+
+
+def set_up(node: NodeDescription, identified: Callable[[], None]) -> SetUp:
+    """Compares the identity, then writes the configuration and reads it back.
+
+    `identified` is called in between. What is written several times is read back once, at the end.
+    Raises SetUpError.
+    """
+    for (index, subindex, what), expected in zip(_IDENTITY, node.identity, strict=True):
+        if expected is None:
+            continue
+        told = int.from_bytes((yield index, subindex, None), "little")
+        if told != expected:
+            raise SetUpError(
+                f"wrong identity: {what} ({number_text(index, subindex)}) is {told:08X}h, "
+                f"not {expected:08X}h",
+                final=True,
+            )
+    identified()
+    last: dict[ObjectNumber, Write] = {}
+    for write in node.configuration:
+        yield write.index, write.subindex, write.value
+        last[write.index, write.subindex] = write
+    for (index, subindex), write in last.items():
+        if not write.verify:
+            continue
+        kept = yield index, subindex, None
+        if not _same(kept, write.value):
+            raise SetUpError(
+                f"{number_text(index, subindex)} was written as {write.value.hex(' ')}, "
+                f"but reads {kept.hex(' ')}"
+            )
+
+
+def number_text(index: int, subindex: int) -> str:
+    """An object's number as users write it, `1018:1`."""
+    return f"{index:04X}:{subindex:X}"
+
+
+def _same(kept: bytes, written: bytes) -> bool:
+    """Whether a node kept a value; zeros behind it are padding."""
+    return kept.startswith(written) and not any(kept[len(written) :])
