@@ -28,6 +28,12 @@ OK, NO, BAD_INPUT, FAILED = range(4)
 """Exit codes."""
 
 
+class Refusal(click.ClickException):
+    """What the command line names is not there, or is no such thing."""
+
+    exit_code = BAD_INPUT
+
+
 @dataclass(frozen=True, slots=True)
 class Console:
     """Standard error, as the options want it: its form for findings, colour, and quiet."""

@@ -11,7 +11,7 @@ from typing import ParamSpec, TypeVar
 
 import click
 
-from rtgen.cli.common import BAD_INPUT
+from rtgen.cli.common import Refusal
 from rtgen.cli.rpc.codecs import Function, Service
 from rtgen.cli.rpc.values import Json
 from rtgen.diagnostics import InputError, has_errors
@@ -181,8 +181,4 @@ def _unknown(what: str, name: str, known: list[str]) -> click.ClickException:
 
 def refused(message: str) -> click.ClickException:
     """What to raise for input that is wrong."""
-    return _Refusal(message)
-
-
-class _Refusal(click.ClickException):
-    exit_code = BAD_INPUT
+    return Refusal(message)

@@ -1,0 +1,265 @@
+"""What is known of the nodes on a bus: from a bus file, or from descriptions of single nodes."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from functools import cached_property
+from pathlib import Path
+from typing import cast
+
+from rtgen.cli.common import Refusal
+from rtgen.diagnostics import Diagnostic, InputError, has_errors
+from rtgen.model.can_bus import Bus
+from rtgen.model.canopen import (
+    Access,
+    Device,
+    Value,
+    resolved,
+)
+from rtgen.runtime.canopen.description import Kind
+from rtgen.typemap.canopen_names import field_names
+from rtgen.typemap.canopen_values import kind
+
+Number = tuple[int, int]
+"""Index and sub-index."""
+
+MANAGER = 127
+"""The node-id of a manager, unless a bus file says otherwise."""
+
+
+@dataclass(frozen=True, slots=True)
+class KnownObject:
+    """A variable of a node. `factor` (physical value = factor * value) is None where not told."""
+
+    number: Number
+    name: str
+    kind: Kind
+    access: Access
+    unit: str = ""
+    factor: float | None = None
+    low: int | float | None = None
+    high: int | float | None = None
+
+    def __str__(self) -> str:
+        return f"{written(self.number)} {self.name}".rstrip()
+
+
+@dataclass(frozen=True, kw_only=True)
+class KnownNode:
+    """A node: its id, its name in texts, its description, and its variables by number."""
+
+    id: int
+    name: str
+    device: Device
+    objects: Mapping[Number, KnownObject] = field(repr=False)
+
+    @cached_property
+    def by_name(self) -> dict[str, KnownObject]:
+        """The variables by their identifiers in lower case."""
+        return {thing.name.lower(): thing for thing in self.objects.values()}
+
+    def object(self, text: str) -> KnownObject:
+        """The variable of a name, or of a number such as `6401:1`. Raises Refusal."""
+        named = self.by_name.get(text.lower())
+        if named is not None:
+            return named
+        number = number_of(text)
+        if number is not None and number in self.objects:
+            return self.objects[number]
+        if number is not None and number[1] == 0 and ":" not in text:
+            subs = sorted(n for n in self.objects if n[0] == number[0])
+            if subs:
+                known = ", ".join(written(n) for n in subs[:4])
+                raise Refusal(f"{self.name} has {known}, but no {text}")
+        close = get_close_matches(text.lower(), self.by_name, n=1)
+        hint = f"; did you mean {self.by_name[close[0]].name}?" if close else ""
+        raise Refusal(f"{self.name} has no object {text!r}{hint}")
+
+    @property
+    def identity(self) -> tuple[int | None, ...]:
+        """Device type, vendor, product and revision as its description has them."""
+        numbers = ((0x1000, 0), (0x1018, 1), (0x1018, 2), (0x1018, 3))
+        found = (self.device.find(*number) for number in numbers)
+        values = (None if v is None else v.current for v in found)
+        return tuple(value if isinstance(value, int) else None for value in values)
+
+    @property
+    def parameters(self) -> dict[Number, int]:
+        """The numbers in its communication profile area, as they are configured."""
+        found = {}
+        for variable in self.device.variables:
+            value = resolved(variable.current, self.id)
+            if 0x1000 <= variable.index < 0x2000 and isinstance(value, int):
+                found[variable.index, variable.subindex] = value
+        return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class KnownBus:
+    """The nodes by id, and the bus file if there is one."""
+
+    nodes: Mapping[int, KnownNode]
+    bus: Bus | None = None
+
+    @property
+    def manager(self) -> int:
+        """The manager's node-id."""
+        return self.bus.manager if self.bus else MANAGER
+
+    def name(self, node_id: int) -> str:
+        """How a node is called in texts."""
+        node = self.nodes.get(node_id)
+        if node is not None:
+            return node.name
+        return "manager" if self.bus and node_id == self.manager else f"node {node_id}"
+
+    def node(self, text: str) -> int:
+        """The id of a node by its name or number. Raises Refusal."""
+        for node in self.nodes.values():
+            if text == node.name:
+                return node.id
+        try:
+            node_id = int(text, 0)
+        except ValueError:
+            names = [node.name for node in self.nodes.values()]
+            close = get_close_matches(text, names, n=1)
+            known = f"known: {', '.join(names)}" if names else "give its node-id"
+            hint = f"did you mean {close[0]}?" if close else known
+            raise Refusal(f"there is no node {text!r}; {hint}") from None
+        if not 1 <= node_id <= 127:
+            raise Refusal(f"node-id {node_id}: it is 1 to 127")
+        return node_id
+
+    def find(self, text: str) -> list[tuple[KnownNode, KnownObject]]:
+        """The variables that `NODE.OBJECT` or `OBJECT` names, of every node that has it.
+
+        Raises Refusal if there is none.
+        """
+        name, dot, thing = text.partition(".")
+        if dot:
+            node = self.nodes.get(self.node(name))
+            if node is None:
+                raise Refusal(f"nothing is known of the objects of {name}")
+            return [(node, node.object(thing))]
+        found = []
+        missing = Refusal(f"no node is known that could have {text!r}")
+        for node in self.nodes.values():
+            try:
+                found.append((node, node.object(text)))
+            except Refusal as error:
+                missing = error
+        if not found:
+            raise missing
+        return found
+
+
+def number_of(text: str) -> Number | None:
+    """Index and sub-index of `6401:1`, `0x6401:01` or `1000`; None for other texts."""
+    index, _, subindex = text.lower().removeprefix("0x").partition(":")
+    try:
+        number = int(index, 16), int(subindex or "0", 16)
+    except ValueError:
+        return None
+    return number if 0 <= number[0] <= 0xFFFF and 0 <= number[1] <= 0xFF else None
+
+
+def written(number: Number) -> str:
+    """`6401:1` of a number."""
+    return f"{number[0]:04X}:{number[1]:X}"
+
+
+def known_bus(
+    bus_file: Path | None, descriptions: Sequence[tuple[int | None, Path]]
+) -> KnownBus:
+    """What a bus file and descriptions of nodes tell; raises InputError for their errors.
+
+    A description without a node-id is a DCF that has one. It comes before the bus file's.
+    """
+    found: list[Diagnostic] = []
+    nodes: dict[int, KnownNode] = {}
+    bus = None
+    if bus_file is not None:
+        from rtgen.frontends import bus as front_end
+
+        result = front_end.load(bus_file, root=Path.cwd())
+        found += result.diagnostics
+        bus = result.bus
+        for node in bus.nodes if bus else ():
+            made = node.kind
+            nodes[node.id] = known_node(
+                node.id,
+                node.name,
+                node.device,
+                units=dict(made.units),
+                factors=dict(made.factors),
+            )
+    described = []
+    for node_id, path in descriptions:
+        device, diagnostics = _described(node_id, path)
+        found += diagnostics
+        if device is not None:
+            described.append(device)
+    if has_errors(found):
+        raise InputError(found)
+    for node_id, name, device in _named(described):
+        nodes[node_id] = known_node(node_id, name, device)
+    return KnownBus(nodes=dict(sorted(nodes.items())), bus=bus)
+
+
+def known_node(
+    node_id: int,
+    name: str,
+    device: Device,
+    *,
+    units: Mapping[Number, str] | None = None,
+    factors: Mapping[Number, float] | None = None,
+) -> KnownNode:
+    """A node of a device, read for its id; units and factors come before the file's own."""
+    names = field_names(device.variables)
+    units, factors = units or {}, factors or {}
+    objects = {}
+    for v in device.variables:
+        number = v.index, v.subindex
+        objects[number] = KnownObject(
+            number=number,
+            name=names[number],
+            kind="octets" if v.domain else cast("Kind", kind(v.data_type)),
+            access=v.access,
+            unit=units.get(number, v.unit),
+            factor=factors.get(number, v.factor),
+            low=_limit(v.low, node_id),
+            high=_limit(v.high, node_id),
+        )
+    return KnownNode(id=node_id, name=name, device=device, objects=objects)
+
+
+def _limit(value: Value | None, node_id: int) -> int | float | None:
+    told = resolved(value, node_id)
+    return told if isinstance(told, (int, float)) else None
+
+
+def _described(
+    node_id: int | None, path: Path
+) -> tuple[Device | None, tuple[Diagnostic, ...]]:
+    from rtgen.frontends import eds
+
+    result = eds.load([path], root=Path.cwd(), node_id=node_id)
+    device = result.model.devices[0] if result.model.devices else None
+    if device is not None and device.node_id is None:
+        raise Refusal(f"--eds {path}: whose is it? Write --eds NODE-ID={path}")
+    return device, result.diagnostics
+
+
+def _named(devices: Iterable[Device]) -> Iterable[tuple[int, str, Device]]:
+    """Devices with their ids and names; a name that two would have bears the id."""
+    told = []
+    for device in devices:
+        assert device.node_id is not None
+        name = device.commissioning.node_name if device.commissioning else ""
+        told.append((device.node_id, name or Path(device.file).stem, device))
+    counts = Counter(name for _, name, _ in told)
+    for node_id, name, device in told:
+        yield node_id, name if counts[name] == 1 else f"{name}_{node_id}", device

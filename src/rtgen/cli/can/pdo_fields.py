@@ -1,0 +1,130 @@
+"""PDOs by the mapping that a node has at present, and the values in their data."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from rtgen.cli.can.known import KnownNode, KnownObject, Number
+from rtgen.cli.can.known_values import Field, field_of
+from rtgen.model.canopen import (
+    INVALID,
+    PDOS,
+    RPDO_COMMUNICATION,
+    RPDO_MAPPING,
+    TPDO_COMMUNICATION,
+    TPDO_MAPPING,
+    Access,
+    PdoDirection,
+)
+from rtgen.runtime.canopen.frames import MAX_DATA, CobId
+from rtgen.runtime.canopen.values import ObjectValueError, from_bits
+
+_FIRST_OBJECT = 0x1000
+"""Lower indices are those of data types: gaps."""
+_MAX_ENTRIES = 64
+_MULTIPLEXED = (0xFE, 0xFF)
+"""Numbers of mapped objects that stand for multiplexed PDOs, source and destination mode."""
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """An object in a PDO: its first bit and how many there are."""
+
+    thing: KnownObject
+    first: int
+    bits: int
+
+
+@dataclass(frozen=True, slots=True)
+class Route:
+    """A PDO of a node, with what it has of objects. `bits` is the length, gaps included."""
+
+    node: KnownNode
+    direction: PdoDirection
+    number: int
+    stretches: tuple[Stretch, ...]
+    bits: int
+    multiplexed: bool = False
+
+    @property
+    def pdo(self) -> str:
+        """`tpdo1`."""
+        return f"{self.direction}{self.number}"
+
+    @property
+    def octets(self) -> int:
+        """The length of its data."""
+        return MAX_DATA if self.multiplexed else (self.bits + 7) // 8
+
+    def fields(self, data: bytes) -> tuple[Field, ...]:
+        """The values in the data, those of objects that it has room for."""
+        if self.multiplexed:
+            return self._multiplexed(data)
+        whole = int.from_bytes(data, "little")
+        found = []
+        for stretch in self.stretches:
+            if stretch.first + stretch.bits > 8 * len(data):
+                break
+            raw = whole >> stretch.first & (1 << stretch.bits) - 1
+            found.append(self._field(stretch, raw))
+        return tuple(found)
+
+    def _field(self, stretch: Stretch, raw: int) -> Field:
+        thing, bits = stretch.thing, stretch.bits
+        try:
+            value = from_bits(thing.kind, raw, bits)
+        except ObjectValueError:
+            value = raw.to_bytes((bits + 7) // 8, "little")
+        return field_of(self.node, thing, value)
+
+    def _multiplexed(self, data: bytes) -> tuple[Field, ...]:
+        """The one value of a multiplexed PDO: address, index, sub-index, 4 octets."""
+        if len(data) != MAX_DATA:
+            return ()
+        number = data[1] | data[2] << 8, data[3]
+        return (field_of(self.node, object_of(self.node, number), data[4:]),)
+
+
+def object_of(node: KnownNode | None, number: Number) -> KnownObject:
+    """The variable of a node; one without a name if it has none of that number."""
+    thing = node.objects.get(number) if node else None
+    return thing or KnownObject(number, "", "octets", Access.RW)
+
+
+def routes(
+    node: KnownNode, parameters: Mapping[Number, int]
+) -> Iterator[tuple[tuple[int, bool], Route]]:
+    """The PDOs that a node's parameters make valid, by identifier and whether it has 29 bits."""
+    for direction, base, mapping in (
+        (PdoDirection.TPDO, TPDO_COMMUNICATION, TPDO_MAPPING),
+        (PdoDirection.RPDO, RPDO_COMMUNICATION, RPDO_MAPPING),
+    ):
+        for (index, subindex), value in parameters.items():
+            if subindex != 1 or not base <= index < base + PDOS:
+                continue
+            if value & INVALID or not 0 <= value < 1 << 32:
+                continue
+            cob_id = CobId(value)
+            route = _route(node, direction, index - base, mapping, parameters)
+            yield (cob_id.can_id, cob_id.extended), route
+
+
+def _route(
+    node: KnownNode,
+    direction: PdoDirection,
+    place: int,
+    mapping: int,
+    parameters: Mapping[Number, int],
+) -> Route:
+    count = parameters.get((mapping + place, 0), 0)
+    if count in _MULTIPLEXED:
+        return Route(node, direction, place + 1, (), 64, multiplexed=True)
+    stretches, bits = [], 0
+    for subindex in range(1, min(count, _MAX_ENTRIES) + 1):
+        entry = parameters.get((mapping + place, subindex), 0)
+        number, length = (entry >> 16, entry >> 8 & 0xFF), entry & 0xFF
+        if length and number[0] >= _FIRST_OBJECT:
+            stretches.append(Stretch(object_of(node, number), bits, length))
+        bits += length
+    return Route(node, direction, place + 1, tuple(stretches), bits)
