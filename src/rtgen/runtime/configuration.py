@@ -28,6 +28,8 @@ class ConfigurationSets:
     ) -> None:
         self.rate: float | None = None
         """Rate in Hz that a `.conf` file gave (`exec_cxt.periodic.rate`)."""
+        self.on_change: Callable[[], None] | None = None
+        """Called when values of the configuration object have changed."""
         self._owner = owner
         self._schedule = schedule
         self._target: object = None
@@ -118,6 +120,7 @@ class ConfigurationSets:
         # In this order: a set that is active was there before it became so.
         active, texts = self._active, self._texts
         effective = texts[DEFAULT_SET] | texts[active]
+        changed = False
         for name, converter in self._converters.items():
             text = effective.get(name)
             value = self._initial[name] if text is None else converter(text)
@@ -125,6 +128,9 @@ class ConfigurationSets:
                 self._applied[name] = value
                 own = list(value) if isinstance(value, list) else value
                 setattr(self._target, converter.profile.python_name, own)
+                changed = True
+        if changed and self.on_change is not None:
+            self.on_change()
 
     def _require(self, set_id: str, known: Mapping[str, object]) -> None:
         if set_id not in known:

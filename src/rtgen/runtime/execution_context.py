@@ -58,6 +58,9 @@ class Undriven:
 StateListener = Callable[["Participant", LifeCycleState, LifeCycleState], None]
 
 
+_GOALS = {Request.ACTIVATE: ACTIVE_STATE, Request.DEACTIVATE: INACTIVE_STATE}
+
+
 class Participant:
     """A component in a context: its state there, and the requests that wait for the next tick."""
 
@@ -153,6 +156,8 @@ class Participant:
         """Does now what a legal request asks for; ignores one that has become illegal."""
         row = TRANSITIONS.get((self.state, request))
         if row is None:
+            if self.state is _GOALS.get(request):
+                return
             log.warning("%s: %s came too late", self.component.instance_name, request)
             return
         if request is Request.FAIL:

@@ -81,6 +81,16 @@ class HeartbeatConsumer:
         self._asked: NmtState | None = None
         self._beating = False
 
+    @property
+    def timeout(self) -> int:
+        """The time-out in ns, 0 for none."""
+        return self._timeout
+
+    def configure(self, timeout: int, now: int) -> None:
+        """Takes a new time-out (1016h written)."""
+        self._timeout = timeout
+        self.deadline = now + timeout if timeout and self._beating else None
+
     def ask(self, state: NmtState) -> None:
         """The node has been told to go there; INITIALISING stands for a reset."""
         self._asked = state

@@ -52,6 +52,12 @@ class NmtMaster(Protocol):
     def request(self, command: int, node_id: int) -> None:
         """Sends an NMT command for a node (0: all), and notes that it was asked for."""
 
+    def readiness(self, node_id: int) -> bool | str:
+        """Whether the node is configured, so that it may be started; a text says why it cannot be.
+
+        A node that the master does not know is ready.
+        """
+
 
 class Link(ABC):
     """A process's access to one bus. What calls stations' methods from outside holds `lock`."""

@@ -166,6 +166,11 @@ class ManagedNode:
         """The state that it told last; None if nothing is known."""
         return self._consumer.state
 
+    @property
+    def in_use(self) -> bool:
+        """Whether it is configured, and supervised."""
+        return self.phase in _IN_USE
+
     def report(self) -> NodeReport:
         """The node's state now."""
         node = self.description

@@ -149,6 +149,15 @@ class ManagerStation:
                     self._note(node)
             self._flush()
 
+    def readiness(self, node_id: int) -> bool | str:
+        """See `NmtMaster`."""
+        node = self.nodes.get(node_id)
+        if node is None:
+            return True
+        if node.phase in (NodePhase.FAILED, NodePhase.MISSING):
+            return node.reason or "it is missing"
+        return node.in_use
+
     # Station
 
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
