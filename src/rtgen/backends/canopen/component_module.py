@@ -10,7 +10,7 @@ from rtgen.backends.canopen.literals import call
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.members import attributes_of
 from rtgen.backends.python_text import docstring, fit_text
-from rtgen.model import Component, Model, ScopedName, Struct
+from rtgen.model import Component, Model, NamedType, ScopedName, Struct
 from rtgen.model.canopen import PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
 from rtgen.typemap.idl_python import PythonNames
@@ -37,6 +37,7 @@ class ComponentModule:
     def __init__(
         self,
         model: Model,
+        names: PythonNames,
         component: Component,
         ports: DevicePorts,
         options: Options,
@@ -44,7 +45,7 @@ class ComponentModule:
     ) -> None:
         self.ports = ports
         self.component = component
-        self.names = PythonNames(model, options.package)
+        self.names = names
         self.types = Imports(
             model, self.names, "...", _TAKEN.union(taken), options.external
         )
@@ -56,7 +57,7 @@ class ComponentModule:
             parameter.name: name
             for parameter, name in attributes_of(component).configuration
         }
-        self._model = model
+        self.model = model
         self._imported: set[tuple[str, str]] = set()
 
     # Names.
@@ -82,7 +83,7 @@ class ComponentModule:
 
     def member(self, struct: ScopedName, name: str) -> str:
         """A member as an attribute in Python."""
-        declaration = self._model.find(struct)
+        declaration = self.model.find(struct)
         assert isinstance(declaration, Struct)
         return self.names.members(declaration)[name]
 
@@ -113,14 +114,16 @@ class ComponentModule:
         """A codec's field as a member."""
         if is_plain(quantity):
             return value
-        return from_codec(quantity, value, self._time_of(quantity))
+        return from_codec(quantity, value, self.time)
 
     def of_object(self, quantity: Quantity, value: str) -> str:
         """A value of the object dictionary as a member."""
-        return from_object(quantity, value, self._time_of(quantity))
+        time = self.time if self.is_time(quantity) else ""
+        return from_object(quantity, value, time)
 
-    def _time_of(self, quantity: Quantity) -> str:
-        return self.time if quantity.factor is None else ""
+    def is_time(self, quantity: Quantity) -> bool:
+        """Whether members have it as an `RTC::Time`."""
+        return quantity.type == NamedType(TIME)
 
     # Text.
 

@@ -1,0 +1,297 @@
+"""The module `proxy` of a device: its proxy, complete."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.backends import Options
+from rtgen.backends.canopen.component_module import ComponentModule
+from rtgen.backends.canopen.conversions import is_plain, to_codec, to_object
+from rtgen.backends.canopen.literals import call, items, literal, number
+from rtgen.backends.python_text import docstring, number_literal, string_literal
+from rtgen.model import VOID, Component, Interface, Model, PortKind
+from rtgen.model.canopen import NodeRelative, PdoDirection
+from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
+from rtgen.typemap.canopen_values import kind, object_value, python_type
+from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.python_names import module_name
+
+_HOOKS = "rtgen.runtime.canopen.hooks"
+_SAMPLES = "rtgen.runtime.canopen.port_samples"
+_ZEROS = {
+    "bool": "False",
+    "char": '"\\0"',
+    "string": '""',
+    "wstring": '""',
+    "octets": 'b""',
+    "r32": "0.0",
+    "r64": "0.0",
+}
+
+
+def proxy_text(
+    model: Model,
+    names: PythonNames,
+    component: Component,
+    ports: DevicePorts,
+    options: Options,
+    header: str,
+    networks: str,
+) -> str:
+    """The module. `networks` is the package of the networks, empty if there is none."""
+    return _ProxyModule(model, names, component, ports, options).proxy(header, networks)
+
+
+class _ProxyModule(ComponentModule):
+    def __init__(
+        self,
+        model: Model,
+        names: PythonNames,
+        component: Component,
+        ports: DevicePorts,
+        options: Options,
+    ) -> None:
+        name = component.name[-1]
+        codecs = {f"{c}_{s.name}" for c in ("decode", "encode") for s in ports.samples}
+        taken = {name, f"{name}Base", "SdoAccess", "_ObjectAccess", *codecs}
+        super().__init__(model, names, component, ports, options, taken)
+        self._name = name
+        self._received = ports.of(PdoDirection.TPDO)
+        self._sent = ports.of(PdoDirection.RPDO)
+        self._codecs: list[str] = []
+
+    def proxy(self, header: str, networks: str) -> str:
+        """The whole module."""
+        service = self._service()
+        body = [
+            f"class {self._name}({self._name}Base):",
+            docstring(self.component.doc, 4).rstrip("\n"),
+            "",
+            "    description = DESCRIPTION",
+            *([f"    networks = {string_literal(networks)}"] if networks else []),
+            *self._constructor(service is not None),
+            *self._table("_receivers", "Receiver", "_receive", self._received),
+            *self._table("_senders", "Sender", "_send", self._sent),
+            *self._parameters(),
+        ]
+        for sample in self._received:
+            body += self._receive(sample)
+        for sample in self._sent:
+            body += self._send(sample)
+        if service is not None:
+            body += self._servant(service)
+        relative = [
+            f"from ...components.{module_name(self._name)} import {self._name}Base",
+            "from .objects import DESCRIPTION",
+        ]
+        if self._codecs:
+            relative.append(f"from .codecs import {', '.join(sorted(self._codecs))}")
+        title = f"The proxy of `{self.ports.device.key}`."
+        return self.text(header, title, "\n".join(body) + "\n", relative)
+
+    # The class.
+
+    def _constructor(self, service: bool) -> Iterator[str]:
+        gathered = self._sent if self.ports.per_object else ()
+        if not (gathered or service):
+            return
+        yield ""
+        yield "    def __init__(self, instance_name: str | None = None) -> None:"
+        yield "        super().__init__(instance_name)"
+        if service:
+            self.use("rtgen.runtime.canopen.sdo_service", "SdoAccess")
+            aborted = self.types.type_name(("CANopen", "SdoAbort"))
+            gone = self.types.type_name(("CANopen", "BusGone"))
+            access = call("SdoAccess", "self", aborted, gone)
+            yield f"        self.sdo.set_servant(_ObjectAccess({access}))"
+        if not gathered:
+            return
+        for port in self._in_ports():
+            self.use(_SAMPLES, "Inlet")
+            attribute = self.port(PdoDirection.RPDO, port.name)
+            pdos = items([str(pdo) for pdo, _ in port.places])
+            yield f"        _{attribute} = Inlet(self.{attribute}, {pdos})"
+        for sample in gathered:
+            self.use(_SAMPLES, "Gathering")
+            fields = [
+                f"(_{self.port(PdoDirection.RPDO, p.name)}, {self._initial(p.quantity)})"
+                for p in self.object_ports(sample)
+            ]
+            values = call("Gathering", str(sample.pdo.number), *fields)
+            yield f"        self._{sample.name} = {values}"
+
+    def _in_ports(self) -> list[ObjectPort]:
+        return [
+            port
+            for port in self.ports.object_ports
+            if port.direction is PdoDirection.RPDO
+        ]
+
+    def _initial(self, quantity: Quantity) -> str:
+        """What a member has before the first sample: the default of the object."""
+        variable = quantity.variable
+        value = object_value(variable.data_type, variable.default)
+        if isinstance(variable.default, NodeRelative):
+            value = None
+        if quantity.factor is not None:
+            told = value if isinstance(value, int | float) else 0
+            return number_literal(float(told * quantity.factor))
+        if self.is_time(quantity):
+            return f"{self.time}()"
+        if value is None:
+            return _ZEROS.get(kind(variable.data_type), "0")
+        return literal(value)
+
+    def _table(
+        self, name: str, type_: str, prefix: str, samples: tuple[PdoSample, ...]
+    ) -> Iterator[str]:
+        self.use("collections.abc", "Mapping")
+        self.use(_HOOKS, type_)
+        entries = (f"{s.pdo.number}: self.{prefix}_{s.name}" for s in samples)
+        yield ""
+        yield f"    def {name}(self) -> Mapping[int, {type_}]:"
+        yield f"        return {{{', '.join(entries)}}}"
+
+    def _parameters(self) -> Iterator[str]:
+        self.use("rtgen.runtime.canopen.description", "ObjectNumber")
+        self.use("rtgen.runtime.canopen.description", "ObjectValue")
+        entries = []
+        for quantity in self.ports.parameters:
+            attribute = self.parameters[quantity.name]
+            variable = quantity.variable
+            value = to_object(quantity, f"self.config.{attribute}")
+            place = number(variable.index, variable.subindex)
+            entries.append(f"({place}): {value}")
+        yield ""
+        yield "    def _parameter_values(self) -> Mapping[ObjectNumber, ObjectValue]:"
+        yield f"        return {{{', '.join(entries)}}}"
+
+    # From the device.
+
+    def _receive(self, sample: PdoSample) -> Iterator[str]:
+        decode = f"decode_{sample.name}"
+        self._codecs.append(decode)
+        yield ""
+        yield f"    def _receive_{sample.name}(self, data: bytes, now: int) -> None:"
+        if not self.ports.per_object and all(map(is_plain, sample.fields)):
+            made = self.sample(sample, [f"*{decode}(data)"])
+            yield f"        self.{self.port(PdoDirection.TPDO, sample.name)}.write({made})"
+            return
+        targets = self._targets(sample)
+        yield f"        {', '.join(targets)}{',' * (len(targets) == 1)} = {decode}(data)"
+        values = [
+            self.decoded(q, v) for q, v in zip(sample.fields, targets, strict=True)
+        ]
+        if not self.ports.per_object:
+            made = self.sample(sample, values)
+            yield f"        self.{self.port(PdoDirection.TPDO, sample.name)}.write({made})"
+            return
+        for port, value in zip(self.object_ports(sample), values, strict=True):
+            made = self.object_sample(port, value)
+            yield f"        self.{self.port(PdoDirection.TPDO, port.name)}.write({made})"
+
+    # To the device.
+
+    def _send(self, sample: PdoSample) -> Iterator[str]:
+        encode = f"encode_{sample.name}"
+        self._codecs.append(encode)
+        self.use("collections.abc", "Iterator")
+        yield ""
+        yield f"    def _send_{sample.name}(self) -> Iterator[bytes]:"
+        if self.ports.per_object:
+            targets = self._targets(sample)
+            comma = "," * (len(targets) == 1)
+            rounds = f"self._{sample.name}.rounds()"
+            yield f"        for {', '.join(targets)}{comma} in {rounds}:"
+        else:
+            self.use(_SAMPLES, "unread")
+            port = self.port(PdoDirection.RPDO, sample.name)
+            struct = self.struct(sample)
+            targets = [f"sample.{self.member(struct, q.name)}" for q in sample.fields]
+            yield f"        for sample in unread(self.{port}):"
+        values = [to_codec(q, v) for q, v in zip(sample.fields, targets, strict=True)]
+        yield f"            yield {call(encode, *values)}"
+
+    @staticmethod
+    def _targets(sample: PdoSample) -> list[str]:
+        return [f"v{place}" for place in range(len(sample.fields))]
+
+    # The SDO service.
+
+    def _service(self) -> Interface | None:
+        """The interface of the SDO service, if the component provides one."""
+        for port in self.component.ports:
+            if port.kind is PortKind.PROVIDER:
+                name = (self.ports.module, "ObjectAccess")
+                declaration = self.model.find(name)
+                assert isinstance(declaration, Interface)
+                return declaration
+        return None
+
+    def _servant(self, service: Interface) -> Iterator[str]:
+        names = self.names.operations(service)
+        quantities = {
+            self.ports.names[v.index, v.subindex]: self.ports.quantity(v)
+            for v in self.ports.device.variables
+        }
+        yield ""
+        yield ""
+        yield f"class _ObjectAccess({self.types.type_name(service.name)}):"
+        yield '    """The objects of the device, by SDO."""'
+        yield ""
+        yield "    def __init__(self, access: SdoAccess) -> None:"
+        yield "        self._access = access"
+        for base in service.bases:
+            yield from self._by_number(base)
+        for operation in service.operations:
+            way, _, name = operation.name.partition("_")
+            quantity = quantities[name]
+            method = names[operation.name]
+            yield ""
+            if way == "get":
+                assert operation.returns != VOID
+                yield from self._getter(method, quantity)
+            else:
+                yield from self._setter(method, quantity)
+
+    def _by_number(self, base: tuple[str, ...]) -> Iterator[str]:
+        declaration = self.model.find(base)
+        assert isinstance(declaration, Interface)
+        names = self.names.operations(declaration)
+        yield ""
+        yield f"    def {names['read']}(self, index: int, subindex: int) -> bytes:"
+        yield "        return self._access.read(index, subindex)"
+        yield ""
+        yield (
+            f"    def {names['write']}"
+            "(self, index: int, subindex: int, value: bytes) -> None:"
+        )
+        yield "        self._access.write(index, subindex, value)"
+
+    def _getter(self, method: str, quantity: Quantity) -> Iterator[str]:
+        variable = quantity.variable
+        place = number(variable.index, variable.subindex)
+        factor = () if quantity.factor is None else (number_literal(quantity.factor),)
+        read = call("self._access.get", place, *factor)
+        yield f"    def {method}(self) -> {self._annotation(quantity)}:"
+        if self.is_time(quantity):
+            yield f"        return {self.of_object(quantity, read)}"
+            return
+        yield f"        value: {self._annotation(quantity)} = {read}"
+        yield "        return value"
+
+    def _setter(self, method: str, quantity: Quantity) -> Iterator[str]:
+        variable = quantity.variable
+        place = number(variable.index, variable.subindex)
+        factor = () if quantity.factor is None else (number_literal(quantity.factor),)
+        value = to_object(quantity, "value") if self.is_time(quantity) else "value"
+        annotation = self._annotation(quantity)
+        yield f"    def {method}(self, value: {annotation}) -> None:"
+        yield f"        {call('self._access.set', place, value, *factor)}"
+
+    def _annotation(self, quantity: Quantity) -> str:
+        if quantity.factor is not None:
+            return "float"
+        if self.is_time(quantity):
+            return self.time
+        return python_type(quantity.variable.data_type)
