@@ -1,0 +1,112 @@
+"""Written EDS and DCF files: rtgen's own reader and the `canopen` package read the same back."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Iterator
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from rtgen.backends.canopen.eds_text import eds_text
+from rtgen.diagnostics import has_errors
+from rtgen.frontends.eds import load
+from rtgen.model.canopen import Device, Variable, resolved
+
+ROOT = Path(__file__).parents[2]
+GOLDEN = ROOT.parent / "shared" / "golden" / "eds"
+FILES = [
+    *sorted((ROOT / "specs").rglob("*.eds")),
+    *sorted(p for p in GOLDEN.glob("*") if p.suffix.lower() in (".eds", ".dcf")),
+]
+
+canopen = pytest.importorskip("canopen", reason="the package canopen is not installed")
+
+NODE = 5
+"""The node that values are compared for."""
+
+_PLACES = {"span", "value_span", "written_access"}
+_OF_THE_FILE = {"file", "key", "sha256", "modules", "connected"}
+
+
+def read(path: Path, node_id: int | None = None) -> Device | None:
+    """The device of a file, None if the file has errors."""
+    result = load([path], root=path.parent, node_id=node_id)
+    if has_errors(result.diagnostics):
+        return None
+    return result.model.devices[0]
+
+
+def content(thing: Any) -> Any:
+    """What a part of the model says, places aside."""
+    if isinstance(thing, tuple):
+        return tuple(map(content, thing))
+    if not hasattr(thing, "__dataclass_fields__"):
+        return repr(thing)
+    left_out = _PLACES | (_OF_THE_FILE if isinstance(thing, Device) else set())
+    return {
+        f.name: content(getattr(thing, f.name))
+        for f in fields(thing)
+        if f.name not in left_out
+    }
+
+
+def of_variables(device: Device) -> Iterator[tuple[int, int]]:
+    for variable in device.variables:
+        yield variable.index, variable.subindex
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_what_is_written_reads_back_equal(path: Path, tmp_path: Path) -> None:
+    device = read(path)
+    if device is None:
+        pytest.skip("a file with errors gives no device")
+    again = tmp_path / path.name
+    again.write_text(eds_text(device, ["A comment."]), encoding="utf-8")
+    copy = read(again)
+    assert copy is not None
+    assert content(copy) == content(device)
+    assert eds_text(copy, ["A comment."]) == again.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
+def test_the_canopen_package_reads_what_is_written(path: Path, tmp_path: Path) -> None:
+    device = read(path, NODE)
+    if device is None:
+        pytest.skip("a file with errors gives no device")
+    again = tmp_path / path.name
+    again.write_text(eds_text(device), encoding="utf-8")
+    logging.disable(logging.CRITICAL)
+    try:
+        dictionary = canopen.import_od(str(again), NODE)
+    finally:
+        logging.disable(logging.NOTSET)
+    theirs = {
+        (v.index, v.subindex): v
+        for thing in dictionary.values()
+        for v in getattr(thing, "subindices", {0: thing}).values()
+        if v.index >= 0x1000
+    }
+    assert set(theirs) == set(of_variables(device))
+    for variable in device.variables:
+        same(variable, theirs[variable.index, variable.subindex])
+
+
+def same(ours: Variable, theirs: Any) -> None:
+    """The package has the same name, type, access and mapping."""
+    place = (ours.index, ours.subindex)
+    assert theirs.name == ours.name.partition(" ;")[0], place
+    assert theirs.access_type == ours.access.value, place
+    assert theirs.pdo_mappable == ours.pdo_mappable, place
+    if int(ours.data_type) > 0x1B:
+        return
+    assert theirs.data_type == ours.data_type, place
+    for mine, other in ((ours.default, theirs.default), (ours.value, theirs.value)):
+        told = resolved(mine, NODE)
+        if isinstance(told, str):
+            told = told.partition(" ;")[0]
+        not_finite = isinstance(told, float) and not math.isfinite(told)
+        assert other == (None if not_finite else told), place
