@@ -17,6 +17,7 @@ MODULES = (
     "rtgen.frontends.cdl.rules",
     "rtgen.frontends.eds.rules",
     "rtgen.frontends.idl.rules",
+    "rtgen.frontends.openrtm_python.rules",
     "rtgen.frontends.rtc_profile.rules",
     "rtgen.frontends.rts_profile",
     "rtgen.lint.rules",

@@ -1,0 +1,388 @@
+"""The component that a module of OpenRTM-aist-Python makes, as far as it is written out."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+
+from rtgen.diagnostics import Diagnostic, Rule, Span
+from rtgen.frontends.openrtm_python import rules
+from rtgen.frontends.openrtm_python.values import (
+    Imports,
+    called,
+    dotted,
+    member,
+    text,
+)
+from rtgen.frontends.rtc_profile.names import COMPONENT_TYPES
+from rtgen.model.constraints import ConstraintError, parse
+from rtgen.model.rtc_profile import (
+    ProfileDataPort,
+    ProfileInterface,
+    ProfileParameter,
+    ProfileServicePort,
+    RtcProfile,
+)
+
+_BASE = "DataFlowComponentBase"
+_PROPERTIES = ("__widget__", "__constraints__", "__type__")
+_KNOWN = frozenset(
+    (
+        *("implementation_id", "type_name", "description", "version", "vendor"),
+        *("category", "activity_type", "max_instance", "language", "lang_type"),
+        *("exec_cxt.periodic.rate", "exec_cxt.periodic.type", ""),
+    )
+)
+_CALLBACKS = tuple(
+    f"on{name}"
+    for name in (
+        *("Finalize", "Startup", "Shutdown", "Activated", "Deactivated", "Execute"),
+        *("Aborting", "Error", "Reset", "StateUpdate", "RateChanged"),
+    )
+)
+_ADD_DATA_PORT = ("addInPort", "addOutPort", "registerInPort", "registerOutPort")
+_ADD_SERVICE_PORT = ("addPort", "registerPort")
+_DATA_PORTS = ("InPort", "OutPort")
+_WORDS = {bool: "bool", int: "int", float: "double", str: "string"}
+_DATE = "1970-01-01T00:00:00+00:00"
+
+
+class ModuleReader:
+    """Reads one module; what could not be carried over is in `diagnostics`."""
+
+    def __init__(self, file: str) -> None:
+        self.diagnostics: list[Diagnostic] = []
+        self._file = file
+        self._imports = Imports()
+        self._members: dict[str, ast.expr] = {}
+        self._calls: list[ast.Call] = []
+
+    def profile(self, tree: ast.Module) -> RtcProfile | None:
+        """The component, None if there is none."""
+        for node in ast.walk(tree):
+            if isinstance(node, ast.stmt):
+                self._imports.note(node)
+        spec = self._spec(tree)
+        made = self._class(tree)
+        if spec is None or made is None:
+            what = "module spec" if spec is None else f"class that derives from {_BASE}"
+            start = Span(self._file, 1, 1, 1, 2)
+            self._tell(rules.NO_COMPONENT, start, f"there is no {what}")
+            return None
+        place, entries = spec
+        self._collect(made)
+        values = dict(entries)
+        self._told_entries(place, values)
+        kind = values.get("activity_type", "")
+        return RtcProfile(
+            file=self._file,
+            span=self._span(made),
+            format_version="0.3",
+            name=values.get("implementation_id") or made.name,
+            vendor=values.get("vendor", ""),
+            category=values.get("category", ""),
+            version=values.get("version") or "1.0.0",
+            description=values.get("description", ""),
+            doc=_own_text(ast.get_docstring(made)),
+            component_type=kind if kind in COMPONENT_TYPES else "STATIC",
+            activity="PERIODIC",
+            kind="DataFlowComponent",
+            execution=values.get("exec_cxt.periodic.type", "PeriodicExecutionContext"),
+            rate=_positive(values.get("exec_cxt.periodic.rate", "")),
+            max_instances=_count(values.get("max_instance", "")),
+            created=_DATE,
+            updated=_DATE,
+            parameters=tuple(self._parameters(place, values)),
+            data_ports=tuple(self._data_ports()),
+            service_ports=tuple(self._service_ports()),
+        )
+
+    def _tell(
+        self, rule: Rule, span: Span, message: str, hint: str | None = None
+    ) -> None:
+        self.diagnostics.append(rule.at(span, message, hint=hint))
+
+    def _span(self, node: ast.AST) -> Span:
+        line = getattr(node, "lineno", 1)
+        column = getattr(node, "col_offset", 0) + 1
+        end = getattr(node, "end_lineno", line)
+        end_column = getattr(node, "end_col_offset", column) + 1
+        if isinstance(node, ast.ClassDef):
+            end, end_column = line, column + len("class ") + len(node.name)
+        return Span(self._file, line, column, end, end_column)
+
+    # The module spec and the class.
+
+    def _spec(self, tree: ast.Module) -> tuple[ast.expr, list[tuple[str, str]]] | None:
+        for node in tree.body:
+            if not isinstance(node, ast.Assign | ast.AnnAssign):
+                continue
+            value = node.value
+            if not isinstance(value, ast.List | ast.Tuple) or len(value.elts) < 2:
+                continue
+            if text(value.elts[0]) != "implementation_id":
+                continue
+            return value, list(self._pairs(value))
+        return None
+
+    def _pairs(self, spec: ast.List | ast.Tuple) -> Iterator[tuple[str, str]]:
+        for key, value in zip(spec.elts[::2], spec.elts[1::2], strict=False):
+            name, told = text(key), text(value)
+            if name is None or told is None:
+                message = f"the entry {name or ''} of the module spec is computed"
+                self._tell(rules.COMPUTED, self._span(value), message)
+            else:
+                yield name, told
+
+    def _class(self, tree: ast.Module) -> ast.ClassDef | None:
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ClassDef) and any(
+                dotted(base)[-1:] == (_BASE,) for base in node.bases
+            ):
+                return node
+        return None
+
+    def _collect(self, made: ast.ClassDef) -> None:
+        """The members that are set anywhere in the class, and the calls in it."""
+        for node in ast.walk(made):
+            match node:
+                case ast.Assign(targets=targets, value=value):
+                    for target in targets:
+                        if (name := member(target)) is not None:
+                            self._members.setdefault(name, value)
+                case ast.AnnAssign(target=target, value=ast.expr() as value):
+                    if (name := member(target)) is not None:
+                        self._members.setdefault(name, value)
+                case ast.Call():
+                    self._calls.append(node)
+        self._calls.sort(key=lambda call: (call.lineno, call.col_offset))
+        bodies = [
+            node.name
+            for node in made.body
+            if isinstance(node, ast.FunctionDef)
+            and node.name in _CALLBACKS
+            and not _is_empty(node)
+        ]
+        if bodies:
+            message = f"the bodies of {', '.join(bodies)} stay where they are"
+            self._tell(rules.BEHAVIOUR, self._span(made), message)
+
+    def _told_entries(self, place: ast.expr, values: dict[str, str]) -> None:
+        for key in values:
+            parts = key.split(".")
+            if key in _KNOWN or (
+                parts[0] == "conf"
+                and len(parts) > 2
+                and parts[1] in ("default", *_PROPERTIES)
+            ):
+                continue
+            self._tell(rules.NOT_CARRIED, self._span(place), f"{key} is left out")
+
+    # Parameters.
+
+    def _parameters(
+        self, place: ast.expr, values: dict[str, str]
+    ) -> Iterator[ProfileParameter]:
+        bound = dict(self._bound())
+        names = [
+            key.removeprefix("conf.default.")
+            for key in values
+            if key.startswith("conf.default.")
+        ]
+        for name in dict.fromkeys((*names, *bound)):
+            node, variable, default = bound.get(name, (place, "", ""))
+            span = self._span(node)
+            told = values.get(f"conf.default.{name}", default)
+            word = values.get(f"conf.__type__.{name}") or self._word(variable)
+            constraint = None
+            try:
+                constraint = parse(values.get(f"conf.__constraints__.{name}", ""))
+            except ConstraintError as error:
+                message = f"the constraint of {name} is left out: {error}"
+                self._tell(rules.NOT_CARRIED, span, message)
+            yield ProfileParameter(
+                name=name,
+                type=word,
+                default=told,
+                span=span,
+                type_span=span,
+                default_span=span,
+                variable=variable.lstrip("_"),
+                widget=values.get(f"conf.__widget__.{name}", ""),
+                constraint=constraint,
+            )
+
+    def _bound(self) -> Iterator[tuple[str, tuple[ast.expr, str, str]]]:
+        for call in self._calls:
+            if not _is(call, "bindParameter"):
+                continue
+            name = text(call.args[0]) if call.args else None
+            if name is None:
+                message = "the name of a parameter is computed"
+                self._tell(rules.COMPUTED, self._span(call), message)
+                continue
+            variable = member(call.args[1]) if len(call.args) > 1 else None
+            default = text(call.args[2]) if len(call.args) > 2 else None
+            yield name, (call, variable or "", default or "")
+
+    def _word(self, variable: str) -> str:
+        """The type of a variable that a parameter is bound to, by its first value."""
+        match self._members.get(variable):
+            case ast.List(elts=[first]):
+                match first:
+                    case ast.Constant(value=value):
+                        return _WORDS.get(type(value), "string")
+                    case ast.UnaryOp(operand=ast.Constant(value=value)):
+                        return _WORDS.get(type(value), "string")
+                    case ast.List(elts=[ast.Constant(value=value), *_]):
+                        return f"std::vector<{_WORDS.get(type(value), 'string')}>"
+        return "string"
+
+    # Ports.
+
+    def _data_ports(self) -> Iterator[ProfileDataPort]:
+        added = {
+            member(call.args[1])
+            for call in self._calls
+            if _is(call, *_ADD_DATA_PORT) and len(call.args) > 1
+        }
+        for variable, value in self._members.items():
+            if not _is(value, *_DATA_PORTS):
+                continue
+            assert isinstance(value, ast.Call)
+            span = self._span(value)
+            name = text(value.args[0]) if value.args else None
+            if name is None:
+                message = f"the name of the port {variable} is computed"
+                self._tell(rules.COMPUTED, span, message)
+                continue
+            if variable not in added:
+                self._tell(rules.NOT_ADDED, span, f"the port {name} is left out")
+                continue
+            type_ = self._data_type(value.args[1] if len(value.args) > 1 else None)
+            if type_ is None:
+                message = f"the type of the port {name} is computed"
+                self._tell(rules.COMPUTED, span, message)
+                type_ = "Unknown"
+            yield ProfileDataPort(
+                name=name,
+                output=_is(value, "OutPort"),
+                type=type_,
+                span=span,
+                type_span=span,
+            )
+        self._other_ports(added)
+
+    def _other_ports(self, added: set[str | None]) -> None:
+        """Ports that are added, but made in no way that is understood."""
+        for call in self._calls:
+            if not _is(call, *_ADD_DATA_PORT):
+                continue
+            variable = member(call.args[1]) if len(call.args) > 1 else None
+            if not _is(self._members.get(variable or ""), *_DATA_PORTS):
+                name = text(call.args[0]) if call.args else None
+                message = f"the port {name or ''} is computed"
+                self._tell(rules.COMPUTED, self._span(call), message)
+
+    def _data_type(self, datum: ast.expr | None) -> str | None:
+        name = member(datum)
+        value = self._members.get(name) if name is not None else datum
+        if not isinstance(value, ast.Call):
+            return None
+        if _is(value, "instantiateDataType") and value.args:
+            return self._imports.scoped(dotted(value.args[0]))
+        return self._imports.scoped(called(value))
+
+    def _service_ports(self) -> Iterator[ProfileServicePort]:
+        added = {
+            member(call.args[0])
+            for call in self._calls
+            if _is(call, *_ADD_SERVICE_PORT) and call.args
+        }
+        for variable, value in self._members.items():
+            if not _is(value, "CorbaPort"):
+                continue
+            assert isinstance(value, ast.Call)
+            name = text(value.args[0]) if value.args else None
+            if name is None:
+                message = f"the name of the service port {variable} is computed"
+                self._tell(rules.COMPUTED, self._span(value), message)
+            elif variable not in added:
+                span = self._span(value)
+                self._tell(rules.NOT_ADDED, span, f"the port {name} is left out")
+            else:
+                interfaces = tuple(self._interfaces(variable))
+                yield ProfileServicePort(name=name, interfaces=interfaces)
+
+    def _interfaces(self, port: str) -> Iterator[ProfileInterface]:
+        kinds = {"registerProvider": True, "registerConsumer": False}
+        for call in self._calls:
+            names = called(call)
+            if names[:2] != ("self", port) or names[-1] not in kinds:
+                continue
+            span = self._span(call)
+            instance, type_ = (
+                text(argument) for argument in [*call.args[:2], None][:2]
+            )
+            if instance is None or type_ is None:
+                message = f"an interface of the port {port} is computed"
+                self._tell(rules.COMPUTED, span, message)
+                continue
+            provided = kinds[names[-1]]
+            if not provided and len(call.args) > 2:
+                type_ = self._consumed(call.args[2]) or type_
+            yield ProfileInterface(
+                name=instance,
+                provided=provided,
+                type=type_,
+                span=span,
+                type_span=span,
+            )
+
+    def _consumed(self, consumer: ast.expr) -> str | None:
+        """The interface of a `CorbaConsumer`, whose registration may leave out its module."""
+        name = member(consumer)
+        value = self._members.get(name) if name is not None else consumer
+        if not _is(value, "CorbaConsumer"):
+            return None
+        assert isinstance(value, ast.Call)
+        arguments = [k.value for k in value.keywords if k.arg == "interfaceType"]
+        arguments += value.args
+        return self._imports.scoped(dotted(arguments[0])) if arguments else None
+
+
+def _is(node: ast.expr | None, *names: str) -> bool:
+    """Whether it is a call of one of these, wherever they are imported from."""
+    return called(node)[-1:] in {(name,) for name in names}
+
+
+def _is_empty(function: ast.FunctionDef) -> bool:
+    """Whether a callback does nothing but to return a code."""
+    rest = [
+        node
+        for node in function.body
+        if not isinstance(node, ast.Pass | ast.Return)
+        and not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant))
+    ]
+    return not rest
+
+
+def _own_text(docstring: str | None) -> str:
+    """The class's docstring, without the lines of RTCBuilder's template."""
+    lines = (line.strip() for line in (docstring or "").split("\n"))
+    kept = [
+        line for line in lines if not line.startswith(("\\brief", "@class", "@brief"))
+    ]
+    return "\n".join(kept).strip()
+
+
+def _positive(word: str) -> float | None:
+    try:
+        rate = float(word)
+    except ValueError:
+        return None
+    return rate if 0.0 < rate < 1e9 else None
+
+
+def _count(word: str) -> int:
+    return int(word) if word.isascii() and word.isdigit() and len(word) < 10 else 1

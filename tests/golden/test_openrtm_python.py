@@ -1,0 +1,54 @@
+"""Every `openrtm_python/*.txt`, a module: the component in IDL and what is found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from test_rtc_profiles import SPECS, shown
+
+from rtgen.backends.idl_text import idl_text
+from rtgen.diagnostics import Diagnostic, in_order
+from rtgen.frontends import idl, openrtm_python
+from rtgen.frontends.openrtm_python import rules
+from rtgen.frontends.rtc_profile.lowering import components
+
+CASES = Path(__file__).parent / "openrtm_python"
+
+
+def read(path: Path) -> tuple[str, list[Diagnostic]]:
+    """The component as IDL, and the findings."""
+    base = idl.load(
+        [SPECS / "ExtendedDataTypes.idl"], root=SPECS, include=[SPECS]
+    ).model
+    result = openrtm_python.read(path)
+    if result.profile is None:
+        return "", list(result.diagnostics)
+    made, found = components([result.profile], base)
+    whole = replace(base, declarations=(*base.declarations, *made))
+    text = idl_text(whole, made, components=True)
+    return text, in_order((*result.diagnostics, *found))
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.txt")))
+def test_case(name: str, update_golden: bool) -> None:
+    text, found = read(CASES / f"{name}.txt")
+    for suffix, content in {".idl": text, ".findings": shown(found)}.items():
+        file = CASES / f"{name}{suffix}"
+        if update_golden:
+            file.write_text(content, encoding="utf-8", newline="")
+        assert content == file.read_bytes().decode()
+
+
+def test_every_rule_has_a_case() -> None:
+    codes = {d.code for file in CASES.glob("*.txt") for d in read(file)[1]}
+    assert {rule.code for rule in rules.RULES} <= codes
+
+
+def test_nothing_is_executed(tmp_path: Path) -> None:
+    mark = tmp_path / "mark"
+    module = tmp_path / "module.py"
+    module.write_text(f"open({str(mark)!r}, 'w')\n", encoding="utf-8")
+    assert openrtm_python.read(module).profile is None
+    assert not mark.exists()
