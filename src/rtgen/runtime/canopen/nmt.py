@@ -125,6 +125,10 @@ class NmtSlave:
         """The component failed by itself (transitions 5, 6 and 9): STOPPED; None if it was."""
         return self._go(NmtState.STOPPED, None)
 
+    def go(self, state: NmtState) -> Transition | None:
+        """The node goes to a state by itself; None if it was there."""
+        return self._go(state, None)
+
     def receive(self, frame: Frame) -> Transition | None:
         """Obeys a command; None if there was none for this node, or it changed nothing.
 

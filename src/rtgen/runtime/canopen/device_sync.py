@@ -1,0 +1,88 @@
+"""SYNC at a device: when one has come, and those that it produces (CiA 301, 7.2.5)."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
+from rtgen.runtime.canopen.emergency_producer import EmergencyProducer
+from rtgen.runtime.canopen.frames import SYNC, CobId, Frame, restricted
+from rtgen.runtime.canopen.od import DeviceDictionary
+from rtgen.runtime.canopen.sdo import SdoAbort
+from rtgen.runtime.canopen.sync import MAX_SYNC_OVERFLOW, SyncProducer, sync_counter
+
+COB_ID_SYNC: Final = (0x1005, 0)
+SYNC_PERIOD: Final = (0x1006, 0)
+SYNC_OVERFLOW: Final = (0x1019, 0)
+SYNC_LENGTH: Final = 0x8240
+
+_MICROSECOND: Final = 1000
+
+
+class DeviceSync:
+    """What 1005h, 1006h and 1019h tell; a SYNC of the wrong length is an error (8240h)."""
+
+    indices: Final = frozenset((COB_ID_SYNC[0], SYNC_PERIOD[0], SYNC_OVERFLOW[0]))
+
+    def __init__(self, dictionary: DeviceDictionary, errors: EmergencyProducer) -> None:
+        self._dictionary = dictionary
+        self._errors = errors
+        self._producer: SyncProducer | None = None
+        self.cob_id = CobId(SYNC)
+        dictionary.guard((COB_ID_SYNC[0],), self._check_cob_id)
+        dictionary.guard((SYNC_OVERFLOW[0],), self._check_overflow)
+
+    @property
+    def deadline(self) -> int | None:
+        """When `poll` has a SYNC to send."""
+        return None if self._producer is None else self._producer.deadline
+
+    def configure(self) -> None:
+        """Takes over the objects; a producer begins with `start`."""
+        number = self._dictionary.number
+        self.cob_id = CobId(number(COB_ID_SYNC, SYNC))
+        period = number(SYNC_PERIOD) * _MICROSECOND
+        self._producer = None
+        if self.cob_id.bit30 and period:
+            overflow = number(SYNC_OVERFLOW)
+            self._producer = SyncProducer(period, overflow, self.cob_id.can_id)
+
+    def start(self, now: int) -> None:
+        """The node may send SYNCs from now on."""
+        if self._producer is not None:
+            self._producer.start(now)
+
+    def poll(self, now: int) -> Frame | None:
+        """The SYNC that is due."""
+        return None if self._producer is None else self._producer.poll(now)
+
+    def counter(self, frame: Frame) -> int | None:
+        """The counter of a frame, 0 without one; None if it is no SYNC for this device.
+
+        A device without 1019h takes both lengths.
+        """
+        if not self.cob_id.carries(frame) or frame.remote:
+            return None
+        counter = sync_counter(frame)
+        counted = self._dictionary.number(SYNC_OVERFLOW) != 0
+        if SYNC_OVERFLOW in self._dictionary and len(frame.data) != counted:
+            counter = None
+        if counter is None:
+            self._errors.add(SYNC_LENGTH)
+        else:
+            self._errors.remove(SYNC_LENGTH)
+        return counter
+
+    def _check_cob_id(self, number: ObjectNumber, value: ObjectValue) -> None:
+        old, new = self.cob_id, CobId(int(value))
+        if old.bit30 and new.bit30 and old.value != new.value:
+            raise SdoAbort(sdo.VALUE_INVALID)
+        if not new.extended and restricted(new.can_id):
+            raise SdoAbort(sdo.VALUE_INVALID)
+
+    def _check_overflow(self, number: ObjectNumber, value: ObjectValue) -> None:
+        if self._dictionary.number(SYNC_PERIOD):
+            raise SdoAbort(sdo.DEVICE_STATE)
+        if value == 1 or int(value) > MAX_SYNC_OVERFLOW:
+            raise SdoAbort(sdo.VALUE_INVALID)

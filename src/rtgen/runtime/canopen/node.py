@@ -1,0 +1,553 @@
+"""A CANopen device without its application: the slave of CiA 301 with all of its services.
+
+No I/O and no clock: it is a `Station` of a link. What the application does, it does through the
+object dictionary, hooks and `NodeEvents`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Final
+
+from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.description import (
+    DeviceDescription,
+    ObjectNumber,
+    ObjectValue,
+)
+from rtgen.runtime.canopen.device_pdos import DevicePdos, IsEvent
+from rtgen.runtime.canopen.device_sync import DeviceSync
+from rtgen.runtime.canopen.emergency import ErrorRegister
+from rtgen.runtime.canopen.emergency_producer import (
+    COB_ID,
+    INHIBIT_TIME,
+    EmergencyProducer,
+)
+from rtgen.runtime.canopen.frames import (
+    ERROR_CONTROL,
+    LSS_REQUEST,
+    MAX_NODE_ID,
+    MILLISECOND,
+    NMT,
+    SDO_REQUEST,
+    SDO_RESPONSE,
+    TIME,
+    CobId,
+    Frame,
+    restricted,
+)
+from rtgen.runtime.canopen.heartbeat import (
+    HeartbeatEvent,
+    HeartbeatNews,
+    HeartbeatProducer,
+)
+from rtgen.runtime.canopen.heartbeat_consumers import CONSUMERS, HeartbeatConsumers
+from rtgen.runtime.canopen.lss_slave import UNCONFIGURED, LssSlave
+from rtgen.runtime.canopen.nmt import (
+    NmtCommand,
+    NmtSlave,
+    NmtState,
+    Service,
+    Transition,
+    command_frame,
+)
+from rtgen.runtime.canopen.od import (
+    COMMUNICATION,
+    DeviceDictionary,
+    ReadHook,
+    WriteHook,
+)
+from rtgen.runtime.canopen.parameter_store import ParameterStore
+from rtgen.runtime.canopen.sdo import SdoAbort
+from rtgen.runtime.canopen.sdo_server import SdoServer
+from rtgen.runtime.canopen.sync import decode_time
+
+COB_ID_TIME: Final = (0x1012, 0)
+HEARTBEAT_TIME: Final = (0x1017, 0)
+IDENTITY: Final = 0x1018
+ERROR_BEHAVIOUR: Final = (0x1029, 1)
+NMT_STARTUP: Final = (0x1F80, 0)
+
+BUS_OFF_RECOVERED: Final = 0x8140
+ID_COLLISION: Final = 0x8150
+USER_SOFTWARE: Final = 0x6200
+
+_SELF_STARTING: Final = 8
+_ALL: Final = range(0x10000)
+
+
+@dataclass
+class NodeEvents:
+    """What a node tells its application, in calls from the link.
+
+    `moved`: a transition of its NMT state. `loaded`: the objects of these indices have their
+    defaults again. `received`: the values of an RPDO are in the object dictionary. `heard`: news
+    of a node that it watches. `time`: a TIME message, in ns of UTC. `collided`: another node has
+    its node-id, or sends one of its identifiers. `bit_rate`: LSS activates a bit rate, in kbit/s,
+    after a delay in ms. `stopping`: see `NmtSlave`.
+    """
+
+    moved: Callable[[Transition], None] = lambda transition: None
+    loaded: Callable[[range], None] = lambda indices: None
+    received: Callable[[int], None] = lambda number: None
+    heard: Callable[[int, HeartbeatEvent], None] = lambda node_id, event: None
+    time: Callable[[int], None] = lambda moment: None
+    collided: Callable[[int], None] = lambda can_id: None
+    bit_rate: Callable[[int, int], None] = lambda bit_rate, delay: None
+    stopping: Callable[[], bool] = lambda: True
+
+
+class DeviceNode:
+    """A slave, in INITIALISING until `boot`.
+
+    After a reset it boots at once, or with `deferred` when its owner calls `boot`. `node_id` 255
+    waits for LSS. With `merged_stop` see `NmtSlave`. It starts by itself with `self_start`, or if
+    1F80h is 8 (CiA 302-2). `serial_number` is for 1018h:4.
+
+    What changes it from outside of the link takes effect, and is sent, by `flush`.
+    """
+
+    def __init__(
+        self,
+        description: DeviceDescription,
+        node_id: int = UNCONFIGURED,
+        *,
+        events: NodeEvents | None = None,
+        deferred: bool = False,
+        self_start: bool = False,
+        merged_stop: bool = False,
+        serial_number: int | None = None,
+    ) -> None:
+        if node_id != UNCONFIGURED and not 1 <= node_id <= MAX_NODE_ID:
+            raise ValueError(f"node-id {node_id}: it is 1 to {MAX_NODE_ID}, or 255")
+        self.description = description
+        self.events = events or NodeEvents()
+        self.deferred = deferred
+        self.self_start = self_start
+        self.merged_stop = merged_stop
+        self.serial_number = serial_number
+        self.dictionary = DeviceDictionary(description, self._changed)
+        self.errors = EmergencyProducer(self.dictionary)
+        self.pdos = DevicePdos(self.dictionary, self.errors, self._received)
+        self.store = ParameterStore(self.dictionary)
+        self.lss = LssSlave(self._identity, node_id, self._activate_bit_rate)
+        self._consumers = HeartbeatConsumers(self.dictionary, self.errors, self._heard)
+        self._sync = DeviceSync(self.dictionary, self.errors)
+        self.dictionary.guard((COB_ID_TIME[0],), _check_time_id)
+        self._nmt: NmtSlave | None = None
+        self._server = SdoServer(1, self.dictionary)
+        self._producer = HeartbeatProducer(1)
+        self._effects: dict[ObjectNumber, None] = {}
+        self._now = 0
+        self._guard_toggle = 0
+        self._out: list[Frame] = []
+        self._power_on()
+
+    # Station
+
+    @property
+    def identifiers(self) -> frozenset[int]:
+        """See `Station`."""
+        found = {NMT}
+        if self.description.lss:
+            found.add(LSS_REQUEST)
+        if self._nmt is None:
+            return frozenset(found)
+        node_id = self.node_id
+        found |= self._own_identifiers
+        found |= {SDO_REQUEST + node_id, self._sync.cob_id.can_id}
+        if self.dictionary.number(COB_ID_TIME) >> 31:
+            found.add(CobId(self.dictionary.number(COB_ID_TIME)).can_id)
+        return frozenset(found) | self._consumers.identifiers | self.pdos.identifiers
+
+    @property
+    def deadline(self) -> int | None:
+        """See `Station`."""
+        parts = [self._producer.deadline, self._server.deadline]
+        parts += [self.pdos.deadline, self._consumers.deadline]
+        if self._allows(Service.EMERGENCY):
+            parts.append(self.errors.deadline)
+        if self._allows(Service.SYNC):
+            parts.append(self._sync.deadline)
+        return min((part for part in parts if part is not None), default=None)
+
+    def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
+        """See `Station`."""
+        self._now = now
+        if frame.can_id == NMT:
+            self._obey(frame)
+        elif frame.can_id == LSS_REQUEST:
+            self._configure_layers(frame)
+        elif self._nmt is not None and self.state is not NmtState.INITIALISING:
+            self._serve(frame)
+        return self._taken()
+
+    def poll(self, now: int) -> Iterable[Frame]:
+        """See `Station`."""
+        self._now = now
+        if self._nmt is not None and self.state is not NmtState.INITIALISING:
+            self._out += self._server.poll(now)
+            self._consumers.poll(now)
+            sync = self._sync.poll(now) if self._allows(Service.SYNC) else None
+            if sync is not None:
+                self._out.append(sync)
+                self._synchronise(sync)
+            self._out += self.pdos.poll(now)
+            beat = self._producer.poll(now, self.state)
+            if beat is not None:
+                self._out.append(beat)
+        return self._taken()
+
+    def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
+        """See `Station`: the loss of the bus is a communication error (1029h)."""
+        self._now = now
+        if self._nmt is None or self.state is NmtState.INITIALISING:
+            return ()
+        if up:
+            self.errors.event(BUS_OFF_RECOVERED)
+        else:
+            self._server.reset()
+            self._communication_error()
+        return self._taken()
+
+    # What the application does
+
+    @property
+    def node_id(self) -> int:
+        """The node-id, 255 while it has none."""
+        return self.lss.active
+
+    @property
+    def state(self) -> NmtState:
+        """The NMT state."""
+        return NmtState.INITIALISING if self._nmt is None else self._nmt.state
+
+    def get(self, index: int, subindex: int = 0) -> ObjectValue:
+        """The value of an object. Raises KeyError if there is none."""
+        return self.dictionary.get((index, subindex))
+
+    def set(self, index: int, subindex: int, value: ObjectValue) -> None:
+        """Sets an object; TPDOs that map it are sent by `flush`.
+
+        Raises KeyError if there is none, ObjectValueError for a value that it cannot have.
+        """
+        self.dictionary.set((index, subindex), value)
+
+    def on_write(self, index: int, subindex: int, hook: WriteHook) -> None:
+        """Calls the hook before a value is taken that came by SDO or RPDO."""
+        self.dictionary.on_write((index, subindex), hook)
+
+    def on_read(self, index: int, subindex: int, hook: ReadHook) -> None:
+        """Takes the value of an object from the hook whenever it is read or sent."""
+        self.dictionary.on_read((index, subindex), hook)
+
+    def on_change(self, index: int, subindex: int, is_event: IsEvent) -> None:
+        """Lets `is_event` say whether a change of an object is to be sent by TPDOs."""
+        self.pdos.is_event((index, subindex), is_event)
+
+    def trigger(self, tpdo: int) -> None:
+        """Lets `flush` send a TPDO though nothing has changed. Raises KeyError for no TPDO."""
+        self.pdos.trigger(tpdo)
+
+    def add_error(
+        self, code: int, additional: bytes = b"", register: ErrorRegister | None = None
+    ) -> None:
+        """The device has an error from now on, told by EMCY once (CiA 301, 7.2.7)."""
+        self.errors.add(code, additional, register)
+
+    def remove_error(self, code: int, additional: bytes | None = None) -> None:
+        """The error is gone; without additional octets all of that code."""
+        self.errors.remove(code, additional)
+
+    def flush(self, now: int) -> list[Frame]:
+        """What is to be sent since something was changed."""
+        self._now = now
+        return self._taken()
+
+    def boot(self, now: int) -> list[Frame]:
+        """Ends INITIALISING: boot-up, then PRE_OPERATIONAL. Nothing without a node-id."""
+        self._now = now
+        self._boot()
+        return self._taken()
+
+    def go(self, state: NmtState, now: int) -> list[Frame]:
+        """The application changes the state by itself."""
+        self._now = now
+        if self._nmt is not None and self.state is not NmtState.INITIALISING:
+            self._moved(self._nmt.go(state))
+        return self._taken()
+
+    def reset(
+        self, now: int, command: NmtCommand = NmtCommand.RESET_NODE
+    ) -> list[Frame]:
+        """The application resets the node by itself."""
+        if self._nmt is None:
+            return []
+        return list(self.receive(command_frame(command, self.node_id), now))
+
+    def fail(
+        self, now: int, code: int = USER_SOFTWARE, additional: bytes = b""
+    ) -> list[Frame]:
+        """The application has failed: EMCY at once, then STOPPED; heartbeats go on."""
+        self._now = now
+        if self._nmt is None:
+            return []
+        self.errors.add(code, additional)
+        initialising = self.state is NmtState.INITIALISING
+        if initialising or self._allows(Service.EMERGENCY):
+            self._out += self.errors.take(now, at_once=True)
+        self._moved(self._nmt.fail())
+        if initialising:
+            self._producer.configure(self._period, now)
+        return self._taken()
+
+    # Life
+
+    def take_node_id(self, node_id: int) -> None:
+        """Gives it a node-id before the first boot-up. Raises ValueError for none."""
+        if node_id != UNCONFIGURED and not 1 <= node_id <= MAX_NODE_ID:
+            raise ValueError(f"node-id {node_id}: it is 1 to {MAX_NODE_ID}, or 255")
+        self.lss = LssSlave(self._identity, node_id, self._activate_bit_rate)
+        self._power_on()
+
+    def _power_on(self) -> None:
+        self._load(_ALL)
+        self._begin()
+
+    def _begin(self) -> None:
+        """INITIALISING, with the node-id of now."""
+        if self.node_id == UNCONFIGURED:
+            self._nmt = None
+            return
+        self._nmt = NmtSlave(
+            self.node_id,
+            self_start=self.self_start or self._starts_itself(),
+            merged_stop=self.merged_stop,
+            stopping=self.events.stopping,
+        )
+        self._server = SdoServer(self.node_id, self.dictionary)
+        self._producer = HeartbeatProducer(self.node_id, self._period)
+
+    def _load(self, indices: range) -> None:
+        self.dictionary.load(self.node_id, indices)
+        identity = self.description
+        for sub, value in enumerate(
+            (identity.vendor_id, identity.product_code, identity.revision_number), 1
+        ):
+            if not self.dictionary.number((IDENTITY, sub)):
+                self._preset((IDENTITY, sub), value)
+        if self.serial_number is not None:
+            self._preset((IDENTITY, 4), self.serial_number)
+        self.pdos.load(self.node_id)
+        self.store.apply(indices)
+        self._configure_all()
+        self.errors.reset()
+        self.events.loaded(indices)
+
+    def _preset(self, number: ObjectNumber, value: int) -> None:
+        if number in self.dictionary:
+            self.dictionary.preset(number, value)
+
+    def _configure_all(self) -> None:
+        self._effects.clear()
+        self.errors.configure()
+        self.pdos.configure()
+        self._sync.configure()
+
+    def _boot(self) -> None:
+        nmt = self._nmt
+        if nmt is None or nmt.state is not NmtState.INITIALISING:
+            return
+        self._out.append(nmt.boot())
+        self._consumers.configure()
+        self._producer = HeartbeatProducer(nmt.node_id, self._period)
+        self._producer.booted(self._now)
+        self._sync.start(self._now)
+        self._moved(Transition(NmtState.INITIALISING, nmt.state, None))
+
+    def _obey(self, frame: Frame) -> None:
+        if self._nmt is None:
+            if frame.data[:1] in (b"\x81", b"\x82") and frame.data[1:] == b"\0":
+                self._assign()
+            return
+        self._moved(self._nmt.receive(frame))
+
+    def _moved(self, transition: Transition | None) -> None:
+        if transition is None:
+            return
+        if transition.before is NmtState.OPERATIONAL:
+            self.pdos.stop()
+        if transition.after is NmtState.INITIALISING and self._nmt is not None:
+            self._initialise(self._nmt.reset)
+        elif transition.after is NmtState.STOPPED:
+            self._server.reset()
+        elif transition.after is NmtState.OPERATIONAL:
+            self.pdos.start(self._now)
+        if transition.before is NmtState.STOPPED:
+            self._sync.start(self._now)
+        self.events.moved(transition)
+        if self.state is NmtState.INITIALISING and not self.deferred:
+            self._boot()
+
+    def _initialise(self, command: NmtCommand) -> None:
+        whole = command is NmtCommand.RESET_NODE
+        self.lss.take_over(stored=whole)
+        self._consumers.reset()
+        self._load(_ALL if whole else COMMUNICATION)
+        self._begin()
+
+    def _assign(self) -> None:
+        """A node without a node-id takes the one that LSS gave it."""
+        if self.lss.pending.node_id == UNCONFIGURED:
+            return
+        self.lss.take_over(stored=False)
+        self._load(_ALL)
+        self._begin()
+        if not self.deferred:
+            self._boot()
+        elif self._nmt is not None:
+            self.events.moved(
+                Transition(NmtState.INITIALISING, NmtState.INITIALISING, None)
+            )
+
+    def _configure_layers(self, frame: Frame) -> None:
+        if not self.description.lss:
+            return
+        before = self.lss.configuring
+        self._out += self.lss.receive(frame)
+        if self._nmt is None and before and not self.lss.configuring:
+            self._assign()
+
+    # Services
+
+    def _allows(self, service: Service) -> bool:
+        return self._nmt is not None and self._nmt.allows(service)
+
+    def _serve(self, frame: Frame) -> None:
+        can_id, node_id = frame.can_id, self.node_id
+        if can_id in self._own_identifiers and not frame.extended:
+            if not frame.remote:
+                self._collide(can_id)
+            elif can_id == ERROR_CONTROL + node_id:
+                self._answer_guarding()
+        if can_id == SDO_REQUEST + node_id and self._allows(Service.SDO):
+            self._out += self._server.receive(frame, self._now)
+        if self._allows(Service.SYNC):
+            self._synchronise(frame)
+        self._consumers.receive(frame, self._now)
+        if self._allows(Service.TIME):
+            self._take_time(frame)
+        if self._allows(Service.PDO):
+            self._out += self.pdos.receive(frame, self._now)
+
+    @property
+    def _own_identifiers(self) -> frozenset[int]:
+        """What nobody else sends."""
+        own = {ERROR_CONTROL + self.node_id, SDO_RESPONSE + self.node_id}
+        if self.errors.can_id is not None:
+            own.add(self.errors.can_id)
+        return frozenset(own)
+
+    def _collide(self, can_id: int) -> None:
+        if not self.errors.present(ID_COLLISION):
+            self.errors.add(ID_COLLISION)
+            self.events.collided(can_id)
+
+    def _answer_guarding(self) -> None:
+        """Node guarding, where there is no heartbeat."""
+        if self._period:
+            return
+        data = bytes((self.state | self._guard_toggle,))
+        self._guard_toggle ^= 0x80
+        self._out.append(Frame(ERROR_CONTROL + self.node_id, data))
+
+    def _synchronise(self, frame: Frame) -> None:
+        counter = self._sync.counter(frame)
+        if counter is not None and self._allows(Service.PDO):
+            self._out += self.pdos.sync(counter, self._now)
+
+    def _take_time(self, frame: Frame) -> None:
+        cob_id = CobId(self.dictionary.number(COB_ID_TIME))
+        if not cob_id.bit31 or not cob_id.carries(frame):
+            return
+        moment = decode_time(Frame(TIME, frame.data, frame.remote))
+        if moment is not None:
+            self.events.time(moment)
+
+    def _communication_error(self) -> None:
+        """What 1029h:1 wants; without it, a node that is OPERATIONAL goes back."""
+        if self._nmt is None:
+            return
+        wanted = self.dictionary.number(ERROR_BEHAVIOUR)
+        if wanted == 2:
+            self._out += self.errors.take(self._now, at_once=True)
+            self._moved(self._nmt.go(NmtState.STOPPED))
+        elif wanted == 0 and self.state is NmtState.OPERATIONAL:
+            self._moved(self._nmt.go(NmtState.PRE_OPERATIONAL))
+
+    def _heard(self, node_id: int, event: HeartbeatEvent) -> None:
+        if event.news is HeartbeatNews.LOST:
+            self._communication_error()
+        self.events.heard(node_id, event)
+
+    def _received(self, number: int) -> None:
+        self.events.received(number)
+
+    def _activate_bit_rate(self, bit_rate: int, delay: int) -> None:
+        self.events.bit_rate(bit_rate, delay)
+
+    # The object dictionary
+
+    def _identity(self) -> tuple[int, int, int, int]:
+        told = self.description
+        return (
+            self.dictionary.number((IDENTITY, 1), told.vendor_id),
+            self.dictionary.number((IDENTITY, 2), told.product_code),
+            self.dictionary.number((IDENTITY, 3), told.revision_number),
+            self.dictionary.number((IDENTITY, 4), self.serial_number or 0),
+        )
+
+    @property
+    def _period(self) -> int:
+        return self.dictionary.number(HEARTBEAT_TIME) * MILLISECOND
+
+    def _starts_itself(self) -> bool:
+        return self.dictionary.number(NMT_STARTUP) == _SELF_STARTING
+
+    def _changed(self, number: ObjectNumber) -> None:
+        if number[0] in COMMUNICATION:
+            self._effects[number] = None
+        self.pdos.changed(number)
+
+    def _settle(self) -> None:
+        """Lets written parameters take effect."""
+        effects, self._effects = self._effects, {}
+        indices = {number[0] for number in effects}
+        if indices & {COB_ID, INHIBIT_TIME}:
+            self.errors.configure()
+        if indices & DeviceSync.indices:
+            self._sync.configure()
+        if self.state is NmtState.INITIALISING:
+            return
+        if indices & DeviceSync.indices:
+            self._sync.start(self._now)
+        if CONSUMERS in indices:
+            self._consumers.configure()
+        if HEARTBEAT_TIME[0] in indices:
+            self._producer.configure(self._period, self._now)
+
+    def _taken(self) -> list[Frame]:
+        if self._effects:
+            self._settle()
+        self._out += self.pdos.flush(self._now)
+        if self._allows(Service.EMERGENCY):
+            self._out += self.errors.take(self._now)
+        frames, self._out = self._out, []
+        return frames
+
+
+def _check_time_id(number: ObjectNumber, value: ObjectValue) -> None:
+    new = CobId(int(value))
+    if not new.extended and restricted(new.can_id):
+        raise SdoAbort(sdo.VALUE_INVALID)

@@ -1,0 +1,49 @@
+"""Storing and restoring parameters (objects 1010h and 1011h), in memory."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
+from rtgen.runtime.canopen.od import COMMUNICATION, DeviceDictionary
+from rtgen.runtime.canopen.sdo import SdoAbort
+
+STORE: Final = 0x1010
+RESTORE: Final = 0x1011
+SAVE: Final = int.from_bytes(b"save", "little")
+LOAD: Final = int.from_bytes(b"load", "little")
+
+_NOT_STORED: Final = 0x08000020
+_ALL: Final = range(0x1000, 0x10000)
+_GROUPS: Final = {1: _ALL, 2: COMMUNICATION, 3: range(0x6000, 0xA000)}
+_MANUFACTURER: Final = range(0x2000, 0x6000)
+"""Sub-indices from 4 on."""
+_NEVER: Final = frozenset((0x1001, 0x1003, STORE, RESTORE))
+
+
+class ParameterStore:
+    """What has been stored: values that are not the defaults.
+
+    Restored defaults are in force after the next reset, as stored values are.
+    """
+
+    def __init__(self, dictionary: DeviceDictionary) -> None:
+        self._dictionary = dictionary
+        self.values: dict[ObjectNumber, bytes] = {}
+        dictionary.command((STORE, RESTORE), self._obey)
+
+    def apply(self, indices: range) -> None:
+        """Puts the stored values of these indices in force."""
+        for number, octets in self.values.items():
+            if number[0] in indices:
+                self._dictionary.restore(number, octets)
+
+    def _obey(self, number: ObjectNumber, value: ObjectValue) -> None:
+        index, subindex = number
+        if value != (SAVE if index == STORE else LOAD):
+            raise SdoAbort(_NOT_STORED)
+        group = _GROUPS.get(subindex, _MANUFACTURER)
+        self.values = {n: v for n, v in self.values.items() if n[0] not in group}
+        if index == STORE:
+            altered = self._dictionary.altered(group)
+            self.values |= {n: v for n, v in altered.items() if n[0] not in _NEVER}
