@@ -5,8 +5,9 @@ from __future__ import annotations
 import threading
 import time
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from rtgen.runtime.guards import SINGLE_THREAD, Guard
 
@@ -43,18 +44,30 @@ class Clock(ABC):
         """A new guard for a port of a system on this clock."""
 
 
+class Instants(Protocol):
+    """What lets things happen in simulated time: the scheduler."""
+
+    def at(self, instant: int, action: Callable[[], None]) -> None:
+        """Calls an action once, before the ticks of that instant; at once if it has passed."""
+
+    def behind_ticks(self, action: Callable[[], None]) -> None:
+        """Calls an action once, at this instant, after its ticks."""
+
+
 class SimulatedClock(Clock):
     """Time that stands still until the scheduler moves it on, from 0."""
 
     def __init__(self) -> None:
         self.time = 0
+        self.instants: Instants | None = None
+        """The scheduler that moves it; None if there is none."""
 
     @cached_property
     def network(self) -> SimulatedNetwork:
         """See `Clock`; made when it is first asked for."""
         from rtgen.runtime.simulated_network import SimulatedNetwork
 
-        return SimulatedNetwork()
+        return SimulatedNetwork(self)
 
     def now(self) -> int:
         return self.time

@@ -11,7 +11,9 @@ import errno
 import os
 import socket
 from collections.abc import Callable
-from typing import TypeAlias
+from typing import TypeAlias, TypeVar
+
+from rtgen.runtime.clocks import SimulatedClock
 
 _CHUNK = 65536
 
@@ -120,11 +122,26 @@ class Listener:
             del self._listeners[self._address]
 
 
-class SimulatedNetwork:
-    """Who listens where. An address is any text: `127.0.0.1:8931`, or the name of a device."""
+D = TypeVar("D")
 
-    def __init__(self) -> None:
+
+class SimulatedNetwork:
+    """Who listens where, and the devices that have a name, such as buses.
+
+    An address is any text: `127.0.0.1:8931`, or the name of a device.
+    """
+
+    def __init__(self, clock: SimulatedClock | None = None) -> None:
+        self.clock = clock or SimulatedClock()
         self._listeners: dict[str, Listener] = {}
+        self._devices: dict[tuple[type[object], str], object] = {}
+
+    def device(self, kind: type[D], name: str, make: Callable[[], D]) -> D:
+        """The device of that kind and name; made when it is first asked for."""
+        device = self._devices.get((kind, name))
+        if not isinstance(device, kind):
+            device = self._devices[kind, name] = make()
+        return device
 
     def listen(self, address: str, accept: Accept) -> Listener:
         """Listens at an address. Raises OSError (EADDRINUSE) if somebody does so already."""

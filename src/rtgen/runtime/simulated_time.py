@@ -15,7 +15,7 @@ from rtgen.runtime.execution_context import ExecutionContext
 from rtgen.runtime.scheduling import Action
 
 # What comes first at one instant; within a band, what was added first.
-_ACTIONS, _PUBLISHERS, _CONTEXTS, _WATCHERS = (band << 32 for band in range(4))
+_ACTIONS, _PUBLISHERS, _CONTEXTS, _BUSES, _WATCHERS = (band << 32 for band in range(5))
 
 
 class _Task:
@@ -37,9 +37,10 @@ class _Driven:
 
 
 class SimulatedScheduler:
-    """Runs everything in the order of instants; at one instant timeline, publishers, contexts.
+    """Runs everything in the order of instants.
 
-    Contexts go in the order in which their components were added to the system.
+    At one instant the timeline goes first, then publishers, contexts, buses, watchers. Contexts
+    go in the order in which their components were added to the system.
     """
 
     def __init__(self, clock: SimulatedClock) -> None:
@@ -49,12 +50,17 @@ class SimulatedScheduler:
         self._orders: dict[ExecutionContext, int] = {}
         self._driven: dict[ExecutionContext, _Driven] = {}
         self._resume: dict[ExecutionContext, int] = {}
+        clock.instants = self
 
     def start(self) -> None:
         return None
 
     def at(self, instant: int, action: Action) -> None:
         self._push(max(instant, self._clock.time), _ACTIONS, _Task(action, 0))
+
+    def behind_ticks(self, action: Action) -> None:
+        """Calls an action once, at this instant, after its ticks."""
+        self._push(self._clock.time, _BUSES, _Task(action, 0))
 
     def every(self, period: int, action: Action) -> Action:
         task = _Task(action, period)
