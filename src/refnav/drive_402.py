@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable
 from math import ceil, inf
 from typing import Final
@@ -22,6 +23,7 @@ _HOT: Final = 100.0
 _LONGEST: Final = 0.01
 """A pause is stepped through in steps of this length [s]; of a long one the last are enough."""
 _STEPS: Final = 1000
+_KEPT: Final = 64
 
 
 class Drive:
@@ -41,6 +43,7 @@ class Drive:
         self.machine = PowerMachine(self._taken)
         self.remote = True
         self._objects = objects
+        self._words: deque[int] = deque(maxlen=_KEPT)
         self._alarm = alarm
         self._units = Units(objects)
         self._zero = 0.0
@@ -73,6 +76,20 @@ class Drive:
         for _ in range(steps):
             self.step(min(seconds / steps, _LONGEST))
 
+    def take(self, controlword: int) -> None:
+        """A controlword has come: between two turns of the loop there may be several."""
+        self._words.append(controlword)
+
+    def restart(self) -> None:
+        """The drive's program starts anew; the axis is where it is, and turns as it turns."""
+        self._words.clear()
+        self._switch(Mode.NONE)
+        self._objects.Error_code = 0
+        self._alarm(0)
+        self.machine = PowerMachine(self._taken)
+        self.machine.initialised()
+        self._tell()
+
     def leave(self) -> None:
         """Nobody commands the drive any more: it brakes as for a quick stop."""
         self.remote = False
@@ -100,6 +117,8 @@ class Drive:
         if cause:
             self.fail(cause)
         if self.remote:
+            while self._words:
+                machine.command(self._words.popleft(), faultless=not cause)
             machine.command(objects.Controlword, faultless=not cause)
             if objects.Modes_of_operation != self._mode:
                 self._switch(objects.Modes_of_operation)

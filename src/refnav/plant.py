@@ -47,8 +47,17 @@ class DifferentialDrive:
         self, dt: float, left_radius: float, right_radius: float, tread: float
     ) -> None:
         """Run for `dt` [s] at the present wheel speeds; wheel radii and tread in m."""
-        left_turn = self.left * dt
-        right_turn = self.right * dt
+        self.turn(self.left * dt, self.right * dt, left_radius, right_radius, tread)
+
+    def turn(
+        self,
+        left_turn: float,
+        right_turn: float,
+        left_radius: float,
+        right_radius: float,
+        tread: float,
+    ) -> None:
+        """Move as the wheels turn by these angles [rad]; wheel radii and tread in m."""
         self.left_angle += left_turn
         self.right_angle += right_turn
         left_way = left_turn * left_radius

@@ -430,6 +430,31 @@ def test_a_drive_that_nobody_commands_stops() -> None:
     bench.enable()
 
 
+def test_controlwords_that_come_between_two_turns_all_count() -> None:
+    bench = Bench("ftmd", Mode.PROFILE_VELOCITY)
+    bench.drive.fail(0x5000)
+    bench.run(0.01)
+    for word in (0x00, 0x80, 0x06, 0x0F):
+        bench.objects.Controlword = word
+        bench.drive.take(word)
+    bench.drive.step(DT)
+    assert bench.state is PowerState.OPERATION_ENABLED
+    assert bench.alarms == [0x5000, 0]
+
+
+def test_a_drive_that_starts_anew() -> None:
+    bench = Bench("ftmd", Mode.PROFILE_VELOCITY)
+    bench.objects.Target_velocity = 1_000_000
+    bench.run(0.2)
+    bench.drive.fail(0x5000)
+    bench.objects.Controlword = 0
+    bench.drive.restart()
+    assert bench.state is PowerState.SWITCH_ON_DISABLED
+    assert bench.objects.Modes_of_operation_display == 0
+    assert bench.objects.Velocity_actual_value == pytest.approx(1_000_000, rel=1e-3)
+    assert bench.alarms == [0x5000, 0]
+
+
 def test_a_long_pause_is_caught_up_with() -> None:
     one, other = (Bench("ftmd", Mode.PROFILE_VELOCITY) for _ in range(2))
     for bench in (one, other):

@@ -53,6 +53,12 @@ _LOOK_PERIOD = SECOND // 10
     metavar="INSTANCE.PARAMETER=VALUE",
     help="Give a configuration parameter another value.",
 )
+@click.option(
+    "--timeline",
+    "timeline_file",
+    metavar="FILE",
+    help="What happens meanwhile; by default timeline.toml of the folder.",
+)
 @click.option("--csv", "csv_file", metavar="FILE", help="Write the trajectory as CSV.")
 @click.option("--plot", metavar="FILE", help="Draw the trajectory (.svg, .png, .pdf).")
 @click.option(
@@ -65,6 +71,7 @@ def run(
     clock: str,
     until: str | None,
     settings: tuple[str, ...],
+    timeline_file: str | None,
     csv_file: str | None,
     plot: str | None,
     log: str | None,
@@ -84,7 +91,7 @@ def run(
     if profile is None or has_errors(diagnostics):
         return BAD_INPUT
     check_picture(plot)
-    steps = _steps(folder, profile)
+    steps = _steps(folder, timeline_file, profile)
     condition = _condition(until, profile)
     if condition == Condition() and clock == "sim":
         hint = "--until SECONDS, or --until INSTANCE=STATE"
@@ -123,9 +130,12 @@ def run(
     return OK if met else NO
 
 
-def _steps(folder: Path | None, profile: System) -> Sequence[Step]:
-    file = None if folder is None else folder / "timeline.toml"
-    if file is None or not file.is_file():
+def _steps(folder: Path | None, named: str | None, profile: System) -> Sequence[Step]:
+    if named is not None:
+        file = Path(named)
+    elif folder is not None and (folder / "timeline.toml").is_file():
+        file = folder / "timeline.toml"
+    else:
         return ()
     try:
         text = file.read_bytes().decode("utf-8", "replace")

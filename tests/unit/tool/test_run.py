@@ -223,11 +223,13 @@ def test_a_component_is_reset(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "system.xml").write_text(profile(("Mover", "M0"), until="1"))
-    (tmp_path / "timeline.toml").write_text(
+    timeline = tmp_path / "reset.toml"
+    timeline.write_text(
         '[[at]]\nt = 0.5\nset = "M0.distance=100"\nreset = "M0"\n'
         '[[at]]\nt = 0.75\nactivate = "M0"\n'
     )
-    assert rtgen(["run", str(tmp_path), "--set", "M0.speed=20"]) == 0
+    command = ["run", str(tmp_path / "system.xml"), "--set", "M0.speed=20"]
+    assert rtgen([*command, "--timeline", str(timeline)]) == 0
     assert capfd.readouterr().out.splitlines()[1].split()[:3] == ["M0", "ACTIVE", "35"]
 
 
