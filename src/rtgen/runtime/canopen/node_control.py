@@ -1,0 +1,317 @@
+"""How a proxy brings its node to a state: the steps of each transition, which wait for the bus.
+
+Steps are generators that give what they wait for; they end when the node is there, and raise
+NodeError, SdoAbort or LinkError if it does not get there. They do no I/O but through the link.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Mapping
+from typing import Final, TypeAlias
+
+from rtgen.runtime.canopen import sdo, values
+from rtgen.runtime.canopen.description import (
+    DeviceDescription,
+    NodeDescription,
+    ObjectNumber,
+    ObjectValue,
+)
+from rtgen.runtime.canopen.frames import MILLISECOND
+from rtgen.runtime.canopen.link import Link
+from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, command_frame
+from rtgen.runtime.canopen.proxied_node import ProxiedNode
+from rtgen.runtime.canopen.sdo import SdoAbort
+from rtgen.runtime.canopen.sdo_channel import Outcome
+
+Steps: TypeAlias = Generator[str, None, None]
+
+HEARTBEAT: Final = 100
+"""The heartbeat period in ms that a node without any gets from a proxy that is the master."""
+_PATIENCE: Final = 1000 * MILLISECOND
+"""How long a state is awaited at least."""
+_HEARTBEAT_TIME: Final = (0x1017, 0)
+_IDENTITY: Final = (
+    ((0x1000, 0), "device type"),
+    ((0x1018, 1), "vendor"),
+    ((0x1018, 2), "product"),
+    ((0x1018, 3), "revision"),
+    ((0x1018, 4), "serial number"),
+)
+_STATES: Final = {
+    NmtState.INITIALISING: "initialising",
+    NmtState.STOPPED: "stopped",
+    NmtState.OPERATIONAL: "operational",
+    NmtState.PRE_OPERATIONAL: "pre-operational",
+    None: "unknown",
+}
+
+
+class NodeError(Exception):
+    """The node does not do what it is told, or is not the one that it should be."""
+
+
+class NodeControl:
+    """Brings one node to its states.
+
+    `placed` is the node in its network, None without one. With `master` NMT commands are sent
+    directly where the process has no NMT master; the node is then identified and configured, too.
+    Times are in ns; `heartbeat_timeout` 0 takes it from the network or the device.
+    """
+
+    def __init__(
+        self,
+        link: Link,
+        node: ProxiedNode,
+        description: DeviceDescription,
+        placed: NodeDescription | None,
+        *,
+        master: bool,
+        heartbeat_timeout: int,
+        boot_timeout: int,
+    ) -> None:
+        self._link = link
+        self._node = node
+        self._description = description
+        self._placed = placed
+        self._master = master
+        self._heartbeat_timeout = heartbeat_timeout
+        self._boot_timeout = boot_timeout
+        self._silent = False
+        self.running = False
+        """Whether the node was brought to operational."""
+        self.written: dict[ObjectNumber, ObjectValue] = {}
+        """Parameters as the node has them; nothing is known of the others."""
+
+    def activation(
+        self, parameters: Callable[[], Mapping[ObjectNumber, ObjectValue]]
+    ) -> Steps:
+        """To operational, with the parameters written; what a reboot undoes is done again."""
+        while True:
+            boots = self._node.boots
+            try:
+                yield from self._start(parameters)
+            except (SdoAbort, NodeError):
+                if self._node.boots == boots:
+                    raise
+            else:
+                if self._node.boots == boots:
+                    return
+
+    def deactivation(self) -> Steps:
+        """To pre-operational."""
+        yield from self._go(NmtCommand.ENTER_PRE_OPERATIONAL, NmtState.PRE_OPERATIONAL)
+
+    def reset(self) -> Steps:
+        """Resets the node, and waits for its boot-up message."""
+        node, link = self._node, self._link
+        yield from self._await_master(None)
+        boots, limit = node.boots, link.now() + self._boot_timeout
+        self.command(NmtCommand.RESET_NODE)
+        while node.boots == boots:
+            if link.now() >= limit:
+                raise NodeError(
+                    f"{self}: no boot-up message within {_seconds(self._boot_timeout)}"
+                )
+            yield f"the boot-up message of {self}"
+        node.emergency = None
+        self.written.clear()
+
+    def command(self, command: NmtCommand) -> None:
+        """Has an NMT command sent. Raises NodeError if there is nobody to do it, or LinkError."""
+        link, node = self._link, self._node
+        with link.lock:
+            if link.master is not None:
+                link.master.request(command, node.node_id)
+            elif self._master:
+                link.send((command_frame(command, node.node_id),), node)
+            else:
+                raise NodeError(
+                    f"{self} cannot be told to change its state: this process has no NMT "
+                    "master (a manager that is ACTIVE, or `master` of the proxy)"
+                )
+            node.told()
+            self.running = command is NmtCommand.START
+
+    def __str__(self) -> str:
+        return f"node {self._node.node_id}"
+
+    # Activation
+
+    def _start(
+        self, parameters: Callable[[], Mapping[ObjectNumber, ObjectValue]]
+    ) -> Steps:
+        link = self._link
+        self.written.clear()
+        yield from self._await_master(NmtState.OPERATIONAL)
+        if link.master is not None:
+            yield from self._await_manager()
+        elif self._master:
+            yield from self._set_up()
+        yield from self._supervise()
+        for number, value in parameters().items():
+            kind = self._description.by_number[number].kind
+            octets = values.encode(kind, value)
+            yield from self._download(number, octets)
+            self.written[number] = value
+        yield from self._go(NmtCommand.START, NmtState.OPERATIONAL)
+
+    def _await_master(self, wanted: NmtState | None) -> Steps:
+        """Till there is an NMT master here, or another one has brought the node there."""
+        link, node = self._link, self._node
+        limit = link.now() + self._boot_timeout
+        while link.master is None and not self._master:
+            if wanted is not None and node.state is wanted:
+                return
+            if link.now() >= limit:
+                return
+            yield f"an NMT master for {self}"
+
+    def _await_manager(self) -> Steps:
+        """Till the manager has configured the node."""
+        while (master := self._link.master) is not None:
+            readiness = master.readiness(self._node.node_id)
+            if isinstance(readiness, str):
+                raise NodeError(f"{self}: {readiness}")
+            if readiness:
+                return
+            yield f"the manager to configure {self}"
+
+    def _set_up(self) -> Steps:
+        """What a manager would do: identifies and configures the node."""
+        placed = self._placed
+        yield from self._await_answer()
+        if placed is None or self._node.state is NmtState.OPERATIONAL:
+            return
+        for ((index, subindex), what), wanted in zip(
+            _IDENTITY, placed.identity, strict=True
+        ):
+            if wanted is None:
+                continue
+            octets = yield from self._upload((index, subindex))
+            found = int.from_bytes(octets, "little")
+            if found != wanted:
+                raise NodeError(
+                    f"{self} is another device: its {what} ({index:04X}h:{subindex:X}) is "
+                    f"{found:#x}, not {wanted:#x}"
+                )
+        for write in placed.configuration:
+            number = write.index, write.subindex
+            yield from self._download(number, write.value)
+            if write.verify and (yield from self._upload(number)) != write.value:
+                raise NodeError(
+                    f"{self} does not keep what is written to {_text(number)}"
+                )
+
+    def _await_answer(self) -> Steps:
+        """Till the node answers, or the boot time-out is over."""
+        link, node = self._link, self._node
+        if node.state is NmtState.STOPPED:
+            raise NodeError(f"{self} is stopped")
+        limit = link.now() + self._boot_timeout
+        while True:
+            try:
+                yield from self._upload((0x1000, 0))
+            except SdoAbort as abort:
+                if abort.code != sdo.TIMED_OUT:
+                    return
+            else:
+                return
+            if link.now() >= limit:
+                raise NodeError(
+                    f"{self} is missing: no answer within {_seconds(self._boot_timeout)}"
+                )
+
+    def _supervise(self) -> Steps:
+        """Finds out how often the node beats, and watches it."""
+        timeout = self._heartbeat_timeout
+        placed = self._placed
+        if placed is not None:
+            self._silent = not placed.heartbeat
+            timeout = timeout or placed.heartbeat_timeout * MILLISECOND
+        else:
+            period = yield from self._period()
+            self._silent = not period
+            timeout = timeout or 3 * period * MILLISECOND
+        link = self._link
+        with link.lock:
+            self._node.supervise(0 if self._silent else timeout, link.now())
+            link.refresh(self._node)
+
+    def _period(self) -> Generator[str, None, int]:
+        """The heartbeat period in ms; a master gives a node that has none one."""
+        try:
+            octets = yield from self._upload(_HEARTBEAT_TIME)
+        except SdoAbort as abort:
+            if abort.code == sdo.TIMED_OUT:
+                raise
+            return 0
+        period = int.from_bytes(octets, "little")
+        if period or not self._master or self._link.master is not None:
+            return period
+        period = self._heartbeat_timeout // (3 * MILLISECOND) or HEARTBEAT
+        try:
+            yield from self._download(_HEARTBEAT_TIME, period.to_bytes(2, "little"))
+        except SdoAbort as abort:
+            if abort.code == sdo.TIMED_OUT:
+                raise
+            return 0
+        return period
+
+    # Steps of all
+
+    def _go(self, command: NmtCommand, wanted: NmtState) -> Steps:
+        """Tells the node to go to a state, and waits for the heartbeat that has it."""
+        link, node = self._link, self._node
+        # Of a node without heartbeat, pre-operational is known by its boot-up message alone.
+        known = wanted is NmtState.OPERATIONAL or not self._silent
+        if node.state is wanted and known:
+            self.running = wanted is NmtState.OPERATIONAL
+            return
+        self.command(command)
+        patience = max(_PATIENCE, node.timeout)
+        limit = link.now() + patience
+        while node.state is not wanted and not self._silent:
+            if link.now() >= limit:
+                raise NodeError(
+                    f"{self} is not {_STATES[wanted]} within {_seconds(patience)}: "
+                    f"its state is {_STATES[node.state]}"
+                )
+            yield f"{self} to be {_STATES[wanted]}"
+
+    def _upload(self, number: ObjectNumber) -> Generator[str, None, bytes]:
+        outcomes: list[Outcome] = []
+        channel = self._link.sdo(self._node.node_id)
+        channel.submit_upload(*number, outcomes.append)
+        while not outcomes:
+            yield f"{_text(number)} of {self}"
+        return _told(outcomes[0], f"{self}: {_text(number)} cannot be read")
+
+    def _download(self, number: ObjectNumber, octets: bytes) -> Steps:
+        outcomes: list[Outcome] = []
+        channel = self._link.sdo(self._node.node_id)
+        channel.submit_download(*number, octets, outcomes.append)
+        while not outcomes:
+            yield f"{_text(number)} of {self}"
+        _told(outcomes[0], f"{self}: {_text(number)} cannot be written")
+
+
+def _told(outcome: Outcome, what: str) -> bytes:
+    """The octets. Raises what went wrong, with what it was about."""
+    if isinstance(outcome, SdoAbort):
+        outcome.add_note(what)
+    if isinstance(outcome, bytes):
+        return outcome
+    raise outcome
+
+
+def reason_of(error: Exception) -> str:
+    """What went wrong, and with what."""
+    return ": ".join([*getattr(error, "__notes__", ()), str(error)])
+
+
+def _text(number: ObjectNumber) -> str:
+    return f"{number[0]:04X}h:{number[1]:X}"
+
+
+def _seconds(time: int) -> str:
+    return f"{time / 10**9:g} s"

@@ -1,0 +1,268 @@
+"""A node as its proxy sees it: a station that takes PDOs, heartbeats and emergencies."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Final, Protocol
+
+from rtgen.runtime.canopen.description import (
+    DeviceDescription,
+    Network,
+    NodeDescription,
+    PdoDescription,
+)
+from rtgen.runtime.canopen.emergency import Emergency, decode_emergency
+from rtgen.runtime.canopen.frames import EMERGENCY, ERROR_CONTROL, CobId, Frame
+from rtgen.runtime.canopen.heartbeat import HeartbeatConsumer, HeartbeatNews
+from rtgen.runtime.canopen.hooks import Receiver
+from rtgen.runtime.canopen.nmt import NmtState
+
+QUEUE: Final = 4096
+"""PDOs that may wait for the proxy's next tick; over it, the oldest are lost."""
+_FLIPS: Final = 4
+"""Changes between operational and not within two heartbeats that tell of a second node."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wiring:
+    """The PDOs of a node on its bus: by number, those that its proxy takes and those it sends.
+
+    `unsent` says of the others why the proxy does not send them.
+    """
+
+    received: Mapping[int, PdoDescription]
+    sent: Mapping[int, CobId]
+    unsent: Mapping[int, str]
+
+
+def wiring(
+    description: DeviceDescription, node_id: int, network: Network | None = None
+) -> Wiring:
+    """The PDOs as the network has them, else as the device has them by itself.
+
+    An RPDO with the COB-ID of another node's TPDO is wired to that one, and not to the proxy.
+    """
+    node = None if network is None else network.node(node_id)
+    pdos = description.pdos if node is None else node.pdos
+    others = set() if network is None else _transmitted(network, node)
+    received: dict[int, PdoDescription] = {}
+    sent: dict[int, CobId] = {}
+    unsent: dict[int, str] = {}
+    for pdo in pdos:
+        value = pdo.cob_id_of(node_id)
+        if value is None or CobId(value).bit31:
+            if pdo.direction == "rpdo":
+                unsent[pdo.number] = "it is not valid"
+            continue
+        cob_id = CobId(value)
+        if pdo.direction == "tpdo":
+            received[pdo.number] = pdo
+        elif (cob_id.can_id, cob_id.extended) in others:
+            unsent[pdo.number] = "another node sends it"
+        else:
+            sent[pdo.number] = cob_id
+    return Wiring(received, sent, unsent)
+
+
+def _transmitted(
+    network: Network, but: NodeDescription | None
+) -> set[tuple[int, bool]]:
+    """What the other nodes send as PDOs: identifiers, and whether they have 29 bits."""
+    found = set()
+    for node in network.nodes:
+        for pdo in node.pdos if node is not but else ():
+            value = pdo.cob_id_of(node.id)
+            if pdo.direction == "tpdo" and value is not None:
+                cob_id = CobId(value)
+                if not cob_id.bit31:
+                    found.add((cob_id.can_id, cob_id.extended))
+    return found
+
+
+class Watcher(Protocol):
+    """Who is told what becomes of a node; called with the link's lock held."""
+
+    def booted(self, node: ProxiedNode) -> None:
+        """Its boot-up message has come."""
+
+    def beat(self, node: ProxiedNode, state: NmtState) -> None:
+        """A heartbeat has come."""
+
+    def lost(self, node: ProxiedNode) -> None:
+        """Its heartbeat is overdue."""
+
+    def clashed(self, node: ProxiedNode) -> None:
+        """Its heartbeats contradict each other."""
+
+    def alarmed(self, node: ProxiedNode, emergency: Emergency) -> None:
+        """An emergency message has come."""
+
+    def cut_off(self, node: ProxiedNode) -> None:
+        """The bus has gone."""
+
+
+@dataclass(slots=True)
+class _Received:
+    """A PDO of the device."""
+
+    receiver: Receiver
+    extended: bool
+    size: int
+    too_short: int = field(default=0)
+    too_long: int = field(default=0)
+
+
+class ProxiedNode:
+    """A station of its link, for one node.
+
+    While it is `listening`, PDOs wait in `queue` with their receivers and times. `boots` counts
+    boot-up messages, `emergencies` emergency messages; `emergency` is the last that was not
+    followed by the one that says that errors are gone. `dropped` counts the PDOs that were lost
+    since the queue was full.
+    """
+
+    deadline: int | None
+
+    def __init__(
+        self,
+        node_id: int,
+        received: Mapping[int, PdoDescription],
+        receivers: Mapping[int, Receiver],
+        timeout: int,
+        watcher: Watcher,
+    ) -> None:
+        self.node_id = node_id
+        self.queue: deque[tuple[Receiver, bytes, int]] = deque(maxlen=QUEUE)
+        self.listening = False
+        self.dropped = 0
+        self.boots = 0
+        self.emergencies = 0
+        self.emergency: Emergency | None = None
+        self._watcher = watcher
+        self._consumer = HeartbeatConsumer(node_id, timeout)
+        self._heartbeat_id = ERROR_CONTROL + node_id
+        self._emergency_id = EMERGENCY + node_id
+        self._flips: deque[int] = deque(maxlen=_FLIPS)
+        self._pdos: dict[int, _Received] = {}
+        for number, pdo in received.items():
+            value = pdo.cob_id_of(node_id)
+            if number in receivers and value is not None:
+                cob_id = CobId(value)
+                bits = sum(bits for _, _, bits in pdo.mapping)
+                self._pdos[cob_id.can_id] = _Received(
+                    receivers[number], cob_id.extended, (bits + 7) // 8
+                )
+        self.identifiers = frozenset(
+            (self._heartbeat_id, self._emergency_id, *self._pdos)
+        )
+        self.deadline = None
+
+    @property
+    def state(self) -> NmtState | None:
+        """The state that it told last; None before, and when it is lost."""
+        return self._consumer.state
+
+    @property
+    def timeout(self) -> int:
+        """After how long, in ns, it is lost; 0 if it is not supervised."""
+        return self._consumer.timeout
+
+    @property
+    def too_short(self) -> int:
+        """PDOs that were ignored since they were too short."""
+        return sum(pdo.too_short for pdo in self._pdos.values())
+
+    @property
+    def too_long(self) -> int:
+        """PDOs of which the first octets were taken."""
+        return sum(pdo.too_long for pdo in self._pdos.values())
+
+    def listen(self) -> None:
+        """Takes PDOs from now on."""
+        if not self.listening:
+            self.queue.clear()
+            self.listening = True
+
+    def supervise(self, timeout: int, now: int) -> None:
+        """Sets the time-out in ns; the link is to be told (`Link.refresh`)."""
+        self._consumer.configure(timeout, now)
+        self.deadline = self._consumer.deadline
+
+    def told(self) -> None:
+        """It has been told to change its state, so that a change is no surprise."""
+        self._flips.clear()
+
+    def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
+        """See `Station`."""
+        can_id = frame.can_id
+        pdo = self._pdos.get(can_id)
+        if pdo is not None:
+            if self.listening and frame.extended is pdo.extended and not frame.remote:
+                self._take(pdo, frame.data, now)
+        elif can_id == self._heartbeat_id:
+            self._heard(frame, now)
+        elif can_id == self._emergency_id:
+            self._alarmed(frame)
+        return ()
+
+    def poll(self, now: int) -> Iterable[Frame]:
+        """See `Station`."""
+        event = self._consumer.poll(now)
+        self.deadline = self._consumer.deadline
+        if event is not None:
+            self._watcher.lost(self)
+        return ()
+
+    def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
+        """See `Station`: what was known of the node is not known any more."""
+        self._consumer = HeartbeatConsumer(self.node_id, self.timeout)
+        self.deadline = None
+        if not up:
+            self._watcher.cut_off(self)
+        return ()
+
+    def _take(self, pdo: _Received, data: bytes, now: int) -> None:
+        if len(data) != pdo.size:
+            if len(data) < pdo.size:
+                pdo.too_short += 1
+                return
+            pdo.too_long += 1
+            data = data[: pdo.size]
+        queue = self.queue
+        if len(queue) == QUEUE:
+            self.dropped += 1
+        queue.append((pdo.receiver, data, now))
+
+    def _heard(self, frame: Frame, now: int) -> None:
+        before = self._consumer.state
+        event = self._consumer.receive(frame, now)
+        self.deadline = self._consumer.deadline
+        if event is not None and event.news is HeartbeatNews.BOOT_UP:
+            self.boots += 1
+            self._flips.clear()
+            self._watcher.booted(self)
+            return
+        state = self._consumer.state
+        if state is None or frame.remote or frame.extended:
+            return
+        operational = NmtState.OPERATIONAL
+        if before is not None and (before is operational) != (state is operational):
+            self._flips.append(now)
+            if self._contradictory():
+                self._watcher.clashed(self)
+                return
+        self._watcher.beat(self, state)
+
+    def _contradictory(self) -> bool:
+        flips = self._flips
+        return len(flips) == _FLIPS and 3 * (flips[-1] - flips[0]) < 2 * self.timeout
+
+    def _alarmed(self, frame: Frame) -> None:
+        told = decode_emergency(frame)
+        if told is None:
+            return
+        self.emergencies += 1
+        self.emergency = None if told[1].cleared else told[1]
+        self._watcher.alarmed(self, told[1])

@@ -1,0 +1,388 @@
+"""The proxy of a CANopen device: its PDOs as ports, its objects by SDO, its states as RTC states.
+
+After the published description of RTC-CANopen (table 3 and figure 110); what each transition sends
+and waits for says `docs/canopen.md`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, Final
+
+from rtgen.runtime.callbacks import log
+from rtgen.runtime.canopen import sdo, values
+from rtgen.runtime.canopen.description import (
+    Network,
+    NodeDescription,
+    ObjectNumber,
+    ObjectValue,
+)
+from rtgen.runtime.canopen.frames import MILLISECOND, CobId, Frame
+from rtgen.runtime.canopen.hooks import ProxyHooks, Sender
+from rtgen.runtime.canopen.link import Link, LinkError
+from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
+from rtgen.runtime.canopen.node_control import NodeControl, NodeError, Steps, reason_of
+from rtgen.runtime.canopen.pdo import PdoError
+from rtgen.runtime.canopen.proxied_node import ProxiedNode, wiring
+from rtgen.runtime.canopen.sdo import SdoAbort
+from rtgen.runtime.canopen.sdo_channel import Outcome
+from rtgen.runtime.canopen.state_mirror import StateMirror
+from rtgen.runtime.component import Component
+from rtgen.runtime.life_cycle import Request
+from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
+
+_BOOT_TIMEOUT: Final = 2000
+"""The default of `boot_timeout` in ms: what a network says is taken instead."""
+_BLOCK: Final = 128
+"""Octets from which on a value is written in blocks."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Settings:
+    """The parameters that every proxy has."""
+
+    interface: str
+    channel: str
+    bitrate: int
+    options: str
+    node_id: int
+    network: str
+    master: bool
+    heartbeat_timeout: int
+    boot_timeout: int
+
+
+@dataclass(frozen=True, slots=True)
+class _Connection:
+    """A proxy on its bus; `offset` is the component's time less the link's."""
+
+    settings: _Settings
+    link: Link
+    node: ProxiedNode
+    control: NodeControl
+    senders: tuple[tuple[int, Sender, CobId], ...]
+    unsent: tuple[tuple[int, Sender, str], ...]
+    offset: int
+
+
+class CanopenProxy(ProxyHooks, Component):
+    """The base of generated proxies.
+
+    It is on the bus from its start on, and follows what its node does: what the heartbeat tells
+    unasked is a request to the component. Samples of the device come to the OutPorts in
+    `on_execute`, in the order of their arrival; `lost` counts those for which there was no room.
+    """
+
+    config: Any
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self._connection: _Connection | None = None
+        self._under_way: tuple[Request, Steps] | None = None
+        self._dropped = 0
+        self._told: set[int] = set()
+        self._without_blocks = False
+        self.configuration_sets.on_change = self._parameters_changed
+
+    # Callbacks
+
+    def on_startup(self, ec_id: int) -> ReturnCode_t:
+        """Joins the bus; if that fails it is tried again when a transition needs it."""
+        try:
+            self._connect()
+        except (NodeError, LinkError) as error:
+            return self.fail(str(error))
+        return RTC_OK
+
+    def on_finalize(self) -> ReturnCode_t:
+        """Leaves the bus."""
+        self._disconnect()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Brings what has come to the OutPorts, and sends what is in the InPorts."""
+        connection = self._connection
+        assert connection is not None
+        self._deliver(connection)
+        frames: list[Frame] = []
+        for number, sender, cob_id in connection.senders:
+            try:
+                frames += [cob_id.frame(octets) for octets in sender()]
+            except PdoError as error:
+                return self.fail(f"rpdo{number}: {error}")
+        if frames:
+            try:
+                connection.link.send(frames, connection.node)
+            except LinkError as error:
+                return self.fail(str(error))
+        if connection.unsent:
+            self._drop_unsent(connection)
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Delivers the last samples; a component that ends tells its node to stop working."""
+        connection = self._connection
+        if connection is None:
+            return RTC_OK
+        self._deliver(connection)
+        connection.node.listening = False
+        if connection.control.running:
+            return self._command(NmtCommand.ENTER_PRE_OPERATIONAL)
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Stops the node."""
+        self._under_way = None
+        connection = self._connection
+        if connection is None:
+            return RTC_OK
+        connection.node.listening = False
+        connection.node.queue.clear()
+        if connection.node.state is NmtState.STOPPED:
+            return RTC_OK
+        return self._command(NmtCommand.STOP)
+
+    # Objects
+
+    def read_object(self, index: int, subindex: int = 0) -> ObjectValue:
+        """See `ProxyHooks`; octets for a variable that the description has not."""
+        described = self.description.by_number.get((index, subindex))
+        if described is None:
+            return self.read_octets(index, subindex)
+        octets = self.read_octets(index, subindex)
+        size = values.size(described.kind)
+        if size is not None:
+            # Servers that do not tell the length of an expedited value send 4 octets.
+            octets = octets[:size]
+        try:
+            return values.decode(described.kind, octets)
+        except values.ObjectValueError as error:
+            raise SdoAbort(error.code) from error
+
+    def write_object(self, index: int, subindex: int, value: ObjectValue) -> None:
+        """See `ProxyHooks`."""
+        described = self.description.by_number.get((index, subindex))
+        kind = "octets" if described is None else described.kind
+        self.write_octets(index, subindex, values.encode(kind, value))
+
+    def read_octets(self, index: int, subindex: int) -> bytes:
+        """See `ProxyHooks`."""
+        described = self.description.by_number.get((index, subindex))
+        large = described is None or described.kind == "octets"
+        channel = self._joined().link.sdo(self._joined().node.node_id)
+        return self._in_blocks(
+            large, lambda block: channel.upload(index, subindex, block=block)
+        )
+
+    def write_octets(self, index: int, subindex: int, value: bytes) -> None:
+        """See `ProxyHooks`."""
+        channel = self._joined().link.sdo(self._joined().node.node_id)
+
+        def write(block: bool) -> bytes:
+            channel.download(index, subindex, value, block=block)
+            return b""
+
+        self._in_blocks(len(value) >= _BLOCK, write)
+
+    def _in_blocks(self, large: bool, transfer: Callable[[bool], bytes]) -> bytes:
+        """A transfer in blocks if it is worth it, else, or if the server has none, without."""
+        if large and not self._without_blocks:
+            try:
+                return transfer(True)
+            except SdoAbort as abort:
+                # Told before anything was written.
+                if abort.code != sdo.COMMAND_UNKNOWN:
+                    raise
+                self._without_blocks = True
+        return transfer(False)
+
+    # For the runtime
+
+    @property
+    def lost(self) -> int:
+        """See `Component`; PDOs for which there was no room, and samples that go nowhere, too."""
+        connection = self._connection
+        dropped = 0 if connection is None else connection.node.dropped
+        return super().lost + self._dropped + dropped
+
+    def _gate(self, request: Request) -> ReturnCode_t | None:
+        try:
+            if self._under_way is None or self._under_way[0] is not request:
+                self._under_way = request, self._steps(request)
+            self._awaited = next(self._under_way[1])
+            return None
+        except StopIteration:
+            self._under_way = None
+            return RTC_OK
+        except (NodeError, SdoAbort, LinkError, ValueError) as error:
+            self._under_way = None
+            return self.fail(reason_of(error))
+
+    def _steps(self, request: Request) -> Steps:
+        connection = self._connect()
+        if not connection.link.up:
+            raise LinkError("the bus is gone")
+        if request is Request.ACTIVATE:
+            connection.node.listen()
+            return connection.control.activation(self._parameter_values)
+        if request is Request.DEACTIVATE:
+            return connection.control.deactivation()
+        return connection.control.reset()
+
+    def _deliver(self, connection: _Connection) -> None:
+        queue = connection.node.queue
+        offset = connection.offset
+        for _ in range(len(queue)):
+            receiver, data, time = queue.popleft()
+            receiver(data, time + offset)
+
+    def _drop_unsent(self, connection: _Connection) -> None:
+        """What comes for a PDO that the proxy does not send is counted, and told once."""
+        for number, sender, why in connection.unsent:
+            dropped = sum(1 for _ in sender())
+            if dropped:
+                self._dropped += dropped
+                if number not in self._told:
+                    self._told.add(number)
+                    log.warning(
+                        "%s: rpdo%d is not sent: %s", self.instance_name, number, why
+                    )
+
+    def _command(self, command: NmtCommand) -> ReturnCode_t:
+        """Has an NMT command sent, where nothing can be waited for."""
+        assert self._connection is not None
+        try:
+            self._connection.control.command(command)
+        except (NodeError, LinkError) as error:
+            return self.fail(str(error))
+        return RTC_OK
+
+    def _parameters_changed(self) -> None:
+        """Writes the parameters that have changed, if the device is at work."""
+        connection = self._connection
+        if connection is None or not self.is_active:
+            return
+        node, written = connection.node, connection.control.written
+        try:
+            changed = {
+                number: value
+                for number, value in self._parameter_values().items()
+                if written.get(number) != value
+            }
+            octets = {
+                number: values.encode(self.description.by_number[number].kind, value)
+                for number, value in changed.items()
+            }
+        except ValueError as error:
+            self._note_failure("", str(error))
+            return
+        channel = connection.link.sdo(node.node_id)
+        for number, value in changed.items():
+            written[number] = value
+            channel.submit_download(
+                *number, octets[number], self._written(connection, number)
+            )
+
+    def _written(
+        self, connection: _Connection, number: ObjectNumber
+    ) -> Callable[[Outcome], None]:
+        def done(outcome: Outcome) -> None:
+            if isinstance(outcome, SdoAbort):
+                connection.control.written.pop(number, None)
+                name = self.description.by_number[number].name
+                self.reason = f"{name} cannot be written: {outcome}"
+                log.warning("%s: %s", self.instance_name, self.reason)
+
+        return done
+
+    # The bus
+
+    def _joined(self) -> _Connection:
+        """The connection. Raises LinkError without one."""
+        if self._connection is None:
+            raise LinkError(f"{self.instance_name} is on no bus")
+        return self._connection
+
+    def _connect(self) -> _Connection:
+        """Joins the bus of the present parameters. Raises LinkError, or NodeError."""
+        config = self.config
+        settings = _Settings(
+            *(getattr(config, name) for name in _Settings.__dataclass_fields__)
+        )
+        if self._connection is not None:
+            if self._connection.settings == settings:
+                return self._connection
+            self._disconnect()
+        network, placed = self._place(settings)
+        bitrate = settings.bitrate or (network.bit_rate * 1000 if network else 0)
+        link = open_link(
+            self, settings.interface, settings.channel, bitrate, settings.options
+        )
+        wired = wiring(self.description, settings.node_id, network)
+        boot_timeout = settings.boot_timeout
+        if placed is not None and boot_timeout == _BOOT_TIMEOUT:
+            boot_timeout = placed.boot_timeout
+        node = ProxiedNode(
+            settings.node_id,
+            wired.received,
+            self._receivers(),
+            settings.heartbeat_timeout * MILLISECOND,
+            StateMirror(self, lambda: self._under_way is not None),
+        )
+        control = NodeControl(
+            link,
+            node,
+            self.description,
+            placed,
+            master=settings.master,
+            heartbeat_timeout=settings.heartbeat_timeout * MILLISECOND,
+            boot_timeout=boot_timeout * MILLISECOND,
+        )
+        senders = self._senders()
+        connection = self._connection = _Connection(
+            settings,
+            link,
+            node,
+            control,
+            tuple((n, s, wired.sent[n]) for n, s in senders.items() if n in wired.sent),
+            tuple(
+                (n, s, wired.unsent.get(n, "the network has no such PDO"))
+                for n, s in senders.items()
+                if n not in wired.sent
+            ),
+            self.now() - link.now(),
+        )
+        link.attach(node)
+        return connection
+
+    def _disconnect(self) -> None:
+        connection, self._connection = self._connection, None
+        if connection is not None:
+            self._dropped += connection.node.dropped
+            connection.link.detach(connection.node)
+
+    def _place(
+        self, settings: _Settings
+    ) -> tuple[Network | None, NodeDescription | None]:
+        """The network, and the node in it. Raises NodeError if they are not known."""
+        name = settings.network
+        if not name:
+            return None, None
+        try:
+            if not (self.networks and name.isidentifier()):
+                raise ModuleNotFoundError(name)
+            network: Network = import_module(f"{self.networks}.{name}").NETWORK
+        except ModuleNotFoundError:
+            raise NodeError(f"there is no network {name!r}") from None
+        node = network.node(settings.node_id)
+        if node is None:
+            raise NodeError(f"the network {name} has no node {settings.node_id}")
+        if node.module != self.description.name:
+            raise NodeError(
+                f"node {node.id} of the network {name} is no {self.description.name}, "
+                f"but {node.module}"
+            )
+        return network, node

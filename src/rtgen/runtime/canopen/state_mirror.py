@@ -1,0 +1,78 @@
+"""What a node does unasked becomes a request to its proxy (figure 110, from the node's side)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from rtgen.runtime.canopen.emergency import Emergency
+from rtgen.runtime.canopen.nmt import NmtState
+from rtgen.runtime.canopen.proxied_node import ProxiedNode
+from rtgen.runtime.component import Component
+from rtgen.runtime.return_codes import (
+    ACTIVE_STATE,
+    INACTIVE_STATE,
+    LifeCycleState,
+)
+
+
+class StateMirror:
+    """The watcher of a proxy's node; nothing here waits, since the link's lock is held.
+
+    `busy` tells whether a transition of the proxy is under way, which looks at the states itself.
+    Every heartbeat is compared with the component's state, not only the first of a kind: so no
+    race between the two can leave them apart.
+    """
+
+    def __init__(self, component: Component, busy: Callable[[], bool]) -> None:
+        self._component = component
+        self._busy = busy
+
+    def booted(self, node: ProxiedNode) -> None:
+        """See `Watcher`."""
+        if self._state() is ACTIVE_STATE:
+            self._fail(node, "booted while it was operational")
+
+    def beat(self, node: ProxiedNode, state: NmtState) -> None:
+        """See `Watcher`."""
+        mine = self._state()
+        component = self._component
+        if state is NmtState.STOPPED:
+            self._fail(node, "was stopped")
+        elif self._busy():
+            return
+        elif state is NmtState.OPERATIONAL and mine is INACTIVE_STATE:
+            node.listen()
+            for context in tuple(component._contexts.values()):
+                context.activate_component(component)
+        elif state is NmtState.PRE_OPERATIONAL and mine is ACTIVE_STATE:
+            for context in tuple(component._contexts.values()):
+                context.deactivate_component(component)
+
+    def lost(self, node: ProxiedNode) -> None:
+        """See `Watcher`."""
+        milliseconds = node.timeout // 1_000_000
+        self._fail(node, f"is lost: no heartbeat for {milliseconds} ms")
+
+    def clashed(self, node: ProxiedNode) -> None:
+        """See `Watcher`."""
+        self._fail(
+            node, "tells states that contradict each other: are there two of them?"
+        )
+
+    def alarmed(self, node: ProxiedNode, emergency: Emergency) -> None:
+        """See `Watcher`."""
+        if not emergency.cleared:
+            self._fail(node, f"tells EMCY {emergency}")
+
+    def cut_off(self, node: ProxiedNode) -> None:
+        """See `Watcher`."""
+        self._fail(node, "cannot be reached: the bus is gone")
+
+    def _state(self) -> LifeCycleState | None:
+        """The component's state, None if it is in no context."""
+        for context in tuple(self._component._contexts.values()):
+            return context.get_component_state(self._component)
+        return None
+
+    def _fail(self, node: ProxiedNode, what: str) -> None:
+        self._component._request_failure(f"node {node.node_id} {what}")
