@@ -13,6 +13,9 @@ from pathlib import Path
 SUPPORTED = ("3.11", "3.12", "3.13")
 ROOT = Path(__file__).resolve().parent.parent
 
+MONITORED = ("3.12", "3.13")
+"""Those that can measure the coverage of lines at hardly any cost."""
+
 TRIED_ONCE = ("tests/interop", "tests/fuzz")
 """Comparisons with peers and random inputs are the same on each interpreter."""
 
@@ -42,8 +45,13 @@ def build(folder: Path) -> Path:
     return next(folder.glob("rtgen-*.whl"))
 
 
-def try_on(interpreter: str, wheel: Path, folder: Path) -> tuple[int, str]:
-    """The exit code and output of the fast tests on the wheel in an environment of its own."""
+def try_on(
+    interpreter: str, wheel: Path, folder: Path, *, measured: bool
+) -> tuple[int, str]:
+    """The exit code and output of the fast tests on the wheel in an environment of its own.
+
+    `measured`: with the coverage of lines.
+    """
     subprocess.run([interpreter, "-m", "venv", str(folder)], check=True)
     python = str(folder / "bin" / "python")
     install = [python, "-m", "pip", "install", "--quiet", "--no-compile"]
@@ -51,8 +59,10 @@ def try_on(interpreter: str, wheel: Path, folder: Path) -> tuple[int, str]:
     subprocess.run(install, check=True)
     tests = [python, "-m", "pytest", "-q", "-m", "not slow", "-p", "no:cacheprovider"]
     tests += [f"--ignore={name}" for name in TRIED_ONCE]
+    tests += ["--cov", "--cov-report=term:skip-covered"] * measured
     environment = {
         **os.environ,
+        **({"COVERAGE_CORE": "sysmon"} if measured else {}),
         "PATH": f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}",
     }
     result = subprocess.run(
@@ -77,12 +87,19 @@ def main() -> int:
     found = {version: find(version) for version in SUPPORTED if version != own}
     if not any(found.values()):
         found[own] = sys.executable
+    measuring = max((v for v in found if found[v] and v in MONITORED), default=None)
     failed = []
     with tempfile.TemporaryDirectory() as temporary, ThreadPoolExecutor(2) as pool:
         folder = Path(temporary)
         wheel = build(folder)
         runs = {
-            version: pool.submit(try_on, interpreter, wheel, folder / version)
+            version: pool.submit(
+                try_on,
+                interpreter,
+                wheel,
+                folder / version,
+                measured=version == measuring,
+            )
             for version, interpreter in found.items()
             if interpreter is not None
         }
