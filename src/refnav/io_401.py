@@ -5,7 +5,6 @@ Source: CiA 401-2, generic I/O modules; the angle reference is the board's own (
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from enum import IntFlag
 from math import isfinite
 from typing import Any, Final
@@ -33,7 +32,9 @@ class Board:
     """Works on the objects of `f_palette.eds`, by `step`.
 
     `digital` are the levels at the inputs, a byte for each eight of them, `voltages` those at the
-    analogue inputs [V]; `levels` and `output_voltages` are what the outputs give.
+    analogue inputs [V]; `levels` and `output_voltages` are what the outputs give. `events` are the
+    names of the objects whose last change is to be told; a name is there before the object has
+    its new value.
     """
 
     def __init__(self, objects: Any) -> None:
@@ -42,17 +43,28 @@ class Board:
         self.voltages = [0.0] * ANALOGUE_INPUTS
         self.levels = [0] * DIGITAL_BYTES
         self.output_voltages = [0.0] * ANALOGUE_OUTPUTS
+        self.events: dict[str, None] = {}
         self._told: list[int | None] = [None] * ANALOGUE_INPUTS
         self._outside = [False] * ANALOGUE_INPUTS
         self.step()
 
-    def step(self) -> list[str]:
-        """Reads the inputs and drives the outputs; the names of objects that made an event."""
-        events = [*self._read_digital(), *self._read_analogue()]
-        if self._refer():
-            events.append("Angle_reference")
+    def step(self) -> None:
+        """Reads the inputs and drives the outputs."""
+        self.events.clear()
+        self._read_digital()
+        self._read_analogue()
+        self._refer()
         self._drive()
-        return events
+
+    def tells(self, name: str, *, first: bool) -> bool:
+        """Whether an input's change is to be told, or its `first` value."""
+        if not first:
+            return name in self.events
+        if name.startswith("Analogue"):
+            return bool(self._objects.Analogue_input_global_interrupt_enable)
+        if name.startswith("Digital"):
+            return bool(self._objects.Global_interrupt_enable_digital)
+        return True
 
     def leave(self) -> None:
         """Nobody commands the board: outputs with an error mode take their error values."""
@@ -70,29 +82,29 @@ class Board:
                 setattr(objects, name, min(max(value, -0x8000), 0x7FFF))
         self._drive()
 
-    def _read_digital(self) -> Iterator[str]:
+    def _read_digital(self) -> None:
         objects = self._objects
         for level, place in zip(self.digital, _BITS, strict=True):
             name = f"Digital_inputs_{place}"
             value = (level ^ getattr(objects, f"Polarity_of_inputs_{place}")) & 0xFF
             changed = getattr(objects, name) ^ value
-            setattr(objects, name, value)
             mask = getattr(objects, f"Mask_of_inputs_{place}")
             if objects.Global_interrupt_enable_digital and changed & mask:
-                yield name
+                self.events[name] = None
+            setattr(objects, name, value)
 
-    def _read_analogue(self) -> Iterator[str]:
+    def _read_analogue(self) -> None:
         objects = self._objects
         enabled = objects.Analogue_input_global_interrupt_enable
         for number, voltage in enumerate(self.voltages, 1):
             name = f"Analogue_input_{number}"
             value = converted(voltage)
-            setattr(objects, name, value)
             if not enabled:
                 self._told[number - 1] = None
             elif self._triggered(number, value):
                 self._told[number - 1] = value
-                yield name
+                self.events[name] = None
+            setattr(objects, name, value)
 
     def _triggered(self, number: int, value: int) -> bool:
         """Whether the input makes an event; the first value after the enabling does."""
@@ -113,16 +125,17 @@ class Board:
         kinds = Trigger.DELTA | (Trigger.RISEN if value > told else Trigger.FALLEN)
         return entered or bool(trigger & kinds and abs(value - told) >= max(delta, 1))
 
-    def _refer(self) -> bool:
-        """Makes the angle reference of its input; whether it has changed."""
+    def _refer(self) -> None:
+        """Makes the angle reference of its input."""
         objects = self._objects
         value = getattr(objects, f"Analogue_input_{objects.Angle_reference_input}")
         angle = objects.Angle_reference_offset + round(
             objects.Angle_reference_gain * value / 0x7FFF
         )
-        before = objects.Angle_reference
-        objects.Angle_reference = min(max(angle, -0x8000_0000), 0x7FFF_FFFF)
-        return bool(before != objects.Angle_reference)
+        angle = min(max(angle, -0x8000_0000), 0x7FFF_FFFF)
+        if angle != objects.Angle_reference:
+            self.events["Angle_reference"] = None
+        objects.Angle_reference = angle
 
     def _drive(self) -> None:
         objects = self._objects

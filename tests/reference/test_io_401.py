@@ -15,6 +15,12 @@ def board() -> Board:
     return Board(objects("f_palette"))
 
 
+def step(board: Board) -> list[str]:
+    """What makes an event in a step."""
+    board.step()
+    return [*board.events]
+
+
 def enable(board: Board, **values: object) -> None:
     board._objects.Analogue_input_global_interrupt_enable = True
     for name, value in values.items():
@@ -23,14 +29,14 @@ def enable(board: Board, **values: object) -> None:
 
 
 def test_digital_inputs_with_polarity(board: Board) -> None:
-    assert board.step() == []
+    assert step(board) == []
     board.digital = [0x05, 0x80]
-    assert board.step() == ["Digital_inputs_1_to_8", "Digital_inputs_9_to_16"]
+    assert step(board) == ["Digital_inputs_1_to_8", "Digital_inputs_9_to_16"]
     made = board._objects
     assert (made.Digital_inputs_1_to_8, made.Digital_inputs_9_to_16) == (0x05, 0x80)
-    assert board.step() == []
+    assert step(board) == []
     made.Polarity_of_inputs_1_to_8 = 0xF0
-    assert board.step() == ["Digital_inputs_1_to_8"]
+    assert step(board) == ["Digital_inputs_1_to_8"]
     assert made.Digital_inputs_1_to_8 == 0xF5
 
 
@@ -38,13 +44,13 @@ def test_masks_and_the_global_enable(board: Board) -> None:
     made = board._objects
     made.Mask_of_inputs_1_to_8 = 0x02
     board.digital[0] = 0x01
-    assert board.step() == []
+    assert step(board) == []
     assert made.Digital_inputs_1_to_8 == 0x01
     board.digital[0] = 0x03
-    assert board.step() == ["Digital_inputs_1_to_8"]
+    assert step(board) == ["Digital_inputs_1_to_8"]
     made.Global_interrupt_enable_digital = False
     board.digital[0] = 0x00
-    assert board.step() == []
+    assert step(board) == []
 
 
 def test_outputs(board: Board) -> None:
@@ -72,13 +78,23 @@ def test_outputs_take_their_error_values(board: Board) -> None:
 
 def test_analogue_inputs_are_silent_until_enabled(board: Board) -> None:
     board.voltages[0] = 2.5
-    assert board.step() == ["Angle_reference"]
+    assert step(board) == ["Angle_reference"]
     assert board._objects.Analogue_input_1 == 0x4000
     enable(board)
-    assert board.step() == [f"Analogue_input_{n}" for n in range(1, 9)]
-    assert board.step() == []
+    assert step(board) == [f"Analogue_input_{n}" for n in range(1, 9)]
+    assert step(board) == []
     board.voltages[6] = 0.1
-    assert board.step() == ["Analogue_input_7"]
+    assert step(board) == ["Analogue_input_7"]
+
+
+def test_first_values(board: Board) -> None:
+    """What a board tells when it becomes operational: what may make events."""
+    names = "Analogue_input_1", "Digital_inputs_1_to_8", "Angle_reference"
+    assert [board.tells(name, first=True) for name in names] == [False, True, True]
+    enable(board, Global_interrupt_enable_digital=False)
+    assert [board.tells(name, first=True) for name in names] == [True, False, True]
+    board.step()
+    assert [board.tells(name, first=False) for name in names] == [True, False, False]
 
 
 def test_delta(board: Board) -> None:
@@ -87,7 +103,7 @@ def test_delta(board: Board) -> None:
     told = []
     for n in range(1, 41):
         board.voltages[1] = n * 100 / 0x7FFF * 5.0
-        if "Analogue_input_2" in board.step():
+        if "Analogue_input_2" in step(board):
             told.append(board._objects.Analogue_input_2)
     assert told == [1000, 2000, 3000, 4000]
 
@@ -114,7 +130,7 @@ def test_triggers(board: Board, trigger: int, expected: list[int]) -> None:
     told = []
     for value in (2000, 2000, 2500, 2500, 1500, 1000, 1800, 500):
         board.voltages[0] = value / 0x7FFF * 5.0
-        if "Analogue_input_1" in board.step():
+        if "Analogue_input_1" in step(board):
             told.append(board._objects.Analogue_input_1)
     assert told == [2000, *expected]
 
@@ -122,7 +138,7 @@ def test_triggers(board: Board, trigger: int, expected: list[int]) -> None:
 def test_no_trigger_no_event(board: Board) -> None:
     enable(board, Trigger_of_analogue_input_1=0)
     board.voltages[0] = 1.0
-    assert "Analogue_input_1" not in board.step()
+    assert "Analogue_input_1" not in step(board)
 
 
 def test_angle_reference(board: Board) -> None:
@@ -131,7 +147,7 @@ def test_angle_reference(board: Board) -> None:
     made.Angle_reference_gain = 90_000
     made.Angle_reference_offset = -10_000
     board.voltages[2] = 5.0
-    assert "Angle_reference" in board.step()
+    assert "Angle_reference" in step(board)
     assert made.Angle_reference == 80_000
     board.voltages[2] = -5.0
     board.step()
