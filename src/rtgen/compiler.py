@@ -25,6 +25,7 @@ BUILT_IN = (
     "rtgen.backends.components",
     "rtgen.backends.rtc_profile",
     "rtgen.backends.tecs",
+    "rtgen.backends.canopen",
 )
 """The modules of the built-in back ends, in the order of their artifacts; each has `BACKEND`."""
 
@@ -53,26 +54,42 @@ class Compilation:
         return has_errors(self.diagnostics)
 
 
-def read(project: Project) -> FrontendResult:
-    """The model of the project's definitions."""
+def read(project: Project, *, lowered: bool = False) -> FrontendResult:
+    """The model of the project's definitions; `lowered`: with the IDL and components of devices."""
     from rtgen.frontends import together
 
     of_tecs = _ending_with(project.sources, ".cdl")
     of_devices = _ending_with(project.sources, ".eds", ".dcf")
     of_idl = _ending_with(project.sources, ".idl")
+    of_buses = _ending_with(project.sources, ".toml")
     results: list[FrontendResult] = []
-    if of_idl or not (of_tecs or of_devices):
+    side = None
+    if of_devices or of_buses:
+        from rtgen import devices
+
+        described = devices.read(of_devices, of_buses, project)
+        results.append(described)
+        if of_idl or lowered:
+            side = devices.device_idl(described, of_idl, given=lowered)
+    if of_idl or side is not None or not (of_tecs or results):
         from rtgen.frontends import idl
 
-        results.append(
-            idl.load(
-                of_idl,
-                root=project.root,
-                include=project.include,
-                define=dict(project.define),
-                ignore_case_clashes=project.ignore_case_clashes,
-            )
+        found = idl.load(
+            of_idl,
+            root=project.root,
+            include=project.include,
+            define=dict(project.define),
+            ignore_case_clashes=project.ignore_case_clashes,
+            virtual={} if side is None else side.files,
         )
+        if side is not None:
+            found = replace(
+                found,
+                model=side.complete(found.model),
+                diagnostics=(*found.diagnostics, *side.diagnostics),
+                dependencies=(*found.dependencies, *side.dependencies),
+            )
+        results.insert(0, found)
     if of_tecs:
         from rtgen.frontends import cdl
 
@@ -86,10 +103,6 @@ def read(project: Project) -> FrontendResult:
                 prelude=project.prelude == "kernel",
             )
         )
-    if of_devices:
-        from rtgen.frontends import eds
-
-        results.append(eds.load(of_devices, root=project.root, node_id=project.node_id))
     return results[0] if len(results) == 1 else together(results)
 
 
@@ -175,7 +188,7 @@ def _hashes(result: FrontendResult) -> dict[str, str | None]:
 
 def compile_project(project: Project) -> Compilation:
     """The project's artifacts, made anew."""
-    result = read(project)
+    result = read(project, lowered=True)
     options = Options(
         package=project.package,
         skeleton_package=project.skeleton_package,
@@ -194,7 +207,8 @@ def compile_project(project: Project) -> Compilation:
     return Compilation(
         artifacts=() if has_errors(diagnostics) else tuple(artifacts),
         inputs={file.key: file.sha256 for file in result.model.files}
-        | {device.key: device.sha256 for device in result.model.devices},
+        | {device.key: device.sha256 for device in result.model.devices}
+        | {bus.key: bus.sha256 for bus in result.model.buses},
         diagnostics=tuple(in_order(diagnostics)),
         dependencies=_hashes(result),
         sources=result.sources,

@@ -10,6 +10,7 @@ from types import MappingProxyType
 from rtgen.diagnostics import Rule
 
 MODULES = (
+    "rtgen.backends.canopen.rules",
     "rtgen.backends.components.rules",
     "rtgen.backends.tecs.rules",
     "rtgen.backends.types.rules",

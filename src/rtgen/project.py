@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 import os
+import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -27,6 +28,8 @@ KCODES = ("auto", "euc", "sjis", "utf8", "none")
 SUFFIXES = (".idl", ".cdl", ".eds", ".dcf")
 """What the front ends read, in lower case."""
 
+_BUS = re.compile(rb"^[ \t]*(\[[ \t]*bus[ \t]*\]|bus[ \t]*[.=])", re.MULTILINE)
+_MOST_OF_BUS = 1024 * 1024
 _RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
 
 
@@ -254,19 +257,34 @@ def _below(folder: Path, skip: Path) -> list[Path]:
             if not f.startswith(".") and _normal((here / f).absolute()) != skip
         ]
         found += [
-            here / f for f in files if _is_definition(f) and not f.startswith(".")
+            here / f
+            for f in files
+            if not f.startswith(".") and _is_definition(here / f)
         ]
     return sorted(found, key=lambda p: p.parts)
 
 
-def _is_definition(name: str) -> bool:
-    return name.lower().endswith(SUFFIXES)
+def _is_definition(path: Path) -> bool:
+    return path.name.lower().endswith(SUFFIXES) or is_bus_file(path)
+
+
+def is_bus_file(path: Path) -> bool:
+    """Whether it is a TOML file with a table `[bus]`."""
+    if path.suffix.lower() != ".toml" or path.name == FILE_NAME:
+        return False
+    try:
+        with path.open("rb") as stream:
+            return _BUS.search(stream.read(_MOST_OF_BUS)) is not None
+    except OSError:
+        return False
 
 
 def _check_kind(path: Path) -> Diagnostic | None:
-    if path.is_dir() or _is_definition(path.name):
+    if path.is_dir() or _is_definition(path):
         return None
-    kinds = ", ".join(f"*{s}" for s in SUFFIXES)
+    if path.suffix.lower() == ".toml" and path.name != FILE_NAME:
+        return None  # named as a bus file: its reader says what is wrong with it
+    kinds = ", ".join(f"*{s}" for s in (*SUFFIXES, ".toml"))
     return SOURCE_KIND.at(
         None, f"{path.as_posix()} is no definition file", hint=f"rtgen reads {kinds}"
     )

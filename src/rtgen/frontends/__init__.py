@@ -43,6 +43,7 @@ def together(results: Sequence[FrontendResult]) -> FrontendResult:
             systems=tuple(s for m in models for s in m.systems),
             tecs=tuple(u for m in models for u in m.tecs),
             devices=tuple(d for m in models for d in m.devices),
+            buses=tuple(b for m in models for b in m.buses),
         ),
         diagnostics=tuple(in_order(d for r in results for d in r.diagnostics)),
         sources={name: text for r in results for name, text in r.sources.items()},

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
@@ -12,6 +13,18 @@ from rtgen.frontends import Dependency
 
 MAX_BYTES = 32 * 1024 * 1024
 """A larger file is not read."""
+
+
+@dataclass(frozen=True, slots=True)
+class VirtualFile:
+    """A file that others may include without its being on the disk.
+
+    `key` is the one for generated text. `given`: it is read as a file that was given is.
+    """
+
+    key: str
+    text: str
+    given: bool = False
 
 
 class File(Protocol):
@@ -39,10 +52,12 @@ class Library(Generic[F]):
         root: Path,
         include: Sequence[Path],
         main: Mapping[str, str] | None = None,
+        virtual: Mapping[str, VirtualFile | Path] | None = None,
     ) -> None:
         """`make` makes what is kept: of the displayed name, the key, the path and the bytes of
         a file, None for one that is too large. `main` maps absolute paths of the files given to
-        the names they are displayed by.
+        the names they are displayed by. `virtual` are files by the name that includes them,
+        where the search for it was in vain; a path stands for a file on the disk.
         """
         self._make = make
         self._root = root.resolve()
@@ -51,6 +66,8 @@ class Library(Generic[F]):
         self._working = Path.cwd()
         self._read: dict[str, F | None] = {}
         self._dependencies: dict[str, Dependency] = {}
+        self._virtual = dict(virtual or {})
+        self._made: dict[str, F] = {}
 
     @property
     def dependencies(self) -> tuple[Dependency, ...]:
@@ -60,7 +77,18 @@ class Library(Generic[F]):
     @property
     def sources(self) -> list[F]:
         """Every file read, in order."""
-        return [source for source in self._read.values() if source is not None]
+        read = [source for source in self._read.values() if source is not None]
+        return [*read, *self._made.values()]
+
+    def virtual(self, name: str) -> F | None:
+        """The file of that name that is on no disk."""
+        file = self._virtual.get(name)
+        if file is None or isinstance(file, Path):
+            return None if file is None else self.open(file)
+        if name not in self._made:
+            source = self._make(name, file.key, self._root / name, file.text.encode())
+            self._made[name] = source
+        return self._made[name]
 
     def open(self, path: Path | str, folder: Path | None = None) -> F | None:
         """The file of that path, or None where there is none.
@@ -87,6 +115,11 @@ class Library(Generic[F]):
         self._read[absolute] = source
         self._dependencies[absolute] = Dependency(file, digest)
         return source
+
+    @property
+    def virtual_names(self) -> tuple[str, ...]:
+        """The names that `virtual` knows."""
+        return tuple(self._virtual)
 
     def displayed(self, folder: Path) -> str:
         """A folder as it is shown: relative to the working folder."""

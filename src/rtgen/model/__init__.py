@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from rtgen.model.can_bus import Bus
 from rtgen.model.canopen import Device
 from rtgen.model.components import (
     Activation,
@@ -71,6 +72,7 @@ __all__ = [
     "Bitfield",
     "Bitmask",
     "Bitset",
+    "Bus",
     "Case",
     "Component",
     "ConfigurationParameter",
@@ -148,6 +150,7 @@ class Model:
     systems: tuple[System, ...] = ()
     tecs: tuple[TecsUnit, ...] = ()
     devices: tuple[Device, ...] = ()
+    buses: tuple[Bus, ...] = ()
     _by_name: dict[ScopedName, Declaration] = field(
         init=False, repr=False, compare=False, default_factory=dict
     )

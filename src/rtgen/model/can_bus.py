@@ -14,16 +14,30 @@ class DeviceKind:
 
     `ports` is `pdo` (a port for each PDO) or `object` (one for each object). `parameters` are the
     objects that become configuration parameters, by (index, sub-index), as keys of `factors`
-    (physical value = factor * value) and `units` are.
+    (physical value = factor * value) and `units` are. `device` is the description with the values
+    of the kind, for no node in particular.
     """
 
     name: str
     module: str
     path: str
+    span: Span
+    device: Device
     ports: str = "pdo"
     parameters: tuple[tuple[int, int], ...] = ()
     factors: tuple[tuple[tuple[int, int], float], ...] = ()
     units: tuple[tuple[tuple[int, int], str], ...] = ()
+
+
+def kind_of(device: Device) -> DeviceKind:
+    """The kind of a device that no bus file has: without settings, a port for each PDO."""
+    return DeviceKind(
+        name=device.name,
+        module=device.name,
+        path=device.file,
+        span=device.span,
+        device=device,
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,11 +64,15 @@ class PdoLink:
 class Bus:
     """A network. `bit_rate` is in kbit/s; times are in seconds, 0 where there is no such message.
 
+    `file` is the displayed path, `key` the one for generated text, `sha256` that of its bytes.
+
     `event` is the least time that is assumed between two event-driven PDOs that tell of none.
     """
 
     name: str
     file: str
+    key: str
+    sha256: str
     bit_rate: int
     manager: int
     sync: float

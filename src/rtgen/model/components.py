@@ -56,7 +56,10 @@ class ConfigurationParameter(Documented):
 class Component(Declaration):
     """A component: the CORBA 3 construct read as an RTC. Rate in Hz; dates as xsd:dateTime.
 
-    `ports` and `configuration` hold inherited ones too, base first.
+    `ports` and `configuration` hold inherited ones too, base first. `runtime_base` is the class
+    that its generated base derives from, where that is not the runtime's `Component`, and
+    `factory` what makes instances, where that is not a skeleton for the user to complete; both
+    are written `module:name`, a module that begins with a dot is below the generated package.
     """
 
     ports: tuple[Port, ...] = ()
@@ -75,6 +78,8 @@ class Component(Declaration):
     execution: str = "PeriodicExecutionContext"
     created: str = "1970-01-01T00:00:00+00:00"
     updated: str = "1970-01-01T00:00:00+00:00"
+    runtime_base: str = ""
+    factory: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from rtgen.layouts.pdo import Mapped, PdoLayout, PdoLayoutError, layout
 from rtgen.model import NamedType, Primitive, PrimitiveType, ScopedName, Type
-from rtgen.model.can_bus import DeviceKind
+from rtgen.model.can_bus import DeviceKind, kind_of
 from rtgen.model.canopen import (
     SIGNED,
     UNSIGNED,
@@ -27,7 +27,13 @@ STAMP = "tm"
 """The first member of every sample: when it was taken or came, of type `RTC::Time`."""
 
 _DOUBLE = PrimitiveType(Primitive.DOUBLE)
-_NUMERIC = frozenset((*SIGNED, *UNSIGNED, DataType.REAL32, DataType.REAL64))
+NUMERIC = frozenset((*SIGNED, *UNSIGNED, DataType.REAL32, DataType.REAL64))
+"""The types of numbers."""
+_PLAIN_PARAMETERS = (
+    DataType.BOOLEAN,
+    DataType.VISIBLE_STRING,
+    DataType.UNICODE_STRING,
+)
 _OWN_TIMED = {
     PrimitiveType(Primitive.LONG_LONG): "TimedLongLong",
     PrimitiveType(Primitive.UNSIGNED_LONG_LONG): "TimedULongLong",
@@ -58,6 +64,14 @@ class Quantity:
             return ("RTC", "TimedDouble")
         told = row(self.variable.data_type).timed
         return (module, _OWN_TIMED[self.type]) if told is None else ("RTC", told)
+
+
+def can_be_parameter(quantity: Quantity) -> bool:
+    """Whether an object can be a configuration parameter: writable, and a number or text."""
+    code = quantity.variable.data_type
+    return quantity.variable.access.writable and (
+        code in NUMERIC or code in _PLAIN_PARAMETERS
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,14 +120,12 @@ class DevicePorts:
 
     def __init__(self, device: Device, kind: DeviceKind | None = None) -> None:
         self.device = device
-        self.module = kind.module if kind else device.name
-        self.per_object = kind is not None and kind.ports == "object"
+        self.kind = kind or kind_of(device)
+        self.module = self.kind.module
+        self.per_object = self.kind.ports == "object"
         self.names = field_names(device.variables)
-        self._parameters = kind.parameters if kind else ()
-        self._factors: Mapping[tuple[int, int], float] = dict(
-            kind.factors if kind else ()
-        )
-        self._units: Mapping[tuple[int, int], str] = dict(kind.units if kind else ())
+        self._factors: Mapping[tuple[int, int], float] = dict(self.kind.factors)
+        self._units: Mapping[tuple[int, int], str] = dict(self.kind.units)
         self.refused: list[tuple[Pdo, str]] = []
         self.samples = tuple(self._samples())
 
@@ -121,7 +133,7 @@ class DevicePorts:
         """A variable with the factor and the unit of the bus file, else those of the EDS."""
         number = variable.index, variable.subindex
         factor = self._factors.get(number, variable.factor)
-        if factor == 1 or variable.data_type not in _NUMERIC:
+        if factor in (0, 1) or variable.data_type not in NUMERIC:
             factor = None
         unit = self._units.get(number, variable.unit)
         return Quantity(self.names[number], variable, factor, unit)
@@ -129,7 +141,7 @@ class DevicePorts:
     @property
     def parameters(self) -> tuple[Quantity, ...]:
         """The objects that become configuration parameters, in the order of the bus file."""
-        found = (self.device.find(*number) for number in self._parameters)
+        found = (self.device.find(*number) for number in self.kind.parameters)
         return tuple(self.quantity(variable) for variable in found if variable)
 
     def of(self, direction: PdoDirection) -> tuple[PdoSample, ...]:

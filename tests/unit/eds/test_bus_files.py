@@ -50,6 +50,7 @@ parameters = ["2000", "2001:1"]
 
 [device.board.values]
 "2000" = 7
+"1600:0" = 1
 
 [device.board.factors]
 "2001:1" = 0.5
@@ -65,9 +66,6 @@ id = 1
 [node.two]
 device = "board"
 id = 0x0A
-
-[node.two.values]
-"1600:0" = 1
 
 [[link]]
 from = "one.tpdo1"
@@ -100,7 +98,7 @@ def test_messages(tmp_path: Path) -> None:
         "SYNC": (0x80, 0, 10_000_000),
         "manager heartbeat": (0x77F, 1, 100_000_000),
         "one.tpdo1": (0x181, 1, 40_000_000),
-        "one.rpdo1": (0x201, 2, 10_000_000),
+        "one.rpdo1": (0x201, 1, 10_000_000),
         "two.tpdo1": (0x18A, 1, 10_000_000),
     }
 

@@ -36,7 +36,7 @@ class Pipeline:
     warn: bool = False
     backends: list[Backend] = field(default_factory=lambda: [SmallBackend()])
 
-    def read(self, project: Project) -> FrontendResult:
+    def read(self, project: Project, *, lowered: bool = False) -> FrontendResult:
         self.reads += 1
         files: list[SourceFile] = []
         found: list[Diagnostic] = []

@@ -236,7 +236,7 @@ def test_an_unexpected_exception_is_one_line(
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
 ) -> None:
-    def broken(project: object) -> None:
+    def broken(project: object, **_: bool) -> None:
         raise ValueError("first line\nsecond line")
 
     monkeypatch.setattr(compiler, "read", broken)
@@ -254,7 +254,7 @@ def test_an_interrupt_is_silent(
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
 ) -> None:
-    def interrupted(project: object) -> None:
+    def interrupted(project: object, **_: bool) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(compiler, "read", interrupted)

@@ -12,6 +12,7 @@ from rtgen.backends.components.imports import import_from
 from rtgen.backends.components.places import (
     components_folder,
     heading,
+    imported_from,
     package_folder,
     source_of,
 )
@@ -70,10 +71,8 @@ def _common(
     folder = components_folder(options)
     package = render("components/components.py.j2", header=header)
     yield Artifact(f"{folder}/__init__.py", package, origin)
-    entries = [
-        _Entry(name, _skeleton_module(options, name), identifier(name))
-        for name in sorted(component.name[-1] for component in components)
-    ]
+    ordered = sorted(components, key=lambda component: component.name[-1])
+    entries = [_entry(component, options) for component in ordered]
     text = render("components/entry_points.txt.j2", header=header, entries=entries)
     yield Artifact(f"{folder}/entry_points.txt", text, origin)
 
@@ -90,8 +89,9 @@ def _of_component(
     )
     base = base_module(model, names, component, options)
     yield Artifact(f"{folder}/{module}_base.py", base, origin)
-    skeleton = skeleton_module(model, names, component, options)
-    yield Artifact(f"{module}.py", skeleton, origin, Owner.USER)
+    if not component.factory:
+        skeleton = skeleton_module(model, names, component, options)
+        yield Artifact(f"{module}.py", skeleton, origin, Owner.USER)
 
 
 def _package(component: Component, source: SourceFile, options: Options) -> str:
@@ -110,6 +110,13 @@ def _package(component: Component, source: SourceFile, options: Options) -> str:
 
 def _header(options: Options, sources: Sequence[SourceFile]) -> str:
     return header_comment(options.version, [(s.key, s.sha256) for s in sources])
+
+
+def _entry(component: Component, options: Options) -> _Entry:
+    name = component.name[-1]
+    if component.factory:
+        return _Entry(name, *imported_from(options, component.factory))
+    return _Entry(name, _skeleton_module(options, name), identifier(name))
 
 
 def _skeleton_module(options: Options, name: str) -> str:

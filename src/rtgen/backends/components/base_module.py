@@ -77,7 +77,8 @@ class _BaseModule:
         self._parameters = Parameters(model)
         self._base, self._configuration = class_names(component)
         self._names = names
-        taken = _TAKEN | {self._base, self._configuration}
+        runtime_base = component.runtime_base.partition(":")[2]
+        taken = _TAKEN | {self._base, self._configuration, runtime_base}
         self._imports = Imports(model, names, "...", taken, options.external)
 
     def text(self) -> str:
@@ -89,15 +90,18 @@ class _BaseModule:
         ports = [self._port(port, name) for port, name in attributes.ports]
         source = source_of(self._model, component)
         title = heading(component)
-        runtime = ["Component", "ComponentProfile"]
+        runtime = [] if component.runtime_base else ["Component"]
+        runtime += ["ComponentProfile"]
         runtime += ["ParameterProfile"] * bool(fields) + ["PortProfile"] * bool(ports)
+        of_runtime, local, runtime_base = self._runtime_base()
         text = render(
             "components/base.py.j2",
             header=header_comment(self._options.version, [(source.key, source.sha256)]),
             docstring=docstring(title, 0),
             class_docstring=docstring(component.doc or title, 4),
-            runtime_import=import_from("rtgen.runtime", runtime),
-            imports=self._imports.lines(),
+            runtime_imports=[import_from("rtgen.runtime", runtime), *of_runtime],
+            imports=sorted([*self._imports.lines(), *local]),
+            runtime_base=runtime_base,
             name=component.name[-1],
             base=self._base,
             configuration=self._configuration,
@@ -107,6 +111,15 @@ class _BaseModule:
             profile=self._profile(attributes),
         )
         return fit_text(text)
+
+    def _runtime_base(self) -> tuple[list[str], list[str], str]:
+        """The import of the class that the base derives from, ours or generated; its name."""
+        if not self._component.runtime_base:
+            return [], [], "Component"
+        module, name = self._component.runtime_base.split(":")
+        if not module.startswith("."):
+            return [import_from(module, [name])], [], name
+        return [], [import_from(f"..{module}", [name])], name
 
     # The configuration class.
 

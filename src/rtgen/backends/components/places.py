@@ -17,6 +17,12 @@ def components_folder(options: Options) -> str:
     return f"{options.folder}/components"
 
 
+def imported_from(options: Options, target: str) -> tuple[str, str]:
+    """Module and name of `module:name`; a module with a dot in front is below the package."""
+    module, _, name = target.partition(":")
+    return f"{options.package}{module}" if module.startswith(".") else module, name
+
+
 def source_of(model: Model, component: Component) -> SourceFile:
     """The file that a component is defined in."""
     return next(file for file in model.files if file.name == component.file)

@@ -33,6 +33,7 @@ def check(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
     """The findings about a bus whose file is in order by itself."""
     for node in bus.nodes:
         yield from _mappings(node)
+        yield from _like_its_kind(node)
         rates = node.device.info.bit_rates
         if rates and bus.bit_rate not in rates:
             message = f"{node.kind.path} does not name {bus.bit_rate} kbit/s"
@@ -51,6 +52,19 @@ def _mappings(node: BusNode) -> Iterator[Diagnostic]:
             message = f"{node.name}: {found.message}"
             place = [] if found.span is None else [Related(found.span, found.code)]
             yield rules.BAD_MAPPING.at(node.span, message, related=place)
+
+
+def _like_its_kind(node: BusNode) -> Iterator[Diagnostic]:
+    kind = {(p.direction, p.number): p.entries for p in node.kind.device.pdos}
+    for pdo in node.device.pdos:
+        if pdo.entries != kind[pdo.direction, pdo.number]:
+            yield rules.NOT_LIKE_KIND.at(
+                node.span,
+                f"{node.name}.{pdo.direction}{pdo.number} is mapped unlike that of "
+                f"[device.{node.kind.name}]",
+                related=[Related(node.kind.span, "the kind")],
+                hint="give the node a kind of its own, with another name",
+            )
 
 
 def _cob_ids(bus: Bus) -> Iterator[Diagnostic]:

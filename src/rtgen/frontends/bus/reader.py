@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from hashlib import sha256
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -52,13 +54,14 @@ class _Reader:
         self._found: list[Diagnostic] = []
         self._sources: dict[str, str] = {}
         self._dependencies: list[Dependency] = []
+        self._sha256 = ""
         self._toml: Toml
 
     def run(self) -> BusResult:
         bus = self._bus() if self._open() else None
         return BusResult(
             None if has_errors(self._found) else bus,
-            tuple(in_order(self._found)),
+            tuple(in_order(dict.fromkeys(self._found))),
             self._sources,
             tuple(self._dependencies),
         )
@@ -69,9 +72,14 @@ class _Reader:
     def _open(self) -> bool:
         start = Span(self._file, 1, 1, 1, 2)
         try:
-            data = self._path.read_bytes()
+            with self._path.open("rb") as stream:
+                data = stream.read(_MAX_BYTES + 1)
+            self._sha256 = sha256(data).hexdigest()
+            self._dependencies.append(Dependency(self._path, self._sha256))
             text = data[: _MAX_BYTES + 1].decode("utf-8")
         except (OSError, ValueError) as error:
+            if not self._sha256:
+                self._dependencies.append(Dependency(self._path, None))
             reason = getattr(error, "strerror", None) or error
             message = f"{self._file} cannot be read: {reason}"
             self._found.append(rules.BAD_FILE.at(start, message))
@@ -94,7 +102,11 @@ class _Reader:
     def _bus(self) -> Bus | None:
         content = self._toml.content
         told = content["bus"]
-        kinds = {name: self._kind(name) for name in content["device"]}
+        kinds = {
+            name: kind
+            for name in content["device"]
+            if (kind := self._kind(name)) is not None
+        }
         ids = {told.get("manager", MANAGER): "the manager"}
         nodes = []
         for name, node in content["node"].items():
@@ -103,10 +115,10 @@ class _Reader:
                 message = f"node-id {node['id']} is that of {other}"
                 self._tell(rules.SAME_ID, ("node", name, "id"), message)
             kind = kinds.get(node["device"])
-            if kind is None:
+            if node["device"] not in content["device"]:
                 message = f"there is no [device.{node['device']}]"
                 self._tell(rules.UNKNOWN_DEVICE, ("node", name, "device"), message)
-            elif (made := self._node(name, kind)) is not None:
+            elif kind and (made := self._node(name, kind)) is not None:
                 nodes.append(made)
         if has_errors(self._found):
             return None
@@ -114,6 +126,8 @@ class _Reader:
         bus = Bus(
             name=told.get("name", identifier(self._path.stem)),
             file=self._file,
+            key=self._key(),
+            sha256=self._sha256,
             bit_rate=told["bit_rate"],
             manager=told.get("manager", MANAGER),
             sync=told.get("sync", 0.0),
@@ -126,54 +140,78 @@ class _Reader:
         self._found += check(bus, self._toml)
         return bus
 
-    def _kind(self, name: str) -> DeviceKind:
+    def _key(self) -> str:
+        real, root = self._path.resolve(), self._root.resolve()
+        inside = real.is_relative_to(root)
+        return real.relative_to(root).as_posix() if inside else real.name
+
+    def _device(self, path: str, node_id: int | None) -> Device | None:
+        """The device that a description, named relative to the bus file, is of."""
+        read = eds.load([self._path.parent / path], root=self._root, node_id=node_id)
+        self._found += read.diagnostics
+        self._sources |= read.sources
+        self._dependencies += read.dependencies
+        return read.model.devices[0] if read.model.devices else None
+
+    def _kind(self, name: str) -> DeviceKind | None:
         told = self._toml.content["device"][name]
-        return DeviceKind(
+        device = self._device(told["eds"], None)
+        if device is None:
+            return None
+        device, _ = self._written(device, ("device", name))
+        kind = DeviceKind(
             name=name,
             module=told.get("name", module_name(Path(told["eds"]).stem)),
             path=told["eds"],
+            span=self._toml.span(("device", name)),
+            device=device,
             ports=told.get("ports", "pdo"),
             parameters=tuple(number_of(text) for text in told.get("parameters", ())),
             factors=_by_number(told.get("factors", {})),
             units=_by_number(told.get("units", {})),
         )
-
-    def _node(self, name: str, kind: DeviceKind) -> BusNode | None:
-        content = self._toml.content
-        node = content["node"][name]
-        read = eds.load(
-            [self._path.parent / kind.path], root=self._root, node_id=node["id"]
-        )
-        self._found += read.diagnostics
-        self._sources |= read.sources
-        self._dependencies += read.dependencies
-        if not read.model.devices:
-            return None
-        device = read.model.devices[0]
-        values: dict[tuple[int, int], Value] = {}
-        for table, place in (
-            (content["device"][kind.name], ("device", kind.name)),
-            (node, ("node", name)),
-        ):
-            for key, value in table.get("values", {}).items():
-                where = (*place, "values", key)
-                try:
-                    span = self._toml.span(where)
-                    device, written = configured(device, number_of(key), value, span)
-                except BadValueError as error:
-                    self._tell(rules.BAD_VALUE, where, f"{key}: {error}")
-                else:
-                    values[number_of(key)] = written
         for number in (*kind.parameters, *(n for n, _ in (*kind.factors, *kind.units))):
             if device.find(*number) is None:
                 message = f"{kind.path} has no object {number[0]:04X}:{number[1]:X}"
-                self._tell(rules.BAD_VALUE, ("device", kind.name), message)
+                self._tell(rules.BAD_VALUE, ("device", name), message)
+        for number, factor in kind.factors:
+            if not (isfinite(factor) and factor):
+                message = f"the factor of {number[0]:04X}:{number[1]:X} is {factor}"
+                self._tell(rules.BAD_CONTENT, ("device", name), message)
+        return kind
+
+    def _written(
+        self, device: Device, place: Place
+    ) -> tuple[Device, dict[tuple[int, int], Value]]:
+        """The device with the values that a table has, and these."""
+        table: Any = self._toml.content
+        for key in place:
+            table = table[key]
+        values: dict[tuple[int, int], Value] = {}
+        for key, value in table.get("values", {}).items():
+            where = (*place, "values", key)
+            try:
+                span = self._toml.span(where)
+                device, written = configured(device, number_of(key), value, span)
+            except BadValueError as error:
+                self._tell(rules.BAD_VALUE, where, f"{key}: {error}")
+            else:
+                values[number_of(key)] = written
+        return device, values
+
+    def _node(self, name: str, kind: DeviceKind) -> BusNode | None:
+        node = self._toml.content["node"][name]
+        device = self._device(kind.path, node["id"])
+        if device is None:
+            return None
+        device, common = self._written(device, ("device", kind.name))
+        device, own = self._written(device, ("node", name))
         return BusNode(
             name=name,
             id=node["id"],
             kind=kind,
             device=device,
-            values=tuple(sorted(values.items())),
+            values=tuple(sorted((common | own).items())),
             span=self._toml.span(("node", name)),
         )
 

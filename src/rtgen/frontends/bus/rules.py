@@ -138,6 +138,24 @@ the rates (event timers, inhibit times, SYNC), or raise the bit rate.
 """,
 )
 
+NOT_LIKE_KIND = Rule(
+    "EDS0710",
+    "node that is mapped unlike its kind",
+    Severity.ERROR,
+    """
+The components of a kind of device are generated once, with the PDO mapping that its description and
+the `values` of its kind give. All nodes of the kind have that mapping.
+
+```toml
+[node.left.values]
+"1A00:0" = 1                   # gives this finding where the kind maps two objects
+```
+
+Write the mapping to `[device.NAME.values]`, or give the node a kind of its own, with a `name` of
+its own.
+""",
+)
+
 RULES = (
     BAD_FILE,
     BAD_CONTENT,
@@ -149,4 +167,5 @@ RULES = (
     BAD_LINK,
     NO_BIT_RATE,
     OVERLOAD,
+    NOT_LIKE_KIND,
 )

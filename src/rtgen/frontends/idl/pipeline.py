@@ -23,7 +23,7 @@ from rtgen.frontends.idl.tables import Tables
 from rtgen.frontends.idl.tree import Item
 from rtgen.frontends.idl.typetable import Types
 from rtgen.frontends.idl.unit import Inclusion, Unit
-from rtgen.frontends.library import absolute_path
+from rtgen.frontends.library import VirtualFile, absolute_path
 from rtgen.frontends.suggestions import nearest
 from rtgen.model import (
     Declaration,
@@ -51,19 +51,22 @@ def load(
     include: Sequence[Path] = (),
     define: Mapping[str, str] | None = None,
     ignore_case_clashes: bool = False,
+    virtual: Mapping[str, VirtualFile | Path] | None = None,
 ) -> FrontendResult:
     """Read definition files, each a translation unit, into one model.
 
     `root` is the project's folder, to which the keys of files are relative; `include` are the
     folders of `#include`, in order; `define` gives macros. With `ignore_case_clashes` names that
-    differ in case only are different names. Whatever is wrong with the input is in
-    the diagnostics, sorted; nothing is raised for it. Declarations with an error are not in the
-    model, nor what depends on them.
+    differ in case only are different names. `virtual` are files by the names that include them
+    where there is no such file; those that are `given` are read before `paths`. Whatever is wrong
+    with the input is in the diagnostics, sorted; nothing is raised for it. Declarations with an
+    error are not in the model, nor what depends on them.
     """
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
     try:
-        return _Run(paths, root, include, ignore_case_clashes).result(define or {})
+        run = _Run(paths, root, include, ignore_case_clashes, virtual or {})
+        return run.result(define or {})
     finally:
         sys.setrecursionlimit(limit)
 
@@ -75,9 +78,15 @@ class _Run:
         root: Path,
         include: Sequence[Path],
         ignore_case_clashes: bool,
+        virtual: Mapping[str, VirtualFile | Path],
     ) -> None:
         shown = {absolute_path(path): path.as_posix() for path in reversed(paths)}
-        self._library = Library(root, include, shown)
+        self._library = Library(root, include, shown, virtual)
+        self._given = [
+            name
+            for name, file in virtual.items()
+            if isinstance(file, VirtualFile) and file.given
+        ]
         self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
         self._ignore_case_clashes = ignore_case_clashes
         self._found: dict[Diagnostic, None] = {}
@@ -117,9 +126,9 @@ class _Run:
         except ExpansionError as error:
             self._report(lexical.BAD_MACRO_NAME.at(None, error.message))
             macros = predefined({})
-        sources = [
-            source for source in map(self._open, self._paths) if source is not None
-        ]
+        made = map(self._library.virtual, self._given)
+        read = map(self._open, self._paths)
+        sources = [source for source in (*made, *read) if source is not None]
         self._main = {source.name for source in sources}
         for source in sources:
             self._translate(source, macros)

@@ -264,6 +264,8 @@ class Preprocessor:
                 message = f"{name} cannot be read: {reason}"
                 self._report(lexical.UNREADABLE.at(span, message))
                 return None
+            if (virtual := self._library.virtual(name)) is not None:
+                return virtual
             self._missing[place] = self._hint(place)
         self._report(
             lexical.INCLUDE_NOT_FOUND.at(
@@ -280,6 +282,7 @@ class Preprocessor:
             shown = dict.fromkeys(map(self._library.displayed, real))
             files = [p.name for folder in real for p in sorted(folder.glob("*.idl"))]
             places = ", ".join(shown) or "no folder (use -I)"
+            files += self._library.virtual_names
             self._searched[beside, folders] = places, files
         places, files = self._searched[beside, folders]
         last = Path(name).name

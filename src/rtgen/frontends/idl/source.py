@@ -14,7 +14,7 @@ from rtgen.diagnostics import Diagnostic, Span
 from rtgen.frontends import library
 from rtgen.frontends.docs import Comment
 from rtgen.frontends.idl.rules import lexical
-from rtgen.frontends.library import MAX_BYTES
+from rtgen.frontends.library import MAX_BYTES, VirtualFile
 
 _FALLBACK = "rtgen-latin-1"
 _SPLICE = re.compile(r"(?<![\x80-\xff])\\\r?\n")
@@ -159,7 +159,11 @@ class Library(library.Library[Source]):
     """The IDL files of a run."""
 
     def __init__(
-        self, root: Path, include: Sequence[Path], main: Mapping[str, str] | None = None
+        self,
+        root: Path,
+        include: Sequence[Path],
+        main: Mapping[str, str] | None = None,
+        virtual: Mapping[str, VirtualFile | Path] | None = None,
     ) -> None:
         """As `library.Library`."""
-        super().__init__(_source, root, include, main)
+        super().__init__(_source, root, include, main, virtual)

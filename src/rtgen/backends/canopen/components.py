@@ -1,0 +1,306 @@
+"""The components of a device: its proxy, and the device itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from rtgen.backends.canopen.kinds import SERVICE, file_name, folder_of
+from rtgen.diagnostics import Span
+from rtgen.model import (
+    Bus,
+    Component,
+    ConfigurationParameter,
+    ConstantValue,
+    NamedType,
+    Port,
+    PortKind,
+    Primitive,
+    PrimitiveType,
+    StringType,
+    Type,
+)
+from rtgen.model.canopen import (
+    DataType,
+    PdoDirection,
+    Value,
+    resolved,
+)
+from rtgen.typemap.canopen_idl import limits
+from rtgen.typemap.canopen_ports import (
+    NUMERIC,
+    DevicePorts,
+    Quantity,
+    can_be_parameter,
+)
+from rtgen.typemap.canopen_texts import line, told
+
+PROXY_BASE = "rtgen.runtime.canopen.proxy:CanopenProxy"
+SERVICE_PORT = "sdo"
+"""The service port of a proxy."""
+
+_LSS = 255
+_STRING = StringType()
+_LONG = PrimitiveType(Primitive.LONG)
+_BOOLEAN = PrimitiveType(Primitive.BOOLEAN)
+_WAYS = {PdoDirection.TPDO: PortKind.OUTPORT, PdoDirection.RPDO: PortKind.INPORT}
+
+
+def manager(component: Component, buses: Sequence[Bus]) -> Component:
+    """The manager's component, for the networks of a project."""
+    only = buses[0].name if len(buses) == 1 else ""
+    return replace(
+        component,
+        configuration=tuple(
+            replace(each, default=only) if each.name == "network" else each
+            for each in component.configuration
+        ),
+        runtime_base="rtgen.runtime.canopen.manager:CanopenManager",
+        factory=".canopen.manager:CanopenManager",
+    )
+
+
+def device_components(
+    ports: DevicePorts, networks: Mapping[str, int]
+) -> Iterator[Component]:
+    """`<Module>Proxy` and `<Module>Device`.
+
+    `networks` are the networks that the device is in, each with the node-id of one there.
+    """
+    kind = ports.kind
+    span = kind.span
+    node_id = _node_id(ports, networks)
+    network = next(iter(networks)) if len(networks) == 1 else ""
+    file, folder = file_name(ports), folder_of(kind)
+    product = line(ports.device.info.product_name) or kind.module
+    data_ports = tuple(_data_ports(ports))
+    sdo = Port(
+        kind=PortKind.PROVIDER,
+        name=SERVICE_PORT,
+        identifier=SERVICE_PORT,
+        type=NamedType((kind.module, SERVICE)),
+        port=SERVICE_PORT,
+        instance=SERVICE_PORT,
+        span=span,
+        doc="The objects of the device, read and written by SDO.",
+    )
+    common = tuple(_common(span, node_id, network))
+    name = f"{kind.module}Proxy"
+    yield Component(
+        **_head(name, file, span),
+        doc=(
+            f"Stands for a device on a CANopen bus: {product}.\n\n"
+            "What the device transmits comes out of OutPorts, what InPorts get is sent to it.\n"
+            "Its life cycle is that of the device (NMT)."
+        ),
+        description=f"Proxy of {product}",
+        ports=(*data_ports, sdo),
+        configuration=(*common, *_of_proxy(span), *_of_objects(ports)),
+        runtime_base=PROXY_BASE,
+        factory=f".canopen.{folder}.proxy:{name}",
+    )
+    name = f"{kind.module}Device"
+    yield Component(
+        **_head(name, file, span),
+        doc=(
+            f"A device on a CANopen bus: {product}.\n\n"
+            "InPorts have what it receives, and what is written to OutPorts is transmitted."
+        ),
+        description=f"Device {product}",
+        ports=data_ports,
+        configuration=tuple(_common(span, node_id, network, most=_LSS)),
+        runtime_base=f".canopen.{folder}.device:{kind.module}Slave",
+    )
+
+
+def _head(name: str, file: str, span: Span) -> dict[str, Any]:
+    return {
+        "name": (name,),
+        "repository_id": f"IDL:{name}:1.0",
+        "file": file,
+        "span": span,
+        "category": "CANopen",
+        "vendor": "rtgen",
+        "rate": 100.0,
+        "max_instances": 0,
+    }
+
+
+def _node_id(ports: DevicePorts, networks: Mapping[str, int]) -> int:
+    return next(iter(networks.values()), ports.device.node_id or 1)
+
+
+def _data_ports(ports: DevicePorts) -> Iterator[Port]:
+    module = ports.kind.module
+    if ports.per_object:
+        for each in ports.object_ports:
+            yield Port(
+                kind=_WAYS[each.direction],
+                name=each.name,
+                identifier=each.name,
+                type=NamedType(each.quantity.timed(module)),
+                unit=line(each.quantity.unit),
+                span=each.quantity.variable.span,
+                doc=_unitless(each.quantity),
+            )
+        return
+    for sample in ports.samples:
+        fields = ", ".join(field.name for field in sample.fields)
+        yield Port(
+            kind=_WAYS[sample.pdo.direction],
+            name=sample.name,
+            identifier=sample.name,
+            type=NamedType((module, sample.struct)),
+            span=sample.pdo.span,
+            doc=f"{sample.pdo.direction.upper()} {sample.pdo.number}: {fields}.",
+        )
+
+
+def _unitless(quantity: Quantity) -> str:
+    return told(Quantity(quantity.name, quantity.variable, quantity.factor))
+
+
+def _parameter(
+    span: Span,
+    name: str,
+    type_: Type,
+    default: ConstantValue,
+    doc: str,
+    unit: str = "",
+    low: int | None = None,
+    high: int | None = None,
+) -> ConfigurationParameter:
+    return ConfigurationParameter(
+        name=name,
+        identifier=name,
+        type=type_,
+        default=default,
+        minimum=low,
+        maximum=high,
+        unit=unit,
+        span=span,
+        doc=doc,
+    )
+
+
+def _common(
+    span: Span, node_id: int, network: str, most: int = 127
+) -> Iterator[ConfigurationParameter]:
+    assigned = f", {_LSS}: the one that LSS assigns" if most == _LSS else ""
+    yield _parameter(
+        span,
+        "interface",
+        _STRING,
+        "virtual",
+        "The kind of bus: an interface of python-can. In simulated time the bus is simulated.",
+    )
+    yield _parameter(span, "channel", _STRING, "can0", "The channel of the interface.")
+    yield _parameter(
+        span,
+        "bitrate",
+        _LONG,
+        0,
+        "Bit rate, 0 for the interface's own.",
+        "bit/s",
+        0,
+    )
+    yield _parameter(
+        span,
+        "options",
+        _STRING,
+        "",
+        'Further arguments of the interface: "host=127.0.0.1,port=29536".',
+    )
+    yield _parameter(
+        span, "node_id", _LONG, node_id, f"The node-id{assigned}.", "", 1, most
+    )
+    yield _parameter(
+        span,
+        "network",
+        _STRING,
+        network,
+        "The network: the name of its bus file; empty for none.",
+    )
+
+
+def _of_proxy(span: Span) -> Iterator[ConfigurationParameter]:
+    yield _parameter(
+        span,
+        "master",
+        _BOOLEAN,
+        False,
+        "Whether it sends NMT commands itself where the process has no manager on the bus.",
+    )
+    yield _parameter(
+        span,
+        "heartbeat_timeout",
+        _LONG,
+        0,
+        "How long the device may be silent; 0: as the network says, else three periods.",
+        "ms",
+        0,
+    )
+    yield _parameter(
+        span,
+        "boot_timeout",
+        _LONG,
+        2000,
+        "How long a reset may take until the boot-up message.",
+        "ms",
+        1,
+    )
+
+
+def _of_objects(ports: DevicePorts) -> Iterator[ConfigurationParameter]:
+    for quantity in ports.parameters:
+        if not can_be_parameter(quantity):
+            continue  # told by the back end
+        variable = quantity.variable
+        default = _shown(quantity, resolved(variable.current, ports.device.node_id))
+        low, high = _limits(quantity, ports.device.node_id)
+        if isinstance(default, int | float) and not isinstance(default, bool):
+            low = None if low is not None and low > default else low
+            high = None if high is not None and high < default else high
+        yield ConfigurationParameter(
+            name=quantity.name,
+            identifier=quantity.name,
+            type=quantity.type,
+            default=default,
+            minimum=low,
+            maximum=high,
+            unit=line(quantity.unit),
+            span=variable.span,
+            doc=f"{_unitless(quantity)}, written by SDO.",
+        )
+
+
+def _shown(quantity: Quantity, value: Value | None) -> ConstantValue | None:
+    """A value of the object as the parameter has it."""
+    if quantity.variable.data_type == DataType.BOOLEAN and isinstance(value, int):
+        return bool(value)
+    if isinstance(value, int | float):
+        if quantity.factor is not None:
+            return float(value * quantity.factor)
+        real = quantity.variable.data_type in (DataType.REAL32, DataType.REAL64)
+        return float(value) if real else int(value)
+    return value if isinstance(value, str) else None
+
+
+def _limits(
+    quantity: Quantity, node_id: int | None
+) -> tuple[int | float | None, int | float | None]:
+    """The limits of the file, else those of a type whose IDL type has a wider range."""
+    variable = quantity.variable
+    if variable.data_type not in NUMERIC:
+        return None, None
+    natural = limits(variable.data_type) or (None, None)
+    bounds: list[int | float | None] = []
+    for limit, own in zip((variable.low, variable.high), natural, strict=True):
+        value = resolved(limit, node_id)
+        bound = value if isinstance(value, int | float) else own
+        if bound is not None and quantity.factor is not None:
+            bound *= quantity.factor
+        bounds.append(bound)
+    low, high = bounds
+    return (high, low) if (quantity.factor or 1) < 0 else (low, high)

@@ -1,0 +1,156 @@
+"""The IDL of a device: its module with the types of ports and the SDO service, its components."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from rtgen.backends.canopen.kinds import SERVICE, file_name
+from rtgen.backends.idl_text import idl_text
+from rtgen.diagnostics import Span
+from rtgen.model import (
+    VOID,
+    Declaration,
+    Direction,
+    Interface,
+    Member,
+    Model,
+    NamedType,
+    Operation,
+    Parameter,
+    ScopedName,
+    SequenceType,
+    Struct,
+    Type,
+)
+from rtgen.typemap.canopen_ports import (
+    STAMP,
+    DevicePorts,
+    PdoSample,
+    Quantity,
+)
+from rtgen.typemap.canopen_texts import line, told
+
+_BASE = ("CANopen", "ObjectDictionary")
+_OCTETS = NamedType(("CANopen", "Octets"))
+_TIME = NamedType(("RTC", "Time"))
+_RAISED: tuple[ScopedName, ...] = (("CANopen", "SdoAbort"), ("CANopen", "BusGone"))
+_PDO_PARAMETERS = range(0x1400, 0x1C00)
+
+
+def idl_of(ports: DevicePorts) -> str:
+    """The text of the IDL file of a device, its components left out."""
+    macro = "".join(c if c.isalnum() else "_" for c in f"{ports.kind.module}_IDL")
+    macro = f"CANOPEN_{macro.upper()}"
+    declarations = tuple(_declarations(ports))
+    body = idl_text(Model(declarations=declarations), declarations, annotations=False)
+    info = ports.device.info
+    about = " ".join(filter(None, (info.vendor_name, info.product_name)))
+    title = f"// {line(about)}\n" if about else ""
+    return (
+        f"{title}\n#ifndef {macro}\n#define {macro}\n\n"
+        f'#include "BasicDataType.idl"\n#include "Canopen.idl"\n\n'
+        f"{body}\n#endif // {macro}\n"
+    )
+
+
+def accessible(ports: DevicePorts) -> Iterator[Quantity]:
+    """The variables that the service has operations for.
+
+    Parameters of PDOs are the network's business; `read` and `write` reach them.
+    """
+    return (
+        ports.quantity(variable)
+        for variable in ports.device.variables
+        if variable.index not in _PDO_PARAMETERS
+    )
+
+
+def _declarations(ports: DevicePorts) -> Iterator[Declaration]:
+    if ports.per_object:
+        yield from _timed(ports)
+    else:
+        yield from (_struct(ports, sample) for sample in ports.samples)
+    yield _service(ports)
+
+
+def _common(ports: DevicePorts, name: str, span: Span, doc: str) -> dict[str, Any]:
+    scoped = (ports.kind.module, name)
+    return {
+        "name": scoped,
+        "repository_id": f"IDL:{'/'.join(scoped)}:1.0",
+        "file": file_name(ports),
+        "span": span,
+        "doc": doc,
+    }
+
+
+def _stamp(span: Span, what: str) -> Member:
+    return Member(name=STAMP, type=_TIME, span=span, doc=what)
+
+
+def _struct(ports: DevicePorts, sample: PdoSample) -> Struct:
+    pdo = sample.pdo
+    way = "transmits" if pdo.direction == "tpdo" else "receives"
+    doc = f"{pdo.direction.upper()} {pdo.number}, which the device {way}."
+    members = (
+        Member(name=q.name, type=_type(q.type), span=q.variable.span, doc=told(q))
+        for q in sample.fields
+    )
+    return Struct(
+        **_common(ports, sample.struct, pdo.span, doc),
+        members=(_stamp(pdo.span, "When it was sent or received."), *members),
+    )
+
+
+def _timed(ports: DevicePorts) -> Iterator[Struct]:
+    """The types of ports that RTC has none for."""
+    made: set[ScopedName] = set()
+    for port in ports.object_ports:
+        name = port.quantity.timed(ports.kind.module)
+        if name[0] != ports.kind.module or name in made:
+            continue
+        made.add(name)
+        span = port.quantity.variable.span
+        doc = (
+            f"Time-stamped value of type {port.quantity.type}, which RTC has none for."
+        )
+        data = Member(name="data", type=port.quantity.type, span=span)
+        yield Struct(
+            **_common(ports, name[1], span, doc),
+            members=(_stamp(span, "When it was sent or received."), data),
+        )
+
+
+def _service(ports: DevicePorts) -> Interface:
+    operations: list[Operation] = []
+    for quantity in accessible(ports):
+        variable = quantity.variable
+        common: dict[str, Any] = {
+            "raises": _RAISED,
+            "span": variable.span,
+            "doc": told(quantity),
+        }
+        type_ = _type(quantity.type)
+        if variable.access.readable:
+            name = f"get_{quantity.name}"
+            operations.append(Operation(name=name, returns=type_, **common))
+        if variable.access.writable:
+            name = f"set_{quantity.name}"
+            value = Parameter(
+                direction=Direction.IN, name="value", type=type_, span=variable.span
+            )
+            operations.append(
+                Operation(name=name, returns=VOID, parameters=(value,), **common)
+            )
+    doc = "The objects of the device, by name. What cannot be had is an SdoAbort."
+    return Interface(
+        **_common(ports, SERVICE, ports.device.span, doc),
+        bases=(_BASE,),
+        operations=tuple(operations),
+    )
+
+
+def _type(type_: Type) -> Type:
+    """The type as parameters have it: no sequence without a name."""
+    return _OCTETS if isinstance(type_, SequenceType) else type_

@@ -1,0 +1,115 @@
+"""Which kinds of device a project has: those of its bus files, and each file beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rtgen.backends.canopen.rules import (
+    BAD_PARAMETER,
+    NO_DEFAULT,
+    NO_PORT,
+    SAME_MODULE,
+    TAKEN_MODULE,
+)
+from rtgen.diagnostics import Diagnostic, Related
+from rtgen.model import Bus, Device
+from rtgen.model.can_bus import DeviceKind, kind_of
+from rtgen.typemap.canopen_ports import DevicePorts, can_be_parameter
+from rtgen.typemap.python_names import module_name
+
+_TAKEN = frozenset(
+    {"rtc", "canopen", "corba", "components", "networks", "manager", "_idl"}
+)
+
+
+def kinds_of(
+    devices: Sequence[Device], buses: Sequence[Bus]
+) -> tuple[list[DeviceKind], list[Diagnostic]]:
+    """A kind for each module, in the order of bus files, then files; and what is wrong."""
+    found: dict[str, DeviceKind] = {}
+    findings: list[Diagnostic] = []
+    of_buses = [kind for bus in buses for kind in bus.kinds]
+    known = {_file(kind.device) for kind in of_buses}
+    beside = [kind_of(d) for d in devices if _file(d) not in known]
+    for kind in (*of_buses, *beside):
+        other = found.setdefault(kind.module.lower(), kind)
+        if other is kind:
+            findings += _taken(kind)
+        elif _settings(other) != _settings(kind):
+            findings.append(
+                SAME_MODULE.at(
+                    kind.span,
+                    f"{kind.module} stands for two devices, or for one with two settings",
+                    related=[Related(other.span, f"the other {other.module}")],
+                    hint="give one of them another `name` in its bus file",
+                )
+            )
+    return list(found.values()), findings
+
+
+SERVICE = "ObjectAccess"
+"""The interface of the SDO service, in the module of a device."""
+
+
+def file_name(ports: DevicePorts) -> str:
+    """The name of a device's IDL file, as `#include` has it."""
+    return f"{ports.kind.module}.idl"
+
+
+def folder_of(kind: DeviceKind) -> str:
+    """The name of its package below `canopen`."""
+    return module_name(kind.module)
+
+
+def check(ports: DevicePorts) -> Iterator[Diagnostic]:
+    """What the components of a device cannot have."""
+    for pdo, reason in ports.refused:
+        name = f"{pdo.direction.upper()} {pdo.number}"
+        yield NO_PORT.at(pdo.span, f"{name} of {ports.kind.module}: {reason}")
+    for quantity in ports.parameters:
+        variable = quantity.variable
+        if not can_be_parameter(quantity):
+            kind = "read-only" if not variable.access.writable else "of such a type"
+            message = f"{quantity.name} cannot be a parameter: it is {kind}"
+            yield BAD_PARAMETER.at(
+                ports.kind.span, message, related=[Related(variable.span, "the object")]
+            )
+        elif variable.current is None:
+            yield NO_DEFAULT.at(
+                ports.kind.span,
+                f"{quantity.name} has no default",
+                related=[Related(variable.span, "the object")],
+                hint="give it one under `values` of the kind",
+            )
+
+
+def _file(device: Device) -> tuple[str, str]:
+    return device.key, device.sha256
+
+
+def _settings(kind: DeviceKind) -> tuple[object, ...]:
+    """What the generated code of a kind depends on."""
+    mapping = tuple((p.direction, p.number, p.entries) for p in kind.device.pdos)
+    parameters = tuple(
+        v.current if (v := kind.device.find(*number)) else None
+        for number in kind.parameters
+    )
+    return (
+        kind.module,
+        _file(kind.device),
+        kind.ports,
+        kind.parameters,
+        parameters,
+        kind.factors,
+        kind.units,
+        mapping,
+    )
+
+
+def _taken(kind: DeviceKind) -> Iterator[Diagnostic]:
+    if kind.module.lower() in _TAKEN or folder_of(kind) in _TAKEN:
+        yield TAKEN_MODULE.at(
+            kind.span,
+            f"a device cannot be called {kind.module}",
+            hint="rename the file, or give it a `name` in the bus file",
+        )

@@ -1,0 +1,149 @@
+"""CANopen devices on their way to components: descriptions and bus files in, their IDL out.
+
+The IDL of a device is a text that other definitions may include, and that the IDL front end reads;
+so all that is made of IDL is made of devices.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rtgen.diagnostics import Diagnostic, in_order
+from rtgen.frontends import Dependency, FrontendResult, together
+from rtgen.frontends.library import VirtualFile
+from rtgen.model import Component, Model
+from rtgen.resources import idl_file
+
+if TYPE_CHECKING:
+    from rtgen.model import Bus, Declaration
+    from rtgen.project import Project
+    from rtgen.typemap.canopen_ports import DevicePorts
+
+_SHARED = ("BasicDataType.idl", "Canopen.idl")
+"""What the IDL of devices includes; a project may have the first of its own."""
+
+_MANAGER = "CanopenManager.idl"
+
+
+def read(
+    descriptions: Sequence[Path], buses: Sequence[Path], project: Project
+) -> FrontendResult:
+    """The devices of descriptions, and the networks of bus files."""
+    results = []
+    if descriptions:
+        from rtgen.frontends import eds
+
+        results.append(
+            eds.load(descriptions, root=project.root, node_id=project.node_id)
+        )
+    if buses:
+        from rtgen.frontends import bus
+
+        for path in buses:
+            found = bus.load(path, root=project.root)
+            model = Model(buses=() if found.bus is None else (found.bus,))
+            results.append(
+                FrontendResult(
+                    model, found.diagnostics, found.sources, found.dependencies
+                )
+            )
+    result = together(results)
+    # A description that several bus files name has its findings once.
+    unique = tuple(in_order(dict.fromkeys(result.diagnostics)))
+    return replace(result, diagnostics=unique)
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceIdl:
+    """The IDL side of devices: files for includes, and what completes the model read of them."""
+
+    files: dict[str, VirtualFile | Path]
+    diagnostics: tuple[Diagnostic, ...]
+    dependencies: tuple[Dependency, ...]
+    _components: tuple[Component, ...]
+    _hashes: dict[str, str]
+    _buses: tuple[Bus, ...]
+
+    def complete(self, model: Model) -> Model:
+        """The model with the components of the devices that were `given`.
+
+        Files tell of the descriptions that they come from.
+        """
+        files = tuple(
+            replace(file, sha256=self._hashes.get(file.name, file.sha256))
+            for file in model.files
+        )
+        return replace(
+            model,
+            files=files,
+            declarations=(*map(self._with_base, model.declarations), *self._components),
+        )
+
+    def _with_base(self, declaration: Declaration) -> Declaration:
+        if not isinstance(declaration, Component) or declaration.file != _MANAGER:
+            return declaration
+        from rtgen.backends.canopen.components import manager
+
+        return manager(declaration, self._buses)
+
+
+def device_idl(
+    result: FrontendResult, definitions: Sequence[Path], *, given: bool
+) -> DeviceIdl:
+    """The IDL of what `read` gave.
+
+    `definitions` are the project's IDL files. With `given` everything is made of the devices;
+    without, their IDL is there to be included.
+    """
+    from rtgen.backends.canopen.components import device_components
+    from rtgen.backends.canopen.idl_model import idl_of
+    from rtgen.backends.canopen.kinds import check, file_name, kinds_of
+    from rtgen.typemap.canopen_ports import DevicePorts
+
+    model = result.model
+    kinds, findings = kinds_of(model.devices, model.buses)
+    devices = [DevicePorts(kind.device, kind) for kind in kinds]
+    files: dict[str, VirtualFile | Path] = {}
+    hashes: dict[str, str] = {}
+    components: list[Component] = []
+    for ports in devices:
+        name = file_name(ports)
+        files[name] = VirtualFile(ports.device.key, idl_of(ports), given)
+        hashes[name] = ports.device.sha256
+        if given:
+            findings += check(ports)
+            components += device_components(ports, _networks(ports, model.buses))
+    dependencies = []
+    shared = [*_SHARED, *([_MANAGER] if model.buses and given else [])]
+    for name in shared if kinds else ():
+        own = next((p for p in definitions if p.name == name), None)
+        if own is not None:
+            files[name] = own
+            continue
+        path = idl_file(name)
+        data = path.read_bytes()
+        dependencies.append(Dependency(path, sha256(data).hexdigest()))
+        key = f"rtgen/idl/{name}"
+        files[name] = VirtualFile(key, data.decode(), given and name == _MANAGER)
+    return DeviceIdl(
+        files,
+        tuple(findings),
+        tuple(dependencies),
+        tuple(components),
+        hashes,
+        model.buses,
+    )
+
+
+def _networks(ports: DevicePorts, buses: Sequence[Bus]) -> dict[str, int]:
+    """The networks that a kind of device is in, each with the node-id of the first one there."""
+    found: dict[str, int] = {}
+    for bus in buses:
+        for node in bus.nodes:
+            if node.kind.module == ports.kind.module:
+                found.setdefault(bus.name, node.id)
+    return found
