@@ -77,6 +77,7 @@ class NodeControl:
         self._heartbeat_timeout = heartbeat_timeout
         self._boot_timeout = boot_timeout
         self._silent = False
+        self._boots = 0
         self.running = False
         """Whether the node was brought to operational."""
         self.written: dict[ObjectNumber, ObjectValue] = {}
@@ -87,14 +88,14 @@ class NodeControl:
     ) -> Steps:
         """To operational, with the parameters written; what a reboot undoes is done again."""
         while True:
-            boots = self._node.boots
+            self._boots = self._node.boots
             try:
                 yield from self._start(parameters)
             except (SdoAbort, NodeError):
-                if self._node.boots == boots:
+                if self._node.boots == self._boots:
                     raise
             else:
-                if self._node.boots == boots:
+                if self._node.boots == self._boots:
                     return
 
     def deactivation(self) -> Steps:
@@ -145,6 +146,7 @@ class NodeControl:
         yield from self._await_master(NmtState.OPERATIONAL)
         if link.master is not None:
             yield from self._await_manager()
+            self._boots = self._node.boots
         elif self._master:
             yield from self._set_up()
         yield from self._supervise()

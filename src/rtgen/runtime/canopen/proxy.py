@@ -277,7 +277,7 @@ class CanopenProxy(ProxyHooks, Component):
                 for number, value in changed.items()
             }
         except ValueError as error:
-            self._note_failure("", str(error))
+            self._tell(str(error))
             return
         channel = connection.link.sdo(node.node_id)
         for number, value in changed.items():
@@ -293,10 +293,14 @@ class CanopenProxy(ProxyHooks, Component):
             if isinstance(outcome, SdoAbort):
                 connection.control.written.pop(number, None)
                 name = self.description.by_number[number].name
-                self.reason = f"{name} cannot be written: {outcome}"
-                log.warning("%s: %s", self.instance_name, self.reason)
+                self._tell(f"{name} cannot be written: {outcome}")
 
         return done
+
+    def _tell(self, what: str) -> None:
+        """Notes what went wrong without an end to the work."""
+        self.reason = what
+        log.warning("%s: %s", self.instance_name, what)
 
     # The bus
 
