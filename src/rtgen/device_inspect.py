@@ -69,10 +69,10 @@ def _variable(v: Variable, node_id: int | None) -> Json:
         "name": v.name,
         "data_type": int(v.data_type),
         "access": v.written_access,
-        "default": _value(v.default, node_id),
-        "value": _value(v.value, node_id),
-        "low": _value(v.low, node_id),
-        "high": _value(v.high, node_id),
+        "default": value_of(v.default, node_id),
+        "value": value_of(v.value, node_id),
+        "low": value_of(v.low, node_id),
+        "high": value_of(v.high, node_id),
         "unit": v.unit or None,
         "factor": v.factor,
         "pdo": v.pdo_mappable,
@@ -83,7 +83,7 @@ def _pdo(p: Pdo, node_id: int | None) -> Json:
     return {
         "direction": p.direction.value,
         "number": p.number,
-        "cob_id": _value(p.cob_id, node_id),
+        "cob_id": value_of(p.cob_id, node_id),
         "transmission_type": p.transmission_type,
         "inhibit_time": p.inhibit_time,
         "event_timer": p.event_timer,
@@ -97,7 +97,7 @@ def _entry(entry: PdoEntry) -> Json:
     return {"index": entry.index, "subindex": entry.subindex, "bits": entry.bits}
 
 
-def _value(value: Value | None, node_id: int | None) -> Any:
+def value_of(value: Value | None, node_id: int | None) -> Any:
     """A value as JSON has it: octets as hexadecimal digits, what is no number in JSON as text."""
     match resolved(value, node_id):
         case bytes() as octets:
@@ -117,11 +117,11 @@ def lines(d: Device) -> Iterator[str]:
     for thing in d.objects:
         yield f"  {thing.index:04X}h {thing.name}: {thing.type.name}"
         for v in thing.variables:
-            value = _value(v.current, d.node_id)
+            value = value_of(v.current, d.node_id)
             shown = "" if value is None else f" = {value}"
             yield f"    {v.subindex}: {_type(v)} {v.written_access} {v.name}{shown}"
     for p in d.pdos:
-        cob_id = _value(p.cob_id, d.node_id)
+        cob_id = value_of(p.cob_id, d.node_id)
         number = f"{cob_id:X}h" if isinstance(cob_id, int) else cob_id
         kind = f"transmission type {p.transmission_type}"
         yield f"  {p.direction} {p.number}: COB-ID {number}, {kind}"

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from decimal import Decimal
 from typing import Any, TypeAlias
 
-from rtgen import device_inspect, indented_json, tecs_inspect
+from rtgen import bus_inspect, device_inspect, indented_json, tecs_inspect
 from rtgen.diagnostics import Diagnostic
 from rtgen.model import (
     Attribute,
@@ -55,11 +55,13 @@ def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
         "format": FORMAT,
         "files": [f.name for f in model.files]
         + [d.file for d in model.devices]
+        + [b.file for b in model.buses]
         + [s.file for s in model.systems],
         "declarations": [
             *declarations,
             *map(tecs_inspect.declaration, tecs_inspect.shown(model.tecs)),
             *map(device_inspect.declaration, model.devices),
+            *map(bus_inspect.declaration, model.buses),
             *map(_system, model.systems),
         ],
         "diagnostics": [as_json(d) for d in diagnostics],
@@ -343,6 +345,8 @@ def tree(model: Model) -> str:
             lines += _indented(tecs_inspect.lines(t))
     for described in model.devices:
         lines += [described.file, *_indented(device_inspect.lines(described))]
+    for bus in model.buses:
+        lines += [bus.file, *_indented(bus_inspect.lines(bus))]
     for system in model.systems:
         lines += [system.file, f"  system {system.name}"]
         lines += [f"    {c.instance}: {c.type}" for c in system.components]

@@ -153,6 +153,7 @@ def with_arguments(
     kcode: str | None = None,
     output: str | None = None,
     add: bool = False,
+    node_id: int | None = None,
 ) -> Project:
     """The project as the command line changes it: other sources, more includes, other folders.
 
@@ -184,6 +185,7 @@ def with_arguments(
         ignore_case_clashes=project.ignore_case_clashes or ignore_case_clashes,
         prelude=prelude or project.prelude,
         kcode=kcode or project.kcode,
+        node_id=node_id,
     )
 
 

@@ -15,6 +15,7 @@ from rtgen.cli.common import (
     project_of,
     with_console,
     with_definitions,
+    with_node_id,
     with_output,
     write_out,
 )
@@ -24,12 +25,14 @@ from rtgen.project import shown
 @click.command()
 @with_definitions
 @with_output
+@with_node_id
 @with_console
 def check(
     console: Console,
     definitions: Definitions,
     output: str | None,
     no_cache: bool,
+    node_id: int | None,
 ) -> int:
     """Compare the tree with what generate would make.
 
@@ -37,7 +40,7 @@ def check(
     made, or not rtgen's; a unified diff is printed. Files that a user owns are not looked into.
     Nothing is written.
     """
-    project = project_of(definitions, output, add=output is None)
+    project = project_of(definitions, output, add=output is None, node_id=node_id)
     run = compiler.build(project, None if no_cache else cache.default())
     console.findings(run.diagnostics, run.sources)
     if run.failed:

@@ -214,8 +214,21 @@ def with_cache(function: Callable[P, int]) -> Callable[P, int]:
     )(function)
 
 
+def with_node_id(function: Callable[P, int]) -> Callable[P, int]:
+    """Adds --node-id; the function gets `node_id`."""
+    return click.option(
+        "--node-id",
+        type=click.IntRange(1, 127),
+        metavar="N",
+        help="Read CANopen devices as node N; default: a DCF's own node-id.",
+    )(function)
+
+
 def project_of(
-    definitions: Definitions, output: str | None = None, add: bool = False
+    definitions: Definitions,
+    output: str | None = None,
+    add: bool = False,
+    node_id: int | None = None,
 ) -> Project:
     """The project around the working folder, as the command line changes it, with sources.
 
@@ -231,6 +244,7 @@ def project_of(
         kcode=definitions.kcode,
         output=output,
         add=add,
+        node_id=node_id,
     )
     require_sources(project)
     return project

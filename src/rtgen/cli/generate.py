@@ -18,6 +18,7 @@ from rtgen.cli.common import (
     project_of,
     with_console,
     with_definitions,
+    with_node_id,
     with_output,
     write_out,
 )
@@ -31,6 +32,7 @@ class Request:
 
     definitions: Definitions
     output: str | None
+    node_id: int | None
     target: str | None
     representation: str | None
     cached: bool
@@ -40,7 +42,9 @@ class Request:
         """The project as it is now. Raises InputError, and ToolError for a target."""
         # The tree of a project holds what all its sources give, in every run.
         alone = self.output is not None
-        project = project_of(self.definitions, self.output, add=not alone)
+        project = project_of(
+            self.definitions, self.output, add=not alone, node_id=self.node_id
+        )
         if self.target is not None:
             project = replace(project, target=self.target)
         if self.representation is not None:
@@ -56,6 +60,7 @@ class Request:
 @click.command()
 @with_definitions
 @with_output
+@with_node_id
 @click.option(
     "--target",
     type=click.Choice(["embedded", "openrtm", "dds"]),
@@ -78,6 +83,7 @@ def generate(
     definitions: Definitions,
     output: str | None,
     no_cache: bool,
+    node_id: int | None,
     target: str | None,
     representation: str | None,
     only_diff: bool,
@@ -93,6 +99,7 @@ def generate(
     request = Request(
         definitions=definitions,
         output=output,
+        node_id=node_id,
         target=target,
         representation=representation,
         cached=not no_cache,

@@ -17,6 +17,7 @@ from rtgen.cli.common import (
     with_cache,
     with_console,
     with_definitions,
+    with_node_id,
     write_out,
 )
 
@@ -24,12 +25,7 @@ from rtgen.cli.common import (
 @click.command()
 @with_definitions
 @with_cache
-@click.option(
-    "--node-id",
-    type=click.IntRange(1, 127),
-    metavar="N",
-    help="Show devices as node N; default: a DCF's own node-id.",
-)
+@with_node_id
 @click.option("--json", "as_json", is_flag=True, help="Print JSON (rtgen-inspect/1).")
 @with_console
 def inspect(
@@ -41,15 +37,14 @@ def inspect(
 ) -> int:
     """Show the resolved model of definitions, devices or systems.
 
-    PATH is a definition file (*.idl, *.cdl, *.eds, *.dcf), a folder of them, or a system
-    (RtsProfile, *.xml). Without PATH the sources of rtgen.toml are shown.
+    PATH is a definition file (*.idl, *.cdl, *.eds, *.dcf, a bus file *.toml), a folder of them, or
+    a system (RtsProfile, *.xml). Without PATH the sources of rtgen.toml are shown.
     """
     profiles = [p for p in definitions.paths if p.lower().endswith(".xml")]
     others = tuple(p for p in definitions.paths if p not in profiles)
     project = None
     if others or not profiles:
-        project = project_of(replace(definitions, paths=others))
-        project = replace(project, node_id=node_id)
+        project = project_of(replace(definitions, paths=others), node_id=node_id)
     run = compiler.inspect(
         project,
         [Path(p) for p in profiles],
