@@ -268,13 +268,10 @@ class DevicePdos:
         for carrier in self._carriers.get(number, ()):
             self._note(carrier, number)
 
-    def trigger(self, number: int) -> None:
-        """Sends a TPDO though nothing has changed. Raises KeyError if there is none."""
-        for pdo in self._transmitters:
-            if pdo.number == number:
-                self._due[pdo] = None
-                return
-        raise KeyError(f"no TPDO {number}")
+    def trigger(self, number: ObjectNumber) -> None:
+        """An event of a variable: the TPDOs that carry it are due."""
+        if self._running:
+            self._due |= dict.fromkeys(self._carriers.get(number, ()))
 
     def receive(self, frame: Frame, now: int) -> Iterator[Frame]:
         """Takes an RPDO, or a request for a TPDO; gives what is to be sent."""

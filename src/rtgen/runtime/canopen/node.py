@@ -85,7 +85,8 @@ class NodeEvents:
     defaults again. `received`: the values of an RPDO are in the object dictionary. `heard`: news
     of a node that it watches. `time`: a TIME message, in ns of UTC. `collided`: another node has
     its node-id, or sends one of its identifiers. `bit_rate`: LSS activates a bit rate, in kbit/s,
-    after a delay in ms. `stopping`: see `NmtSlave`.
+    after a delay in ms. `stopping`: see `NmtSlave`. `ready` says whether the node may boot at once
+    after a reset; if not, its owner calls `boot`.
     """
 
     moved: Callable[[Transition], None] = lambda transition: None
@@ -96,14 +97,14 @@ class NodeEvents:
     collided: Callable[[int], None] = lambda can_id: None
     bit_rate: Callable[[int, int], None] = lambda bit_rate, delay: None
     stopping: Callable[[], bool] = lambda: True
+    ready: Callable[[], bool] = lambda: True
 
 
 class DeviceNode:
     """A slave, in INITIALISING until `boot`.
 
-    After a reset it boots at once, or with `deferred` when its owner calls `boot`. `node_id` 255
-    waits for LSS. With `merged_stop` see `NmtSlave`. It starts by itself with `self_start`, or if
-    1F80h is 8 (CiA 302-2). `serial_number` is for 1018h:4.
+    `node_id` 255 waits for LSS. With `merged_stop` see `NmtSlave`. It starts by itself with
+    `self_start`, or if 1F80h is 8 (CiA 302-2). `serial_number` is for 1018h:4.
 
     What changes it from outside of the link takes effect, and is sent, by `flush`.
     """
@@ -114,7 +115,6 @@ class DeviceNode:
         node_id: int = UNCONFIGURED,
         *,
         events: NodeEvents | None = None,
-        deferred: bool = False,
         self_start: bool = False,
         merged_stop: bool = False,
         serial_number: int | None = None,
@@ -123,7 +123,6 @@ class DeviceNode:
             raise ValueError(f"node-id {node_id}: it is 1 to {MAX_NODE_ID}, or 255")
         self.description = description
         self.events = events or NodeEvents()
-        self.deferred = deferred
         self.self_start = self_start
         self.merged_stop = merged_stop
         self.serial_number = serial_number
@@ -246,9 +245,9 @@ class DeviceNode:
         """Lets `is_event` say whether a change of an object is to be sent by TPDOs."""
         self.pdos.is_event((index, subindex), is_event)
 
-    def trigger(self, tpdo: int) -> None:
-        """Lets `flush` send a TPDO though nothing has changed. Raises KeyError for no TPDO."""
-        self.pdos.trigger(tpdo)
+    def trigger(self, index: int, subindex: int = 0) -> None:
+        """An event of an object: `flush` sends the TPDOs that carry it, changed or not."""
+        self.pdos.trigger((index, subindex))
 
     def add_error(
         self, code: int, additional: bytes = b"", register: ErrorRegister | None = None
@@ -387,7 +386,7 @@ class DeviceNode:
         if transition.before is NmtState.STOPPED:
             self._sync.start(self._now)
         self.events.moved(transition)
-        if self.state is NmtState.INITIALISING and not self.deferred:
+        if self.state is NmtState.INITIALISING and self.events.ready():
             self._boot()
 
     def _initialise(self, command: NmtCommand) -> None:
@@ -404,12 +403,8 @@ class DeviceNode:
         self.lss.take_over(stored=False)
         self._load(_ALL)
         self._begin()
-        if not self.deferred:
+        if self.events.ready():
             self._boot()
-        elif self._nmt is not None:
-            self.events.moved(
-                Transition(NmtState.INITIALISING, NmtState.INITIALISING, None)
-            )
 
     def _configure_layers(self, frame: Frame) -> None:
         if not self.description.lss:

@@ -1,0 +1,321 @@
+"""The component of a CANopen device: a slave whose states are those of an RT component.
+
+After the published description of RTC-CANopen (table 3 and figure 110); what each command of the
+NMT master calls says `docs/canopen.md`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from rtgen.runtime.callbacks import log
+from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
+from rtgen.runtime.canopen.frames import Frame
+from rtgen.runtime.canopen.heartbeat import HeartbeatEvent, HeartbeatNews
+from rtgen.runtime.canopen.hooks import DeviceHooks, Incoming, Outgoing
+from rtgen.runtime.canopen.link import Link, LinkError
+from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.lss import UNCONFIGURED
+from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, Transition
+from rtgen.runtime.canopen.node import USER_SOFTWARE, DeviceNode, NodeEvents
+from rtgen.runtime.component import Component
+from rtgen.runtime.connectors import DataConnector
+from rtgen.runtime.data_ports import InPort, OutPort
+from rtgen.runtime.life_cycle import Request
+from rtgen.runtime.return_codes import (
+    ACTIVE_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    PRECONDITION_NOT_MET,
+    RTC_OK,
+    LifeCycleState,
+    ReturnCode_t,
+)
+
+_BUFFER: Final = {"dataport.buffer.length": "64"}
+"""Samples that wait between ports and the bus; older ones are overwritten, and count as lost."""
+
+
+class CanopenDevice(DeviceHooks, Component):
+    """The base of generated devices; it is on the bus from its initialization on.
+
+    What a behaviour sets in `objects`, and writes to OutPorts, goes out at the end of the tick.
+    `node` has hooks and errors for it: calls of them that are not made from a callback of the
+    node hold `Link.lock`.
+    """
+
+    config: Any
+    self_start = False
+    """Whether it becomes operational without a master."""
+    merged_stop = False
+    """Whether a stop command means what figure 111 says: see `NmtSlave`."""
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.node = DeviceNode(
+            self.description,
+            events=NodeEvents(
+                moved=self._moved,
+                received=self._received,
+                heard=self._heard,
+                collided=self._collided,
+                bit_rate=self._bit_rate_told,
+                stopping=self._can_end,
+                ready=self._can_boot,
+            ),
+        )
+        self._link: Link | None = None
+        self._incoming_by_number: Mapping[int, Incoming] = {}
+        self._inlets: dict[str, OutPort[Any]] = {}
+        self._outlets: list[tuple[str, InPort[Any], Outgoing]] = []
+        self._connectors: list[DataConnector[Any]] = []
+        self._was: LifeCycleState = INACTIVE_STATE
+        self._resetting = False
+        self._ending = False
+        self._stopped_by = ""
+
+    # The object dictionary
+
+    def get_object(self, number: ObjectNumber) -> ObjectValue:
+        """See `DeviceHooks`."""
+        return self.node.dictionary.get(number)
+
+    def set_object(self, number: ObjectNumber, value: ObjectValue) -> None:
+        """See `DeviceHooks`."""
+        link = self._link
+        if link is None:
+            self.node.dictionary.set(number, value)
+        else:
+            with link.lock:
+                self.node.dictionary.set(number, value)
+
+    # Life
+
+    def initialize(self) -> ReturnCode_t:
+        """Created, up to the boot-up message, which follows `on_initialize`."""
+        if self._alive:
+            return PRECONDITION_NOT_MET
+        self.configuration_sets.apply()
+        try:
+            link = self._join_bus()
+        except (LinkError, ValueError) as error:
+            self.reason = str(error)
+            return ReturnCode_t.RTC_ERROR
+        code = super().initialize()
+        if code is not RTC_OK:
+            self._leave_bus()
+            return code
+        with link.lock:
+            self._send(self.node.boot(link.now()))
+        self._at_end_of_cycle(self._end_of_tick)
+        return RTC_OK
+
+    def finalize(self) -> ReturnCode_t:
+        """Ends its life, and leaves the bus."""
+        code = super().finalize()
+        if not self._alive:
+            self._leave_bus()
+        return code
+
+    @property
+    def lost(self) -> int:
+        """Samples lost at its ports; also values that were overwritten in an inhibit time."""
+        outlets = sum(port.lost for _, port, _ in self._outlets)
+        return super().lost + outlets + self.node.pdos.overwritten
+
+    def _join_bus(self) -> Link:
+        config = self.config
+        node_id = int(config.node_id)
+        if node_id == UNCONFIGURED and not self.description.lss:
+            raise ValueError("the device has no LSS, so it needs a node-id of its own")
+        node = self.node
+        node.self_start, node.merged_stop = self.self_start, self.merged_stop
+        node.take_node_id(node_id)
+        link = self._link = open_link(
+            self, config.interface, config.channel, config.bitrate, config.options
+        )
+        self._connect_ports()
+        with link.lock:
+            link.attach(node)
+        return link
+
+    def _leave_bus(self) -> None:
+        link, self._link = self._link, None
+        if link is not None:
+            link.detach(self.node)
+        for connector in self._connectors:
+            connector.detach()
+        self._connectors.clear()
+
+    def _connect_ports(self) -> None:
+        self._incoming_by_number = self._incoming()
+        bus = f"{self.instance_name}.bus"
+        for name, in_port in self.in_ports.items():
+            source = self._inlets[name] = OutPort(name, in_port.type, bus)
+            self._connect(name, source, in_port)
+        self._outlets = []
+        for name, outgoing in self._outgoing().items():
+            out_port = self.out_ports[name]
+            target = InPort(name, out_port.type, bus)
+            target._protect(self._clock.guard())
+            self._connect(name, out_port, target)
+            self._outlets.append((name, target, outgoing))
+
+    def _connect(self, name: str, source: OutPort[Any], target: InPort[Any]) -> None:
+        connector = DataConnector(
+            f"{self.instance_name}.{name}", source, target, _BUFFER, self._clock.guard
+        )
+        connector.attach()
+        self._connectors.append(connector)
+
+    # Ticks
+
+    def _end_of_tick(self) -> None:
+        link = self._link
+        if link is None:
+            return
+        self._at_end_of_cycle(self._end_of_tick)
+        with link.lock:
+            now = link.now()
+            due = self.node.deadline
+            frames = [*self._samples(now), *self.node.flush(now), *self._settle(now)]
+            if frames or self.node.deadline != due:
+                self._send(frames)
+
+    def _samples(self, now: int) -> list[Frame]:
+        """What OutPorts have got: one sample of each at a time goes out together."""
+        frames: list[Frame] = []
+        while fresh := [outlet for outlet in self._outlets if outlet[1].is_new()]:
+            told: list[ObjectNumber] = []
+
+            def take(number: ObjectNumber, value: ObjectValue) -> None:
+                self.node.dictionary.set(number, value)
+                told.append(number)  # noqa: B023
+
+            for name, port, outgoing in fresh:
+                try:
+                    outgoing(port.read(), take)
+                except ValueError as error:
+                    self._request_failure(f"{name}: {error}")
+            for number in told:
+                self.node.trigger(*number)
+            frames += self.node.flush(now)
+        return frames
+
+    def _send(self, frames: list[Frame]) -> None:
+        link = self._link
+        if link is None:
+            return
+        try:
+            if frames:
+                link.send(frames, self.node)
+        except LinkError as error:
+            log.warning("%s: %s", self.instance_name, error)
+        link.refresh(self.node)
+
+    # States
+
+    def _gate(self, request: Request) -> ReturnCode_t | None:
+        link = self._link
+        if link is None:
+            return RTC_OK
+        with link.lock:
+            now, state = link.now(), self.node.state
+            if request is Request.ACTIVATE:
+                if state is NmtState.OPERATIONAL:
+                    return RTC_OK
+                if not (self.self_start and state is NmtState.PRE_OPERATIONAL):
+                    self._awaited = f"{request} waits for the NMT master's start"
+                    return None
+                self._send(self.node.go(NmtState.OPERATIONAL, now))
+            elif request is Request.DEACTIVATE:
+                self._ending, self.reason = True, ""
+                if state is NmtState.OPERATIONAL:
+                    self._send(self.node.go(NmtState.PRE_OPERATIONAL, now))
+            elif request is Request.RESET:
+                self._resetting = True
+                if state is NmtState.STOPPED:
+                    self._send(self.node.reset(now))
+        return RTC_OK
+
+    def _settle(self, now: int) -> list[Frame]:
+        """Brings the states of component and node together at the end of a tick."""
+        state, before = self._state(), self._was
+        self._was = state
+        was_reset, self._resetting = self._resetting, False
+        was_ended, self._ending = self._ending, False
+        node = self.node
+        frames: list[Frame] = []
+        if state is ERROR_STATE:
+            if (was_reset or before is not ERROR_STATE) and (
+                node.state is not NmtState.STOPPED
+            ):
+                return node.fail(now)
+        elif before is ERROR_STATE:
+            node.remove_error(USER_SOFTWARE)
+        if was_ended and self.reason and self.merged_stop:
+            frames += node.fail(now)
+        if node.state is NmtState.INITIALISING and self._can_boot():
+            frames += node.boot(now)
+        self._follow()
+        return frames + node.flush(now)
+
+    def _moved(self, transition: Transition) -> None:
+        if transition.command is NmtCommand.STOP:
+            self._stopped_by = "stopped by the NMT master"
+        if not self._resetting:
+            self._follow()
+
+    def _follow(self) -> None:
+        """Requests the component's state that goes with the node's (table 3)."""
+        nmt = self.node.state
+        for context in tuple(self._contexts.values()):
+            state = context.get_component_state(self)
+            if nmt is NmtState.STOPPED:
+                if state is not ERROR_STATE:
+                    self._request_failure(self._stopped_by or "its node has stopped")
+            elif state is ERROR_STATE:
+                context.reset_component(self)
+            elif nmt is NmtState.OPERATIONAL and state is INACTIVE_STATE:
+                context.activate_component(self)
+            elif nmt is not NmtState.OPERATIONAL and state is ACTIVE_STATE:
+                context.deactivate_component(self)
+
+    def _state(self) -> LifeCycleState:
+        """The state in the first context; INACTIVE where there is none."""
+        for context in tuple(self._contexts.values()):
+            return context.get_component_state(self)
+        return INACTIVE_STATE
+
+    def _can_boot(self) -> bool:
+        return self._state() not in (ACTIVE_STATE, ERROR_STATE)
+
+    def _can_end(self) -> bool:
+        return self._state() is not ERROR_STATE
+
+    # What the node tells
+
+    def _received(self, number: int) -> None:
+        incoming = self._incoming_by_number.get(number)
+        if incoming is None:
+            return
+        for name, sample in incoming(self.node.dictionary.get, self._clock.now()):
+            self._inlets[name].write(sample)
+
+    def _heard(self, node_id: int, event: HeartbeatEvent) -> None:
+        if event.news is HeartbeatNews.LOST:
+            self._stopped_by = f"node {node_id} is lost: it has no heartbeat"
+            log.warning("%s: %s", self.instance_name, self._stopped_by)
+
+    def _collided(self, can_id: int) -> None:
+        log.warning(
+            "%s: another node has the node-id %d: it sends %03Xh",
+            self.instance_name, self.node.node_id, can_id,
+        )  # fmt: skip
+
+    def _bit_rate_told(self, bit_rate: int, delay: int) -> None:
+        log.warning(
+            "%s: LSS asks for %d kbit/s, which takes a new start",
+            self.instance_name, bit_rate,
+        )  # fmt: skip

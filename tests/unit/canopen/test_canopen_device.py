@@ -1,0 +1,414 @@
+"""A device's component on a simulated bus: its states follow NMT, its ports the PDOs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import pytest
+from device_bench import DEVICE, NODE_ID
+
+from refrobots import rtc
+from rtgen.runtime import (
+    ACTIVE_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    RTC_ERROR,
+    RTC_OK,
+    ComponentProfile,
+    InitializationError,
+    LifeCycleState,
+    ParameterProfile,
+    ReturnCode_t,
+    SimulatedClock,
+    System,
+)
+from rtgen.runtime.canopen.description import DeviceDescription, ObjectNumber
+from rtgen.runtime.canopen.device import CanopenDevice
+from rtgen.runtime.canopen.frames import MILLISECOND, Frame
+from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
+from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, command_frame
+
+BOOT_UP = Frame(0x700 + NODE_ID, b"\0")
+TPDO1 = 0x180 + NODE_ID
+EMERGENCY = 0x80 + NODE_ID
+
+
+@dataclass(slots=True)
+class Configuration:
+    interface: str = "virtual"
+    channel: str = "can0"
+    bitrate: int = 0
+    options: str = ""
+    node_id: int = NODE_ID
+
+
+def _port(get: Getter, now: int, type_: type[Any], number: ObjectNumber) -> Any:
+    sample = type_()
+    sample.tm.sec, sample.tm.nsec = divmod(now, 10**9)
+    sample.data = get(number)
+    return sample
+
+
+class Slave(CanopenDevice):
+    """What a generated base gives; every callback is noted and answers what `answers` has."""
+
+    description: ClassVar[DeviceDescription] = DEVICE
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        "Slave",
+        configuration=tuple(
+            ParameterProfile(name, name, type_, default)
+            for name, type_, default in (
+                ("interface", "string", "virtual"),
+                ("channel", "string", "can0"),
+                ("bitrate", "long", "0"),
+                ("options", "string", ""),
+                ("node_id", "long", str(NODE_ID)),
+            )
+        ),
+    )
+
+    def __init__(self, instance_name: str = "slave") -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(Configuration())
+        self.control = self.add_in_port("control", rtc.TimedUShort)
+        self.target = self.add_in_port("target", rtc.TimedLong)
+        self.status = self.add_out_port("status", rtc.TimedUShort)
+        self.position = self.add_out_port("position", rtc.TimedLong)
+        self.called: list[str] = []
+        self.answers: dict[str, ReturnCode_t] = {}
+
+    def _incoming(self) -> Mapping[int, Incoming]:
+        return {
+            1: lambda get, now: (
+                ("control", _port(get, now, rtc.TimedUShort, (0x6040, 0))),
+                ("target", _port(get, now, rtc.TimedLong, (0x607A, 0))),
+            )
+        }
+
+    def _outgoing(self) -> Mapping[str, Outgoing]:
+        def status(sample: Any, set_: Setter) -> None:
+            set_((0x6041, 0), sample.data)
+
+        def position(sample: Any, set_: Setter) -> None:
+            set_((0x6064, 0), sample.data)
+
+        return {"status": status, "position": position}
+
+    def _answer(self, name: str) -> ReturnCode_t:
+        self.called.append(name)
+        return self.answers.get(name, RTC_OK)
+
+    def on_initialize(self) -> ReturnCode_t:
+        return self._answer("on_initialize")
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        return self._answer("on_activated")
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        return self._answer("on_deactivated")
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        return self._answer("on_aborting")
+
+    def on_reset(self, ec_id: int) -> ReturnCode_t:
+        return self._answer("on_reset")
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        return self.answers.get("on_execute", RTC_OK)
+
+
+class Listener:
+    """Hears everything on the bus."""
+
+    identifiers = None
+    deadline = None
+
+    def __init__(self) -> None:
+        self.heard: list[Frame] = []
+
+    def receive(self, frame: Frame, now: int) -> tuple[Frame, ...]:
+        self.heard.append(frame)
+        return ()
+
+    def poll(self, now: int) -> tuple[Frame, ...]:
+        return ()
+
+    def link_changed(self, up: bool, now: int) -> tuple[Frame, ...]:
+        return ()
+
+
+class Setup:
+    """A device in a system, and a listener on its bus that also plays the master."""
+
+    def __init__(self, device: Slave | None = None) -> None:
+        self.system = System(SimulatedClock())
+        self.device = device or Slave()
+        self.link = open_link(self.system.clock)
+        self.listener = Listener()
+        self.link.attach(self.listener)
+        self.system.add(self.device, 100.0)
+        self.run()
+
+    def run(self, milliseconds: int = 30) -> list[Frame]:
+        """What the device sends meanwhile."""
+        self.listener.heard.clear()
+        end = self.system.clock.elapsed() + milliseconds * MILLISECOND
+        self.system.run(until_ns=end)
+        return list(self.listener.heard)
+
+    def command(self, command: NmtCommand) -> list[Frame]:
+        self.link.send([command_frame(command, NODE_ID)], self.listener)
+        return self.run()
+
+    def send(self, can_id: int, data: str) -> list[Frame]:
+        self.link.send([Frame(can_id, bytes.fromhex(data))], self.listener)
+        return self.run()
+
+    @property
+    def states(self) -> tuple[LifeCycleState, NmtState]:
+        return self.system.state("slave"), self.device.node.state
+
+    def calls(self) -> list[str]:
+        """The callbacks since the last question."""
+        called = list(self.device.called)
+        self.device.called.clear()
+        return called
+
+
+@pytest.fixture
+def setup() -> Iterator[Setup]:
+    setup = Setup()
+    setup.calls()
+    yield setup
+    setup.system.close()
+
+
+def test_boot_up() -> None:
+    setup = Setup()
+    assert setup.listener.heard == [BOOT_UP]
+    assert setup.calls() == ["on_initialize"]
+    assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
+
+
+def test_start_and_pre_operational_drive_the_component(setup: Setup) -> None:
+    frames = setup.command(NmtCommand.START)
+    assert setup.states == (ACTIVE_STATE, NmtState.OPERATIONAL)
+    assert setup.calls() == ["on_activated"]
+    assert [frame.can_id for frame in frames] == [TPDO1]
+    setup.command(NmtCommand.ENTER_PRE_OPERATIONAL)
+    assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
+    assert setup.calls() == ["on_deactivated"]
+
+
+@pytest.mark.parametrize("active", [False, True])
+def test_stop_is_an_error(setup: Setup, active: bool) -> None:
+    if active:
+        setup.command(NmtCommand.START)
+    setup.calls()
+    setup.command(NmtCommand.STOP)
+    assert setup.states == (ERROR_STATE, NmtState.STOPPED)
+    assert setup.calls() == ["on_aborting"]
+    assert setup.device.reason == "stopped by the NMT master"
+
+
+@pytest.mark.parametrize(
+    "command", [NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION]
+)
+def test_resets_from_every_state(setup: Setup, command: NmtCommand) -> None:
+    assert setup.command(command) == [BOOT_UP]
+    assert setup.calls() == []
+    setup.command(NmtCommand.START)
+    setup.calls()
+    assert setup.command(command)[-1] == BOOT_UP
+    assert setup.calls() == ["on_deactivated"]
+    assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
+    setup.command(NmtCommand.STOP)
+    setup.calls()
+    assert setup.command(command) == [BOOT_UP]
+    assert setup.calls() == ["on_reset"]
+    assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
+    assert setup.device.reason == ""
+
+
+@pytest.mark.parametrize(
+    "command", [NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION]
+)
+def test_a_reset_that_fails_ends_in_error_without_boot_up(
+    setup: Setup, command: NmtCommand
+) -> None:
+    setup.command(NmtCommand.STOP)
+    setup.device.answers["on_reset"] = RTC_ERROR
+    setup.calls()
+    frames = setup.command(command)
+    assert setup.states == (ERROR_STATE, NmtState.STOPPED)
+    assert setup.calls() == ["on_reset"]
+    assert [frame.can_id for frame in frames] == [EMERGENCY]
+    assert frames[0].data[:3] == bytes.fromhex("006201")
+    setup.device.answers.clear()
+    assert setup.command(command) == [BOOT_UP]
+    assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
+
+
+@pytest.mark.parametrize(
+    ("command", "state", "called"),
+    [
+        (NmtCommand.START, ACTIVE_STATE, ["on_reset", "on_activated"]),
+        (NmtCommand.ENTER_PRE_OPERATIONAL, INACTIVE_STATE, ["on_reset"]),
+    ],
+)
+def test_a_master_may_leave_stopped_without_a_reset(
+    setup: Setup, command: NmtCommand, state: LifeCycleState, called: list[str]
+) -> None:
+    setup.command(NmtCommand.STOP)
+    setup.calls()
+    setup.command(command)
+    assert setup.states[0] is state
+    assert setup.calls() == called
+
+
+@pytest.mark.parametrize("callback", ["on_activated", "on_execute"])
+def test_a_callback_that_fails_stops_the_node_with_an_emergency(
+    setup: Setup, callback: str
+) -> None:
+    setup.device.answers[callback] = RTC_ERROR
+    frames = setup.command(NmtCommand.START)
+    assert setup.states == (ERROR_STATE, NmtState.STOPPED)
+    assert [frame.can_id for frame in frames][-1] == EMERGENCY
+    assert frames[-1].data == bytes.fromhex("0062010000000000")
+
+
+def test_with_merged_stop_a_stop_ends_normally_and_error_is_left_by_reset() -> None:
+    device = Slave()
+    device.merged_stop = True
+    setup = Setup(device)
+    setup.command(NmtCommand.START)
+    setup.command(NmtCommand.STOP)
+    assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
+    setup.command(NmtCommand.START)
+    device.answers["on_deactivated"] = RTC_ERROR
+    setup.command(NmtCommand.STOP)
+    assert setup.states == (ERROR_STATE, NmtState.STOPPED)
+    for command in (NmtCommand.START, NmtCommand.ENTER_PRE_OPERATIONAL):
+        setup.command(command)
+        assert setup.states == (ERROR_STATE, NmtState.STOPPED)
+    setup.command(NmtCommand.RESET_NODE)
+    assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
+
+
+def test_a_local_activate_waits_for_the_master(setup: Setup) -> None:
+    assert setup.system.activate("slave") is RTC_OK
+    setup.run()
+    assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
+    assert "waits for the NMT master" in setup.system.statistics("slave").awaited
+    setup.command(NmtCommand.START)
+    assert setup.states == (ACTIVE_STATE, NmtState.OPERATIONAL)
+    assert setup.calls() == ["on_activated"]
+
+
+def test_local_requests_move_the_node() -> None:
+    device = Slave()
+    device.self_start = True
+    setup = Setup(device)
+    setup.run()
+    assert setup.states == (ACTIVE_STATE, NmtState.OPERATIONAL)
+    setup.system.deactivate("slave")
+    setup.run()
+    assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
+    setup.system.activate("slave")
+    setup.run()
+    assert setup.states == (ACTIVE_STATE, NmtState.OPERATIONAL)
+    setup.command(NmtCommand.STOP)
+    setup.calls()
+    setup.system.reset("slave")
+    assert BOOT_UP in setup.run()
+    assert setup.calls()[0] == "on_reset"
+
+
+def test_rpdos_come_to_inports(setup: Setup) -> None:
+    setup.command(NmtCommand.START)
+    setup.send(0x200 + NODE_ID, "0f00feffffff")
+    control, target = setup.device.control.read(), setup.device.target.read()
+    assert control is not None
+    assert control.data == 15
+    assert control.tm.nsec > 0
+    assert target is not None
+    assert target.data == -2
+    assert setup.device.get_object((0x607A, 0)) == -2
+
+
+def test_inports_keep_the_newest_of_a_bounded_number_and_count_the_rest(
+    setup: Setup,
+) -> None:
+    setup.command(NmtCommand.START)
+    for value in range(70):
+        setup.link.send(
+            [Frame(0x205, value.to_bytes(2, "little") + bytes(4))], setup.listener
+        )
+    setup.run()
+    first = setup.device.control.read()
+    assert first is not None
+    assert first.data == 6
+    assert setup.device.lost == 12
+
+
+def test_samples_of_outports_go_out_each_even_without_a_change(setup: Setup) -> None:
+    setup.command(NmtCommand.START)
+    for position in (7, 7, 8):
+        sample = rtc.TimedLong()
+        sample.data = position
+        setup.device.position.write(sample)
+    status = rtc.TimedUShort()
+    status.data = 0x27
+    setup.device.status.write(status)
+    frames = setup.run()
+    assert [frame.data.hex() for frame in frames] == [
+        "270007000000",
+        "270007000000",
+        "270008000000",
+    ]
+
+
+def test_objects_that_are_set_in_a_tick_go_out_together_if_they_changed(
+    setup: Setup,
+) -> None:
+    setup.command(NmtCommand.START)
+    setup.device.set_object((0x6041, 0), 0x23)
+    setup.device.set_object((0x6064, 0), 5)
+    assert [frame.data.hex() for frame in setup.run()] == ["230005000000"]
+    setup.device.set_object((0x6064, 0), 5)
+    assert setup.run() == []
+
+
+def test_a_sample_that_an_object_cannot_have_is_an_error(setup: Setup) -> None:
+    setup.command(NmtCommand.START)
+    sample = rtc.TimedLong()
+    sample.data = 2**31
+    setup.device.position.write(sample)
+    setup.run()
+    assert setup.states == (ERROR_STATE, NmtState.STOPPED)
+    assert setup.device.reason.startswith("position: 2147483648 is over")
+
+
+def test_a_device_without_node_id_and_lss_cannot_be() -> None:
+    class Fixed(Slave):
+        description = DeviceDescription("Fixed", DEVICE.objects, DEVICE.pdos)
+
+    device = Fixed()
+    device.config.node_id = 255
+    with pytest.raises(InitializationError, match="no LSS"):
+        System(SimulatedClock()).add(device, 100.0)
+
+
+def test_the_bus_is_left_at_the_end(setup: Setup) -> None:
+    setup.system.remove("slave")
+    assert setup.command(NmtCommand.START) == []
+    assert not setup.device.control.connectors
+
+
+def test_objects_are_there_before_the_bus() -> None:
+    device = Slave()
+    device.set_object((0x6041, 0), 1)
+    assert device.get_object((0x6041, 0)) == 1
