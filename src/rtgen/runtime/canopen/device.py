@@ -7,6 +7,7 @@ NMT master calls says `docs/canopen.md`.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import AbstractContextManager, nullcontext
 from typing import Any, Final
 
 from rtgen.runtime.callbacks import log
@@ -42,7 +43,7 @@ class CanopenDevice(DeviceHooks, Component):
 
     What a behaviour sets in `objects`, and writes to OutPorts, goes out at the end of the tick.
     `node` has hooks and errors for it: calls of them that are not made from a callback of the
-    node hold `Link.lock`.
+    node hold `bus_lock`.
     """
 
     config: Any
@@ -76,6 +77,11 @@ class CanopenDevice(DeviceHooks, Component):
         self._stopped_by = ""
 
     # The object dictionary
+
+    @property
+    def bus_lock(self) -> AbstractContextManager[object]:
+        """The lock of the link: held, the bus calls no method of the node."""
+        return nullcontext() if self._link is None else self._link.lock
 
     def get_object(self, number: ObjectNumber) -> ObjectValue:
         """See `DeviceHooks`."""
