@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import threading
+from typing import TYPE_CHECKING
+
 from rtgen.runtime.canopen.link import Link, LinkError
 from rtgen.runtime.canopen.simulated_bus import SimulatedCanBus
 from rtgen.runtime.clocks import Clock
 from rtgen.runtime.component import Component
 from rtgen.runtime.simulated_network import SimulatedNetwork
+
+if TYPE_CHECKING:
+    from rtgen.runtime.canopen.real_link import RealLink
 
 
 def open_link(
@@ -20,13 +26,14 @@ def open_link(
 
     In real time the bus is python-can's: `interface`, `channel`, `bitrate` in bit/s (0: what the
     interface has) and further arguments as `options`, "host=127.0.0.1,port=29536". In simulated
-    time the channel alone names it, and without bit rate frames take no time. The link is closed
-    with its last station. Raises LinkError.
+    time the channel alone names it, and without bit rate frames take no time. The link is kept
+    for the caller until a station is attached, and closed with the last one; ask again then.
+    Raises LinkError.
     """
     clock = owner if isinstance(owner, Clock) else owner._clock
     if clock.network is not None:
         return simulated_bus(clock.network, channel, bitrate)
-    raise LinkError("no real time yet")
+    return _REGISTRY.open(interface, channel, bitrate, options)
 
 
 def simulated_bus(
@@ -45,3 +52,51 @@ def simulated_bus(
         )
     bus.bit_rate = bus.bit_rate or bitrate
     return bus
+
+
+class _Registry:
+    """The links of this process in real time, and for how many callers each is kept.
+
+    Its lock is taken with that of a link held, never the other way.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._links: dict[object, RealLink] = {}
+        self._kept: dict[object, int] = {}
+
+    def open(
+        self, interface: str, channel: str, bitrate: int, options: str
+    ) -> RealLink:
+        from rtgen.runtime.canopen.python_can import bus_address
+        from rtgen.runtime.canopen.real_link import RealLink
+
+        address = bus_address(interface, channel, bitrate, options)
+        key = address.key
+        with self._lock:
+            link = self._links.get(key)
+            if link is None or link.closed:
+                link = self._links[key] = RealLink(
+                    address, lambda: self._attached(key), lambda: self._may_close(key)
+                )
+            elif bitrate and link.address.bitrate not in (0, bitrate):
+                raise LinkError(
+                    f"{link.bus} is open at {link.address.bitrate} bit/s, "
+                    f"and not at {bitrate} bit/s"
+                )
+            self._kept[key] = self._kept.get(key, 0) + 1
+        return link
+
+    def _attached(self, key: object) -> None:
+        with self._lock:
+            self._kept[key] = max(0, self._kept[key] - 1)
+
+    def _may_close(self, key: object) -> bool:
+        with self._lock:
+            if self._kept[key] or self._links[key].has_stations:
+                return False
+            del self._links[key], self._kept[key]
+            return True
+
+
+_REGISTRY = _Registry()

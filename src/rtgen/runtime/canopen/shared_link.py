@@ -141,6 +141,11 @@ class SharedLink(Link):
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.bus}>"
 
+    @property
+    def has_stations(self) -> bool:
+        """Whether anything is attached."""
+        return len(self._seats) > 0
+
     def attach(self, station: Station) -> None:
         """See `Link`. Raises ValueError if it is attached already."""
         with self.lock:

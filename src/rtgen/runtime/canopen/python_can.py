@@ -1,0 +1,298 @@
+"""A python-can bus as links use it: opened with clear errors, and it tells when its end has gone.
+
+python-can is imported when a bus is opened.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import select
+import socket
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from rtgen.runtime.canopen.frames import MAX_DATA, Frame
+from rtgen.runtime.canopen.link import LinkError
+
+if TYPE_CHECKING:
+    import can
+
+Option: TypeAlias = bool | int | float | str
+
+SOCKETCAND_PORT: Final = 29536
+"""The port that socketcand listens at."""
+_HELLO: Final = b"< hi >"
+_PATIENCE: Final = 2.0
+"""Seconds that a hub may take to answer, and that a transmission may wait for an interface."""
+_BUS_OFF: Final = 0x40
+_RESTARTED: Final = 0x100
+"""Classes of error frames of SocketCAN."""
+_SOCKETCAN_ERRORS: Final = frozenset(("socketcan", "socketcand"))
+
+
+@dataclass(frozen=True)
+class BusAddress:
+    """What names a python-can bus. `bitrate` is in bit/s, 0 for what the interface has."""
+
+    interface: str
+    channel: str
+    bitrate: int = 0
+    options: tuple[tuple[str, Option], ...] = ()
+
+    @property
+    def key(self) -> tuple[str, str, tuple[tuple[str, Option], ...]]:
+        """What tells one bus from another."""
+        return self.interface, self.channel, self.options
+
+    @property
+    def hub(self) -> tuple[str, int] | None:
+        """Host and port of the hub of interface `socketcand`."""
+        if self.interface != "socketcand":
+            return None
+        options = dict(self.options)
+        host = options.get("host", "127.0.0.1")
+        port = options.get("port", SOCKETCAND_PORT)
+        if not isinstance(port, int) or not 0 < port < 65536:
+            raise LinkError(f"{port!r} is no port")
+        return str(host), port
+
+    def __str__(self) -> str:
+        hub = self.hub
+        return f"{self.interface} {self.channel}" + (
+            f" at {hub[0]}:{hub[1]}" if hub else ""
+        )
+
+
+def bus_address(
+    interface: str, channel: str, bitrate: int = 0, options: str = ""
+) -> BusAddress:
+    """The address of the parameters of a component; options: "name=value,name=value".
+
+    Raises LinkError.
+    """
+    if bitrate < 0:
+        raise LinkError(f"{bitrate} is no bit rate")
+    found: dict[str, Option] = {}
+    for part in filter(None, (part.strip() for part in options.split(","))):
+        name, equals, text = (word.strip() for word in part.partition("="))
+        if not equals or not name.isidentifier():
+            raise LinkError(f"{part!r} is no option; options are NAME=VALUE,NAME=VALUE")
+        if name in ("interface", "channel", "bitrate"):
+            raise LinkError(f"{name} is a parameter of its own, and no option")
+        found[name] = _value(text)
+    address = BusAddress(interface, channel, bitrate, tuple(sorted(found.items())))
+    if not channel or not channel.isprintable():
+        raise LinkError(f"{channel!r} is no channel")
+    # What is wrong with the hub's name is told here.
+    str(address)
+    return address
+
+
+class OpenBus:
+    """An open bus. Whatever ends it raises LinkError, from then on always."""
+
+    def __init__(self, bus: can.BusABC, address: BusAddress) -> None:
+        self.bus = bus
+        self._address = address
+        self._stream = _stream_of(bus)
+        self._more = False
+
+    def receive(self, timeout: float) -> can.Message | None:
+        """The next message, None if none comes in that many seconds. Raises LinkError."""
+        import can
+
+        try:
+            return self._receive(timeout)
+        except (can.CanError, OSError, ValueError, LookupError) as error:
+            raise LinkError(f"{self._address}: {_reason(error)}") from error
+
+    def send(self, frame: Frame) -> bool:
+        """Sends a frame; False if the interface has no room. Raises LinkError."""
+        import can
+
+        message = can.Message(
+            arbitration_id=frame.can_id,
+            data=None if frame.remote else frame.data,
+            is_extended_id=frame.extended,
+            is_remote_frame=frame.remote,
+            is_rx=False,
+            check=False,
+        )
+        try:
+            self.bus.send(message, timeout=_PATIENCE)
+        except (can.CanError, OSError, ValueError) as error:
+            if _is_full(error):
+                return False
+            raise LinkError(f"{self._address}: {_reason(error)}") from error
+        return True
+
+    def went_off(self, message: can.Message) -> bool | None:
+        """Whether an error frame tells of bus-off (True) or of the return from it (False)."""
+        if self._address.interface in _SOCKETCAN_ERRORS:
+            kind = message.arbitration_id
+            if kind & _RESTARTED:
+                return False
+            return True if kind & _BUS_OFF else None
+        return True if self._is_off else None
+
+    @property
+    def has_returned(self) -> bool:
+        """Whether the controller says that it is not bus-off; error frames tell of SocketCAN."""
+        return self._address.interface not in _SOCKETCAN_ERRORS and not self._is_off
+
+    @property
+    def _is_off(self) -> bool:
+        import can
+
+        try:
+            return self.bus.state is can.BusState.ERROR
+        except (can.CanError, NotImplementedError, OSError):
+            return False
+
+    def interrupt(self) -> None:
+        """Ends a transmission that is stuck in another thread."""
+        if self._stream is not None:
+            try:
+                self._stream.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                # The other end has gone: then nothing is stuck.
+                return
+
+    def close(self) -> None:
+        """Closes the bus; that its end has gone is no error."""
+        import can
+
+        try:
+            self.bus.shutdown()
+        except (can.CanError, OSError):
+            logging.getLogger(__name__).debug("%s: closed late", self._address)
+
+    def _receive(self, timeout: float) -> can.Message | None:
+        if self._stream is None:
+            return self.bus.recv(timeout)
+        if self._more:
+            # python-can takes several messages at once and keeps them.
+            message = self.bus.recv(0)
+            if message is not None:
+                return message
+            self._more = False
+        if not select.select([self._stream], [], [], timeout)[0]:
+            return None
+        # Its own `recv` spins and returns nothing when the other end has gone.
+        if not self._stream.recv(1, socket.MSG_PEEK):
+            raise LinkError("the other end has closed the connection")
+        message = self.bus.recv(0)
+        self._more = message is not None
+        return message
+
+
+def open_bus(address: BusAddress) -> OpenBus:
+    """Opens a bus. Raises LinkError that says why it cannot be."""
+    try:
+        import can
+    except ImportError as error:
+        raise LinkError(
+            f"{address}: CAN buses need python-can: pip install 'rtgen[can]'"
+        ) from error
+    from can.interfaces import BACKENDS
+
+    if address.interface not in BACKENDS:
+        raise LinkError(
+            f"python-can has no interface {address.interface!r}; "
+            f"known: {', '.join(sorted(BACKENDS))}"
+        )
+    arguments: dict[str, Option] = dict(address.options)
+    hub = address.hub
+    if hub is not None:
+        _ask(address, hub)
+        arguments = {"tcp_tune": True, **arguments, "host": hub[0], "port": hub[1]}
+        # What it logs are halves of messages, which are no mistakes, and tracebacks.
+        logger = logging.getLogger("can.interfaces.socketcand.socketcand")
+        if logger.level == logging.NOTSET:
+            logger.setLevel(logging.CRITICAL)
+    if address.bitrate:
+        arguments["bitrate"] = address.bitrate
+    try:
+        bus = can.Bus(
+            interface=address.interface,
+            channel=address.channel,
+            ignore_config=True,
+            **arguments,  # type: ignore[arg-type]
+        )
+    except (
+        can.CanError, OSError, ValueError, TypeError, NotImplementedError
+    ) as error:  # fmt: skip
+        raise LinkError(f"{address}: {_reason(error)}") from error
+    return OpenBus(bus, address)
+
+
+def frame_of(message: can.Message) -> Frame | None:
+    """The frame of a message; None for what is no frame of classical CAN."""
+    if message.is_error_frame or message.is_fd or message.dlc > MAX_DATA:
+        return None
+    if message.is_remote_frame:
+        return Frame(message.arbitration_id, b"", True, message.is_extended_id)
+    try:
+        return Frame(
+            message.arbitration_id, bytes(message.data), False, message.is_extended_id
+        )
+    except ValueError:
+        return None
+
+
+def _ask(address: BusAddress, hub: tuple[str, int]) -> None:
+    """Looks whether a hub is there and has the channel: python-can would try for ten seconds."""
+    try:
+        with socket.create_connection(hub, _PATIENCE) as end:
+            end.settimeout(_PATIENCE)
+            answer = end.recv(256)
+            if answer == _HELLO:
+                end.sendall(f"< open {address.channel} >".encode())
+                answer = end.recv(256)
+    except TimeoutError as error:
+        raise LinkError(f"{address}: no answer") from error
+    except OSError as error:
+        hint = "; is `rtgen can hub` running?" if _refused(error) else ""
+        raise LinkError(f"{address}: {_reason(error)}{hint}") from error
+    if answer != b"< ok >":
+        said = answer.decode("ascii", "replace") or "nothing"
+        raise LinkError(f"{address}: the hub says {said!r}")
+
+
+def _refused(error: OSError) -> bool:
+    return isinstance(error, ConnectionRefusedError)
+
+
+def _stream_of(bus: can.BusABC) -> socket.socket | None:
+    """The TCP connection of a bus that has one, such as that of `socketcand`."""
+    for value in vars(bus).values():
+        if isinstance(value, socket.socket) and value.type is socket.SOCK_STREAM:
+            return value
+    return None
+
+
+def _is_full(error: Exception) -> bool:
+    """Whether an interface had no room, which ends: ENOBUFS, or its own time-out."""
+    import errno
+
+    code = getattr(error, "error_code", None) or getattr(error, "errno", None)
+    return code in (errno.ENOBUFS, errno.EAGAIN) or "buffer full" in str(error)
+
+
+def _reason(error: Exception) -> str:
+    """Why, in one line."""
+    number = getattr(error, "errno", None)
+    text = os.strerror(number) if isinstance(number, int) else str(error)
+    return " ".join(text.split()) or type(error).__name__
+
+
+def _value(text: str) -> Option:
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    for kind in (lambda word: int(word, 0), float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
