@@ -7,7 +7,6 @@ node is started. All of it comes again after every boot-up message.
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, Protocol
@@ -75,8 +74,10 @@ _RESETS: Final = (NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION)
 
 _FOREIGN_ANSWERS: Final = 3
 """SDO answers that nobody asked for, in one set-up, that tell of a second node (or client)."""
-_FLIPS: Final = 4
-"""Changes between operational and not within two heartbeat periods that tell of a second node."""
+_FOREIGN: Final = "SDO answers come that were not asked for"
+_BEATS: Final = 16
+_BEAT_PERIODS: Final = 10
+"""So many heartbeats within so many of their periods are more than one node sends."""
 
 
 class Channel(Protocol):
@@ -123,6 +124,11 @@ class NodeReport:
     restarts: int
     reason: str
 
+    @property
+    def nmt_name(self) -> str:
+        """The enumerator of CANopen::NmtState."""
+        return f"NMT_{'UNKNOWN' if self.nmt is None else self.nmt.name}"
+
 
 class ManagedNode:
     """The procedure for one node. `deadline` is when `poll` is to be called.
@@ -150,7 +156,9 @@ class ManagedNode:
         self._start = description.start
         self._assigned = False
         self._answers_before = 0
-        self._flips: deque[int] = deque(maxlen=_FLIPS)
+        self._beats = 0
+        self._first_beat = 0
+        self._bus_gone = False
         self._emergency: Emergency | None = None
 
     @property
@@ -191,7 +199,7 @@ class ManagedNode:
     ) -> None:
         """Resets the node, and awaits its boot-up message; None: it has been reset already."""
         self._attempt += 1
-        self._configured = self._assigned = False
+        self._configured = self._assigned = self._bus_gone = False
         self._await_boot_up(command)
 
     def activate(self) -> None:
@@ -210,7 +218,7 @@ class ManagedNode:
         """The bus has gone: the node has till its boot time-out to come back."""
         self._attempt += 1
         self._configured = False
-        self.reason = reason
+        self.reason, self._bus_gone = reason, True
         self._await_boot_up(None)
 
     def request(self, command: NmtCommand, *, send: bool = True) -> None:
@@ -241,6 +249,9 @@ class ManagedNode:
         """A frame of the node's error control."""
         event = self._consumer.receive(frame, now)
         phase = self.phase
+        if phase in _IN_USE and self._too_many_beats(now):
+            self._two_nodes("its heartbeat comes twice as often as it should")
+            return
         if event is None or phase is NodePhase.IDLE:
             return
         if event.news is HeartbeatNews.BOOT_UP:
@@ -278,7 +289,11 @@ class ManagedNode:
             self.begin()
             return
         missing = absent and not self.description.mandatory
+        started = self.phase in (NodePhase.STARTING, NodePhase.RUNNING)
         self._configured = False
+        if started and self.nmt is not NmtState.STOPPED:
+            # What nobody supervises is to do nothing.
+            self._host.command(NmtCommand.ENTER_PRE_OPERATIONAL, self.description.id)
         self._enter(NodePhase.MISSING if missing else NodePhase.FAILED)
 
     # Booting
@@ -323,11 +338,8 @@ class ManagedNode:
             if isinstance(outcome, SdoAbort):
                 verb = "read" if octets is None else "written"
                 self.fail(f"{number_text(index, subindex)} cannot be {verb}: {outcome}")
-            elif self._channel.unexpected >= self._answers_before + _FOREIGN_ANSWERS:
-                self.fail(
-                    "SDO answers come that were not asked for: two nodes have the id "
-                    f"{self.description.id}, or there is another SDO client"
-                )
+            elif self._answers_too_many():
+                self._two_nodes(_FOREIGN)
             else:
                 self._go_on(procedure, outcome)
             self._host.settle(self)
@@ -381,14 +393,12 @@ class ManagedNode:
 
     def _told(self, event: HeartbeatEvent, now: int) -> None:
         state, phase = event.state, self.phase
+        if phase in (NodePhase.READY, NodePhase.STARTING) and self._answers_too_many():
+            self._two_nodes(_FOREIGN)
+            return
         if phase is NodePhase.READY:
             self._limit = None
-        if self._contradictory(event, now):
-            self.fail(
-                "its heartbeats contradict each other: two nodes have the id "
-                f"{self.description.id}"
-            )
-        elif state is NmtState.OPERATIONAL:
+        if state is NmtState.OPERATIONAL:
             self._enter(NodePhase.RUNNING)
         elif state is NmtState.STOPPED and not event.asked:
             self.fail(f"it has stopped by itself{self._cause()}")
@@ -399,13 +409,22 @@ class ManagedNode:
         else:
             self._host.changed(self)
 
-    def _contradictory(self, event: HeartbeatEvent, now: int) -> bool:
-        """Whether states flip faster than one node tells them."""
-        if event.news is not HeartbeatNews.CHANGED or event.asked:
+    def _too_many_beats(self, now: int) -> bool:
+        """Counts a heartbeat; whether they come twice as fast as one node sends them."""
+        if self._beats == 0:
+            self._first_beat = now
+        self._beats += 1
+        if self._beats < _BEATS:
             return False
-        self._flips.append(now)
-        span = 2 * self.description.heartbeat * MILLISECOND
-        return len(self._flips) == _FLIPS and now - self._flips[0] <= span
+        self._beats = 0
+        period = self.description.heartbeat * MILLISECOND
+        return now - self._first_beat <= _BEAT_PERIODS * period
+
+    def _answers_too_many(self) -> bool:
+        return self._channel.unexpected >= self._answers_before + _FOREIGN_ANSWERS
+
+    def _two_nodes(self, what: str) -> None:
+        self.fail(f"{what}: two nodes have the id {self.description.id}")
 
     def _cause(self) -> str:
         return f", after EMCY {self._emergency}" if self._emergency else ""
@@ -414,6 +433,9 @@ class ManagedNode:
         """The phase has lasted too long."""
         node = self.description
         if self.phase is NodePhase.AWAITED:
+            if self._bus_gone:
+                self.fail(self.reason, final=True)
+                return
             if node.lss and not self._assigned:
                 self._assigned = True
                 self._enter(NodePhase.ASSIGNING)
@@ -429,7 +451,7 @@ class ManagedNode:
 
     def _supervise_anew(self) -> None:
         self._consumer = HeartbeatConsumer(self.description.id, self._timeout)
-        self._flips.clear()
+        self._beats = 0
 
     def _enter(self, phase: NodePhase, milliseconds: int | None = None) -> None:
         """Goes to a phase that may last so long."""

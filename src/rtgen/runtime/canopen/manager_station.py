@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import suppress
 from heapq import heappop, heappush
 from typing import Final
 
@@ -16,7 +17,7 @@ from rtgen.runtime.canopen.frames import (
     Frame,
 )
 from rtgen.runtime.canopen.heartbeat import HeartbeatProducer
-from rtgen.runtime.canopen.link import Link
+from rtgen.runtime.canopen.link import Link, LinkError
 from rtgen.runtime.canopen.lss_master import Assigned, LssError, LssMaster, assign
 from rtgen.runtime.canopen.managed_node import ManagedNode, NodePhase, NodeReport
 from rtgen.runtime.canopen.nmt import (
@@ -58,7 +59,7 @@ class ManagerStation:
         )
         self.deadline: int | None = None
         self.running = False
-        self._link = link
+        self.link = link
         self._listener = listener
         self._lss = LssMaster()
         self._sync = (
@@ -70,6 +71,9 @@ class ManagerStation:
             network.manager, network.heartbeat * MILLISECOND
         )
         self._clash = ""
+        self._failed: dict[int, ManagedNode] = {}
+        self._attached = False
+        self._up = link.up
         self._frames: list[Frame] = []
         # When nodes may be due, the earliest first; a node's own deadline may have moved on.
         self._agenda: list[tuple[int, int]] = []
@@ -82,14 +86,14 @@ class ManagerStation:
         """Why the network cannot do its work; empty if it can."""
         if self._clash:
             return self._clash
-        for node in self.nodes.values():
-            if node.phase is NodePhase.FAILED and node.description.mandatory:
-                return f"{node.description.name} (node {node.description.id}): {node.reason}"
+        for node in tuple(self._failed.values()):
+            name = f"{node.description.name} (node {node.description.id})"
+            return f"{name}: {node.reason}"
         return ""
 
     def reports(self) -> list[NodeReport]:
         """The state of every node, by node-id."""
-        with self._link.lock:
+        with self.link.lock:
             return [self.nodes[node].report() for node in sorted(self.nodes)]
 
     def start(self) -> None:
@@ -97,14 +101,16 @@ class ManagerStation:
 
         Raises RuntimeError if the link has another one.
         """
-        link = self._link
+        link = self.link
         with link.lock:
             if link.master is not None and link.master is not self:
                 raise RuntimeError("there is another NMT master on this bus")
             link.master = self
-            link.attach(self)
+            if not self._attached:
+                link.attach(self)
+                self._attached, self._up = True, link.up
             self.running, self._clash = True, ""
-            if link.up:
+            if self._up:
                 self._begin(link.now())
             else:
                 self._cut_off()
@@ -112,16 +118,15 @@ class ManagerStation:
 
     def halt(self) -> None:
         """Brings the nodes to pre-operational, and lets go of them; its heartbeat goes on."""
-        with self._link.lock:
+        with self.link.lock:
             if not self.running:
                 return
             self.running = False
-            self._link.master = None
+            self.link.master = None
             self._lss.cancel()
             if self._sync is not None:
                 self._sync.stop()
-            if self._link.up:
-                self._command(NmtCommand.ENTER_PRE_OPERATIONAL, 0)
+            self._command(NmtCommand.ENTER_PRE_OPERATIONAL, 0)
             for node in self.nodes.values():
                 node.idle()
             self._flush()
@@ -129,15 +134,15 @@ class ManagerStation:
     def close(self) -> None:
         """Halts the network, and leaves the bus."""
         self.halt()
-        with self._link.lock:
-            self._link.detach(self)
+        self.link.detach(self)
+        self._attached = False
 
     # NmtMaster
 
     def request(self, command: int, node_id: int) -> None:
         """See `NmtMaster`. While the bus is gone, it is only noted what is wanted."""
         wanted = NmtCommand(command)
-        with self._link.lock:
+        with self.link.lock:
             if node_id == 0 and wanted is not NmtCommand.START:
                 self._command(wanted, 0)
             elif node_id not in (0, *self.nodes):
@@ -201,6 +206,7 @@ class ManagerStation:
 
     def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
         """See `Station`: when the bus is back, everything begins anew."""
+        self._up = up
         if not up:
             self._heartbeat.stop()
             if self.running:
@@ -214,7 +220,7 @@ class ManagerStation:
 
     def now(self) -> int:
         """See `Host`."""
-        return self._link.now()
+        return self.link.now()
 
     def command(self, command: NmtCommand, node_id: int) -> None:
         """See `Host`."""
@@ -235,10 +241,14 @@ class ManagerStation:
             self._note(node)
 
         procedure = assign(description.identity[1:], description.id)
-        self._frames += self._lss.submit(procedure, done, self._link.now())
+        self._frames += self._lss.submit(procedure, done, self.link.now())
 
     def changed(self, node: ManagedNode) -> None:
         """See `Host`."""
+        if node.phase is NodePhase.FAILED and node.description.mandatory:
+            self._failed[node.description.id] = node
+        else:
+            self._failed.pop(node.description.id, None)
         self._listener(node.report())
 
     def settle(self, node: ManagedNode) -> None:
@@ -270,7 +280,7 @@ class ManagerStation:
             self._note(node)
 
     def _command(self, command: NmtCommand, node_id: int) -> None:
-        if self._link.up:
+        if self._up:
             self._frames.append(command_frame(command, node_id))
 
     def _note(self, node: ManagedNode) -> None:
@@ -292,9 +302,11 @@ class ManagerStation:
     def _flush(self) -> None:
         """The same, outside of a call by the link."""
         frames = self._answer()
-        if frames and self._link.up:
-            self._link.send(frames, self)
-        self._link.refresh(self)
+        if frames and self._up:
+            # If the bus has just gone, `link_changed` tells.
+            with suppress(LinkError):
+                self.link.send(frames, self)
+        self.link.refresh(self)
 
     def _set_deadline(self) -> None:
         deadline = self._agenda[0][0] if self._agenda else None
