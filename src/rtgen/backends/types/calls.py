@@ -8,6 +8,7 @@ own, `_idl.<file>_calls`, which only a transport that marshals imports.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
@@ -36,6 +37,9 @@ from rtgen.model import (
     Type,
 )
 from rtgen.typemap.implementation_modules import implementation_modules
+
+_MANY = 8
+"""From so many operations of an interface on, those that are alike share their bodies."""
 
 # Names that no definition can have: no identifier of IDL holds a space, or begins with `_`.
 _RESULT = "_result"
@@ -97,36 +101,40 @@ class Calls:
         return self._raised[exception].name
 
     def _calls(self, interface: Interface) -> Iterator[Call]:
-        for attribute in interface.attributes:
-            for operation in _accessors(attribute):
-                yield self._call(interface, operation)
-        for operation in interface.operations:
-            yield self._call(interface, operation)
-
-    def _call(self, interface: Interface, operation: Operation) -> Call:
-        self._file(interface)
-        parameters = operation.parameters
-        given = [_member(p) for p in parameters if p.direction is not Direction.OUT]
-        if operation.context:
-            given.append(_named(operation, _CONTEXT, SequenceType(StringType())))
-        results = [_member(p) for p in parameters if p.direction is not Direction.IN]
-        if operation.returns != VOID:
-            results.insert(0, _named(operation, _RESULT, operation.returns))
-        try:
-            for member in (*given, *results):
-                self._types.node(member.type)
-        except NotMarshalledError as failure:
-            return Call(operation.name, refused=str(failure))
-        exceptions = tuple(dict.fromkeys(operation.raises))
-        for exception in exceptions:
-            self._add_raised(exception)
-        return Call(
-            operation.name,
-            self._body(interface, operation, "request", "Arguments", given),
-            self._body(interface, operation, "reply", "Results", results),
-            exceptions,
-            operation.oneway,
+        operations = [o for a in interface.attributes for o in _accessors(a)]
+        parts = [(o, *_bodies(o)) for o in (*operations, *interface.operations)]
+        alike = Counter(
+            (kind, _shape(members))
+            for _, given, results in parts
+            for kind, members in (("request", given), ("reply", results))
         )
+        shared: dict[object, Struct] = {}
+        for operation, given, results in parts:
+            self._file(interface)
+            try:
+                for member in (*given, *results):
+                    self._types.node(member.type)
+            except NotMarshalledError as failure:
+                yield Call(operation.name, refused=str(failure))
+                continue
+            exceptions = tuple(dict.fromkeys(operation.raises))
+            for exception in exceptions:
+                self._add_raised(exception)
+            bodies: list[Struct | None] = []
+            for kind, what, members in (
+                ("request", "Arguments", given),
+                ("reply", "Results", results),
+            ):
+                shape = kind, _shape(members)
+                body = shared.get(shape) if members else None
+                if members and body is None:
+                    number = len(shared) + 1 if alike[shape] > _MANY else 0
+                    body = self._body(interface, operation, kind, what, members, number)
+                    if number:
+                        shared[shape] = body
+                bodies.append(body)
+            request, reply = bodies
+            yield Call(operation.name, request, reply, exceptions, operation.oneway)
 
     def _body(
         self,
@@ -135,15 +143,21 @@ class Calls:
         kind: str,
         what: str,
         members: list[Member],
-    ) -> Struct | None:
-        if not members:
-            return None
+        shared: int,
+    ) -> Struct:
+        """A body of one operation, or of several (`shared` is a number for it)."""
         *scope, name = interface.name
+        of, id_ = operation.name, operation.repository_id
+        doc = f"{what} of `{interface.scoped}::{of}`."
+        if shared:
+            types = ", ".join(str(member.type) for member in members)
+            of, id_ = f"{shared} {types}", interface.repository_id
+            doc = f"{what} of several operations of `{interface.scoped}`: {types}."
         body = Struct(
             span=operation.span,
-            doc=f"{what} of `{interface.scoped}::{operation.name}`.",
-            name=(*scope, f"{name}.{operation.name} {kind}"),
-            repository_id=operation.repository_id,
+            doc=doc,
+            name=(*scope, f"{name}.{of} {kind}"),
+            repository_id=id_,
             file=self._file(interface).name,
             members=tuple(members),
         )
@@ -182,6 +196,23 @@ class Calls:
             )
             self.origins[name] = owner.name
         return self._files[module]
+
+
+def _bodies(operation: Operation) -> tuple[list[Member], list[Member]]:
+    """What a request carries, and what a reply."""
+    parameters = operation.parameters
+    given = [_member(p) for p in parameters if p.direction is not Direction.OUT]
+    if operation.context:
+        given.append(_named(operation, _CONTEXT, SequenceType(StringType())))
+    results = [_member(p) for p in parameters if p.direction is not Direction.IN]
+    if operation.returns != VOID:
+        results.insert(0, _named(operation, _RESULT, operation.returns))
+    return given, results
+
+
+def _shape(members: Sequence[Member]) -> tuple[tuple[str, Type], ...]:
+    """What makes bodies alike."""
+    return tuple((member.name, member.type) for member in members)
 
 
 def _accessors(attribute: Attribute) -> Iterator[Operation]:
@@ -224,9 +255,18 @@ class CallTable:
     def __init__(self, calls: Calls, scope: Scope) -> None:
         self._calls = calls
         self._py = scope
+        self._common: dict[tuple[ScopedName, ...], str] = {}
 
     def text(self, interfaces: Sequence[Interface]) -> str:
-        """The table as one statement."""
+        """The table, after the exceptions that several calls have."""
+        raised = Counter(
+            call.raises for i in interfaces for call in self._calls.of[i.name]
+        )
+        common = [
+            raises for raises, count in raised.items() if raises and count > _MANY
+        ]
+        self._common = {r: f"_RAISES_{n}" for n, r in enumerate(common, 1)}
+        before = [f"{name} = {self._raised(r)}\n" for r, name in self._common.items()]
         items = []
         for interface in interfaces:
             calls = ", ".join(
@@ -235,7 +275,16 @@ class CallTable:
             )
             items.append(f"{string_literal(interface.repository_id)}: {{{calls}}}")
         kind = f"{self._py.dict}[{self._py.str}, {self._py.dict}[{self._py.str}, {self._py.Call}]]"
-        return f"_CALLS: {kind} = {{{', '.join(items)}}}"
+        return "".join(before) + f"_CALLS: {kind} = {{{', '.join(items)}}}"
+
+    def _raised(self, raises: tuple[ScopedName, ...]) -> str:
+        py = self._py
+        return _tuple(
+            [
+                f"({py.reference(self._calls.raised(e))}, {py.reference(e)})"
+                for e in raises
+            ]
+        )
 
     def _call(self, call: Call) -> str:
         py = self._py
@@ -249,11 +298,8 @@ class CallTable:
                 if any(name != "None" for name in objects):
                     facts.append(f"{key}_objects={_tuple(objects)}")
         if call.raises:
-            pairs = [
-                f"({py.reference(self._calls.raised(e))}, {py.reference(e)})"
-                for e in call.raises
-            ]
-            facts.append(f"raises={_tuple(pairs)}")
+            told = self._common.get(call.raises) or self._raised(call.raises)
+            facts.append(f"raises={told}")
         if call.oneway:
             facts.append("oneway=True")
         return f"{py.Call}({', '.join(facts)})"
