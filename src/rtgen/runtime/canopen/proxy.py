@@ -322,9 +322,6 @@ class CanopenProxy(ProxyHooks, Component):
             self._disconnect()
         network, placed = self._place(settings)
         bitrate = settings.bitrate or (network.bit_rate * 1000 if network else 0)
-        link = open_link(
-            self, settings.interface, settings.channel, bitrate, settings.options
-        )
         wired = wiring(self.description, settings.node_id, network)
         boot_timeout = settings.boot_timeout
         if placed is not None and boot_timeout == _BOOT_TIMEOUT:
@@ -336,6 +333,10 @@ class CanopenProxy(ProxyHooks, Component):
             settings.heartbeat_timeout * MILLISECOND,
             StateMirror(self, lambda: self._under_way is not None),
         )
+        senders = self._senders()
+        link = open_link(
+            self, settings.interface, settings.channel, bitrate, settings.options
+        )
         control = NodeControl(
             link,
             node,
@@ -345,7 +346,6 @@ class CanopenProxy(ProxyHooks, Component):
             heartbeat_timeout=settings.heartbeat_timeout * MILLISECOND,
             boot_timeout=boot_timeout * MILLISECOND,
         )
-        senders = self._senders()
         connection = self._connection = _Connection(
             settings,
             link,
