@@ -94,7 +94,7 @@ def decoded(known: KnownBus, can_id: int, data: str = "") -> Decoded:
         (0x7E5, "1300050000000000", "lss set bit rate entry 5 of table 0"),
         (0x7E5, "5100000000800000", "lss fastscan: who has no node-id"),
         (0x7E5, "5134120000070102", "lss fastscan: product 0x1234 down to bit 7"),
-        (0x7E4, "4f00000000000000", "lss fastscan: here"),
+        (0x7E4, "4f00000000000000", "lss here"),
         (0x7E4, "1101000000000000", "lss node-id refused: error 1, 0"),
         (0x7E4, "5eff000000000000", "lss node-id is not set"),
         (0x7E4, "9900000000000000", "lss unknown command 99h: 00 00 00 00 00 00 00"),

@@ -6,7 +6,11 @@ import click
 
 from rtgen.cli.groups import LazyGroup
 
-COMMANDS: dict[str, str] = {}
+COMMANDS: dict[str, str] = {
+    "monitor": "Show the frames of a bus in words.",
+    "record": "Write the frames of a bus to a file.",
+    "replay": "Send the frames of a record, or print them in words.",
+}
 """Command to its line of help; the module `<command>_command` has a function `<command>_`."""
 
 

@@ -4,77 +4,103 @@ from __future__ import annotations
 
 from typing import Final
 
-_BIT_RATES: Final = (1000, 800, 500, 250, 125, None, 50, 20, 10)
-_AUTOMATIC: Final = 9
+from rtgen.runtime.canopen import lss
+from rtgen.runtime.canopen.lss import LssCommand
+
 _PARTS: Final = ("vendor", "product", "revision", "serial number")
-_SELECT: Final = 0x40
-_INQUIRE: Final = 0x5A
-_FASTSCAN_CHECK: Final = 0x80
-"""The bit number with which fastscan begins."""
+_BIT_RATES: Final = {index: rate for rate, index in lss.BIT_RATES.items()}
+
+_NUMBERS: Final = {
+    LssCommand.IDENTIFY_VENDOR: "who has vendor",
+    LssCommand.IDENTIFY_PRODUCT: "who has product",
+    LssCommand.IDENTIFY_REVISION_LOW: "who has revision from",
+    LssCommand.IDENTIFY_REVISION_HIGH: "who has revision up to",
+    LssCommand.IDENTIFY_SERIAL_LOW: "who has serial number from",
+    LssCommand.IDENTIFY_SERIAL_HIGH: "who has serial number up to",
+}
+_PLAIN: Final = {
+    LssCommand.STORE: "store configuration",
+    LssCommand.INQUIRE_NODE_ID: "ask for node-id",
+    LssCommand.IDENTIFY_UNCONFIGURED: "who has no node-id",
+}
+_CONFIGURED: Final = {
+    LssCommand.CONFIGURE_NODE_ID: "node-id",
+    LssCommand.CONFIGURE_BIT_TIMING: "bit rate",
+    LssCommand.STORE: "storing",
+}
+_ANSWERS: Final = {
+    LssCommand.SWITCHED: "selected",
+    LssCommand.IDENTIFIED: "here",
+    LssCommand.UNCONFIGURED_IDENTIFIED: "has no node-id",
+}
 
 
 def lss_words(data: bytes, *, request: bool) -> str:
     """What a message of the master (`request`), or of a slave, says."""
-    if len(data) != 8:
+    if len(data) != lss.MESSAGE:
         return f"no message: {data.hex(' ') or 'no data'}"
-    text = _request(data) if request else _answer(data)
-    return text or f"unknown command {data[0]:02X}h: {data[1:].hex(' ')}"
+    try:
+        command = LssCommand(data[0])
+    except ValueError:
+        return _unknown(data)
+    text = _request(command, data) if request else _answer(command, data)
+    return text or _unknown(data)
 
 
-def _number(data: bytes) -> int:
-    return int.from_bytes(data[1:5], "little")
+def _unknown(data: bytes) -> str:
+    return f"unknown command {data[0]:02X}h: {data[1:].hex(' ')}"
 
 
-def _request(data: bytes) -> str | None:
-    command = data[0]
-    if command == 0x04:
-        return f"all to {'configuration' if data[1] == 1 else 'waiting'} state"
-    if _SELECT <= command < _SELECT + 4:
-        return f"select {_PARTS[command - _SELECT]} 0x{_number(data):X}"
-    if _INQUIRE <= command < _INQUIRE + 4:
-        return f"ask for {_PARTS[command - _INQUIRE]}"
-    if command == 0x51:
-        return _fastscan(data)
-    if command == 0x13:
-        return f"set bit rate {_bit_rate(data[1], data[2])}"
-    if command == 0x15:
-        return f"activate bit rate after {int.from_bytes(data[1:3], 'little')} ms"
-    if command == 0x11:
-        return f"set node-id {data[1]}"
-    return {
-        0x17: "store configuration",
-        0x5E: "ask for node-id",
-        0x4C: "who has no node-id",
-    }.get(command)
+def _request(command: LssCommand, data: bytes) -> str | None:
+    number = lss.told_number(data)
+    if command in _NUMBERS:
+        return f"{_NUMBERS[command]} 0x{number:X}"
+    match command:
+        case LssCommand.SWITCH_GLOBAL:
+            configuring = data[1] == lss.CONFIGURATION
+            return f"all to {'configuration' if configuring else 'waiting'} state"
+        case LssCommand.FASTSCAN:
+            return _fastscan(number, data[5], data[6])
+        case LssCommand.CONFIGURE_NODE_ID:
+            return f"set node-id {data[1]}"
+        case LssCommand.CONFIGURE_BIT_TIMING:
+            return f"set bit rate {_bit_rate(data[1], data[2])}"
+        case LssCommand.ACTIVATE_BIT_TIMING:
+            return f"activate bit rate after {number & 0xFFFF} ms"
+    for first, verb in (
+        (LssCommand.SWITCH_VENDOR, "select {} 0x{:X}"),
+        (LssCommand.INQUIRE_VENDOR, "ask for {}"),
+    ):
+        if first <= command < first + len(_PARTS):
+            return verb.format(_PARTS[command - first], number)
+    return _PLAIN.get(command)
 
 
 def _bit_rate(table: int, index: int) -> str:
-    if table == 0 and index == _AUTOMATIC:
+    if table == 0 and index == lss.AUTOMATIC_BIT_RATE:
         return "automatic"
-    if table == 0 and index < len(_BIT_RATES) and _BIT_RATES[index]:
+    if table == 0 and index in _BIT_RATES:
         return f"{_BIT_RATES[index]} kbit/s"
     return f"entry {index} of table {table}"
 
 
-def _fastscan(data: bytes) -> str:
-    bit, part = data[5], data[6]
-    if bit == _FASTSCAN_CHECK:
+def _fastscan(number: int, bit: int, part: int) -> str:
+    if bit == lss.START_OF_SCAN:
         return "fastscan: who has no node-id"
     name = _PARTS[part] if part < len(_PARTS) else f"part {part}"
-    return f"fastscan: {name} 0x{_number(data):X} down to bit {bit}"
+    return f"fastscan: {name} 0x{number:X} down to bit {bit}"
 
 
-def _answer(data: bytes) -> str | None:
-    command = data[0]
-    if _INQUIRE <= command < _INQUIRE + 4:
-        return f"{_PARTS[command - _INQUIRE]} is 0x{_number(data):X}"
-    if command == 0x5E:
-        return f"node-id is {'not set' if data[1] == 0xFF else data[1]}"
-    if command in (0x11, 0x13, 0x17):
-        what = {0x11: "node-id", 0x13: "bit rate", 0x17: "storing"}[command]
+def _answer(command: LssCommand, data: bytes) -> str | None:
+    if command in _CONFIGURED:
+        what = _CONFIGURED[command]
         if not data[1]:
             return f"{what} done"
         return f"{what} refused: error {data[1]}, {data[2]}"
-    return {0x44: "selected", 0x4F: "fastscan: here", 0x50: "no node-id here"}.get(
-        command
-    )
+    if command is LssCommand.INQUIRE_NODE_ID:
+        node_id = data[1]
+        return f"node-id is {'not set' if node_id == lss.UNCONFIGURED else node_id}"
+    place = command - LssCommand.INQUIRE_VENDOR
+    if 0 <= place < len(_PARTS):
+        return f"{_PARTS[place]} is 0x{lss.told_number(data):X}"
+    return _ANSWERS.get(command)

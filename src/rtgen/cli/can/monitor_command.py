@@ -1,0 +1,76 @@
+"""`rtgen can monitor`."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import click
+
+from rtgen.cli.can.known import KnownBus
+from rtgen.cli.can.live import frames, inbox, opened
+from rtgen.cli.can.options import BusAccess, with_bus, with_known, with_span
+from rtgen.cli.can.printing import JsonLines, Lines, MessageDecoder, Wanted, stamped
+from rtgen.cli.common import OK, Console, with_console, write_out
+
+if TYPE_CHECKING:
+    from can import Message
+
+
+@click.command("monitor")
+@click.option("--plain", is_flag=True, help="A line for each frame, no table.")
+@click.option("--json", "as_json", is_flag=True, help="A line of JSON for each frame.")
+@click.option(
+    "--node", "nodes", multiple=True, metavar="NODE", help="Show that node only."
+)
+@click.option(
+    "--kind",
+    "kinds",
+    multiple=True,
+    metavar="KIND",
+    help="Show such frames only: nmt, heartbeat, emcy, sync, time, sdo, tpdo, rpdo1, ...",
+)
+@with_span
+@with_known
+@with_bus
+@with_console
+def monitor_(
+    console: Console,
+    access: BusAccess,
+    known: KnownBus,
+    seconds: float | None,
+    count: int | None,
+    plain: bool,
+    as_json: bool,
+    nodes: tuple[str, ...],
+    kinds: tuple[str, ...],
+) -> int:
+    """Show the frames of a bus in words, with values, names and units.
+
+    On a terminal a table, with a row for each identifier; elsewhere, or with --plain, a line for
+    each frame. It ends at Ctrl-C, or as --for and --count say.
+    """
+    wanted = Wanted(known, nodes, kinds)
+    decoder = MessageDecoder(known)
+    with opened(access.on(known)) as bus, inbox(bus) as source:
+        coming = _stamped(frames(source, seconds, count))
+        if as_json or plain or not sys.stdout.isatty():
+            lines = JsonLines() if as_json else Lines()
+            for message in coming:
+                if message is not None:
+                    told = decoder.decode(message)
+                    if wanted(told):
+                        write_out(f"{lines.line(message, told)}\n")
+        else:
+            from rtgen.cli.can.live_table import show
+
+            show(coming, decoder, wanted, f"{access}")
+        lost = source.lost
+    if lost:
+        console.say(f"{lost} frames came too fast and are missing")
+    return OK
+
+
+def _stamped(coming: Iterator[Message | None]) -> Iterator[Message | None]:
+    return (None if message is None else stamped(message) for message in coming)

@@ -1,0 +1,180 @@
+"""Options that the commands of `rtgen can` share: which bus, and what is known of its nodes."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, ParamSpec, TypeAlias, TypeVar
+
+import click
+
+from rtgen.cli.can.known import KnownBus, known_bus
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+Argument: TypeAlias = bool | int | str
+"""An argument of a python-can interface."""
+
+
+@dataclass(frozen=True, slots=True)
+class BusAccess:
+    """A python-can bus as the options name it; `bitrate` in bit/s. None: python-can's own."""
+
+    interface: str | None = None
+    channel: str | None = None
+    bitrate: int | None = None
+    further: dict[str, Argument] = field(default_factory=dict)
+
+    @property
+    def arguments(self) -> dict[str, Argument]:
+        """The further arguments, and what makes an interface fit for CANopen."""
+        told = dict(self.further)
+        if self.interface == "socketcand":
+            # Without it Nagle's algorithm and delayed ACKs make stalls of 40 ms.
+            told.setdefault("tcp_tune", True)
+        if self.bitrate is not None:
+            told["bitrate"] = self.bitrate
+        return told
+
+    def on(self, known: KnownBus) -> BusAccess:
+        """With the bit rate of a bus file, if none is asked for."""
+        if self.bitrate is not None or known.bus is None:
+            return self
+        return replace(self, bitrate=1000 * known.bus.bit_rate)
+
+    def __str__(self) -> str:
+        words = [self.interface or "python-can's default", self.channel or ""]
+        words += [f"{name}={value}" for name, value in self.further.items()]
+        return " ".join(word for word in words if word)
+
+
+def with_bus(function: Callable[P, R]) -> Callable[..., R]:
+    """Adds --interface, --channel, --bitrate and --option; the function gets `access`."""
+
+    @click.option(
+        "--interface",
+        metavar="NAME",
+        help="python-can's interface: socketcan, socketcand, slcan, ...",
+    )
+    @click.option("--channel", metavar="NAME", help="The channel of the interface.")
+    @click.option(
+        "--bitrate",
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="Bit rate in bit/s; default: the interface's.",
+    )
+    @click.option(
+        "--option",
+        "further",
+        multiple=True,
+        metavar="KEY=VALUE",
+        callback=_arguments,
+        help="A further argument of the interface, such as host=127.0.0.1.",
+    )
+    @functools.wraps(function)
+    def wrapped(
+        interface: str | None,
+        channel: str | None,
+        bitrate: int | None,
+        further: dict[str, Argument],
+        *args: P.args,
+        **kwargs: P.kwargs,
+    ) -> R:
+        access = BusAccess(interface, channel, bitrate, further)
+        return function(*args, access=access, **kwargs)  # type: ignore[arg-type]
+
+    return wrapped
+
+
+def with_known(function: Callable[P, R]) -> Callable[..., R]:
+    """Adds --bus and --eds; the function gets `known`."""
+
+    @click.option(
+        "--bus",
+        "bus_file",
+        type=click.Path(dir_okay=False, path_type=Path),
+        metavar="FILE",
+        help="The bus file (TOML) that tells of the nodes.",
+    )
+    @click.option(
+        "--eds",
+        "descriptions",
+        multiple=True,
+        metavar="NODE-ID=FILE",
+        callback=_descriptions,
+        help="The EDS or DCF of a node; a DCF may tell the node-id itself.",
+    )
+    @functools.wraps(function)
+    def wrapped(
+        bus_file: Path | None,
+        descriptions: list[tuple[int | None, Path]],
+        *args: P.args,
+        **kwargs: P.kwargs,
+    ) -> R:
+        loaded: Callable[[], KnownBus] = functools.cache(
+            lambda: known_bus(bus_file, descriptions)
+        )
+        return function(*args, known=loaded(), **kwargs)  # type: ignore[arg-type]
+
+    return wrapped
+
+
+def with_span(function: Callable[P, R]) -> Callable[P, R]:
+    """Adds --for and --count; the function gets `seconds` and `count`."""
+    function = click.option(
+        "--for",
+        "seconds",
+        type=click.FloatRange(min=0, min_open=True),
+        metavar="SECONDS",
+        help="End after that time; default: at Ctrl-C.",
+    )(function)
+    return click.option(
+        "--count",
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="End after N frames.",
+    )(function)
+
+
+def _arguments(
+    context: click.Context, parameter: click.Parameter, values: tuple[str, ...]
+) -> dict[str, Argument]:
+    found: dict[str, Argument] = {}
+    for text in values:
+        name, equals, value = text.partition("=")
+        if not equals or not name.isidentifier():
+            raise click.BadParameter(f"{text!r} is no KEY=VALUE", context, parameter)
+        found[name] = _argument(value)
+    return found
+
+
+def _argument(text: str) -> Argument:
+    if text.lower() in ("true", "false"):
+        return text.lower() == "true"
+    try:
+        return int(text, 0)
+    except ValueError:
+        return text
+
+
+def _descriptions(
+    context: click.Context, parameter: click.Parameter, values: tuple[Any, ...]
+) -> list[tuple[int | None, Path]]:
+    found: list[tuple[int | None, Path]] = []
+    for text in values:
+        node, equals, path = text.partition("=")
+        if not equals:
+            found.append((None, Path(text)))
+            continue
+        try:
+            node_id = int(node, 0)
+        except ValueError:
+            node_id = 0
+        if not 1 <= node_id <= 127:
+            message = f"{node!r} is no node-id (1 to 127)"
+            raise click.BadParameter(message, context, parameter)
+        found.append((node_id, Path(path)))
+    return found

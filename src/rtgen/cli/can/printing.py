@@ -1,0 +1,91 @@
+"""Decoded frames as they are printed: a line of text or of JSON for each."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import TYPE_CHECKING
+
+from rtgen.cli.can.decoding import Decoded, Decoder
+from rtgen.cli.can.known import KnownBus
+from rtgen.cli.can.live import frame_of
+from rtgen.cli.rpc.values import Json
+
+if TYPE_CHECKING:
+    from can import Message
+
+
+class MessageDecoder:
+    """Decodes python-can messages, of which some are not CANopen's frames."""
+
+    def __init__(self, known: KnownBus) -> None:
+        self._decoder = Decoder(known)
+
+    def decode(self, message: Message) -> Decoded:
+        """The message in words."""
+        if message.is_error_frame:
+            return Decoded("error frame", None, "", "")
+        frame = frame_of(message)
+        if frame is None:
+            return Decoded("fd frame", None, "", message.data.hex(" "))
+        return self._decoder.decode(frame)
+
+
+class Wanted:
+    """Which frames are of interest: those of some nodes, and of some kinds; by default all."""
+
+    def __init__(
+        self, known: KnownBus, nodes: tuple[str, ...], kinds: tuple[str, ...]
+    ) -> None:
+        self._nodes = frozenset(known.node(text) for text in nodes)
+        self._kinds = tuple(kind.lower() for kind in kinds)
+
+    def __call__(self, told: Decoded) -> bool:
+        """Whether a frame is; a command to all nodes is one to each of them."""
+        if self._nodes and told.node != 0 and told.node not in self._nodes:
+            return False
+        return not self._kinds or told.kind.startswith(self._kinds)
+
+
+def identifier(message: Message) -> str:
+    """The CAN identifier as candump writes it: 3 or 8 hexadecimal digits."""
+    digits = 8 if message.is_extended_id else 3
+    return f"{message.arbitration_id:0{digits}X}"
+
+
+class Lines:
+    """Lines of text; times are in seconds since the first frame."""
+
+    def __init__(self) -> None:
+        self._start: float | None = None
+
+    def line(self, message: Message, told: Decoded) -> str:
+        """Time, identifier, data, and the words."""
+        if self._start is None:
+            self._start = message.timestamp
+        moment = message.timestamp - self._start
+        data = "remote" if message.is_remote_frame else message.data.hex(" ")
+        return f"{moment:11.6f}  {identifier(message):>8}  {data:<23}  {told}".rstrip()
+
+
+class JsonLines:
+    """Lines of JSON; times are as the bus or the record has them."""
+
+    def line(self, message: Message, told: Decoded) -> str:
+        """The frame, and what it says."""
+        frame: dict[str, Json] = {
+            "time": round(message.timestamp, 6),
+            "id": identifier(message),
+        }
+        if message.is_remote_frame:
+            frame["remote"] = True
+        else:
+            frame["data"] = message.data.hex()
+        return json.dumps(frame | told.to_json())
+
+
+def stamped(message: Message) -> Message:
+    """The message, with the time of now if the interface has told none."""
+    if not message.timestamp:
+        message.timestamp = time.time()
+    return message

@@ -1,0 +1,44 @@
+"""`rtgen can record`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from rtgen.cli.can.live import frames, inbox, opened
+from rtgen.cli.can.logs import check_kind, writer
+from rtgen.cli.can.options import BusAccess, with_bus, with_span
+from rtgen.cli.can.printing import stamped
+from rtgen.cli.common import OK, Console, with_console
+
+
+@click.command("record")
+@click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
+@with_span
+@with_bus
+@with_console
+def record_(
+    console: Console,
+    access: BusAccess,
+    file: Path,
+    seconds: float | None,
+    count: int | None,
+) -> int:
+    """Write every frame of a bus with its time to FILE.
+
+    The suffix tells the kind: .log (candump), .asc or .blf (Vector). It ends at Ctrl-C, or as --for
+    and --count say; the file is then complete.
+    """
+    check_kind(file)
+    found = 0
+    with opened(access) as bus, writer(file) as record, inbox(bus) as source:
+        console.say(f"recording {access} to {file}")
+        for message in frames(source, seconds, count):
+            if message is not None:
+                record(stamped(message))
+                found += 1
+        lost = source.lost
+    missing = f"; {lost} came too fast and are missing" if lost else ""
+    console.say(f"{found} frames in {file}{missing}")
+    return OK

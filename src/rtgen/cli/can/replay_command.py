@@ -1,0 +1,118 @@
+"""`rtgen can replay`."""
+
+from __future__ import annotations
+
+import copy
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rtgen.cli.can import logs
+from rtgen.cli.can.known import KnownBus
+from rtgen.cli.can.live import inbox, opened, send_message, until_interrupted
+from rtgen.cli.can.options import BusAccess, with_bus, with_known
+from rtgen.cli.can.printing import JsonLines, Lines, MessageDecoder, Wanted
+from rtgen.cli.common import OK, Console, with_console, write_out
+
+if TYPE_CHECKING:
+    from can import Message
+
+_LINGER = 0.05
+"""Seconds after the last frame, so that it is on its way before the bus is closed."""
+
+
+@click.command("replay")
+@click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
+@click.option(
+    "--speed",
+    type=click.FloatRange(min=0, min_open=True),
+    default=1.0,
+    show_default=True,
+    metavar="FACTOR",
+    help="How much faster than recorded.",
+)
+@click.option("--at-once", is_flag=True, help="Send without pauses.")
+@click.option("--decode", is_flag=True, help="Print the frames in words; use no bus.")
+@click.option("--json", "as_json", is_flag=True, help="With --decode: lines of JSON.")
+@click.option(
+    "--node",
+    "nodes",
+    multiple=True,
+    metavar="NODE",
+    help="With --decode: that node only.",
+)
+@click.option(
+    "--kind",
+    "kinds",
+    multiple=True,
+    metavar="KIND",
+    help="With --decode: such frames only.",
+)
+@with_known
+@with_bus
+@with_console
+def replay_(
+    console: Console,
+    access: BusAccess,
+    known: KnownBus,
+    file: Path,
+    speed: float,
+    at_once: bool,
+    decode: bool,
+    as_json: bool,
+    nodes: tuple[str, ...],
+    kinds: tuple[str, ...],
+) -> int:
+    """Send the frames of a record to a bus, or print them in words.
+
+    FILE is a record: .log (candump), .asc or .blf (Vector). What --decode prints of a frame is what
+    `monitor` prints when it comes from the bus. Error frames are not sent.
+    """
+    if decode:
+        wanted = Wanted(known, nodes, kinds)
+        _print(logs.read(file), MessageDecoder(known), wanted, as_json=as_json)
+        return OK
+    if as_json or nodes or kinds:
+        raise click.UsageError("--json, --node and --kind go with --decode")
+    found = logs.read(file)
+    sent = 0
+    with opened(access.on(known)) as bus, inbox(bus), until_interrupted():
+        for message in _in_time(found, speed, at_once=at_once):
+            if not message.is_error_frame:
+                send_message(bus, message)
+                sent += 1
+        time.sleep(_LINGER)
+    console.say(f"{sent} frames of {file} sent")
+    return OK
+
+
+def _print(
+    found: Iterator[Message], decoder: MessageDecoder, wanted: Wanted, *, as_json: bool
+) -> None:
+    lines = JsonLines() if as_json else Lines()
+    for message in found:
+        told = decoder.decode(message)
+        if wanted(told):
+            write_out(f"{lines.line(message, told)}\n")
+
+
+def _in_time(
+    found: Iterator[Message], speed: float, *, at_once: bool
+) -> Iterator[Message]:
+    """The messages, each when it is due."""
+    from can import MessageSync
+
+    if at_once:
+        return found
+    return iter(MessageSync(_faster(found, speed), gap=0.0, skip=0.0))
+
+
+def _faster(found: Iterator[Message], speed: float) -> Iterator[Message]:
+    """The messages with times that are so many times closer to each other."""
+    for message in found:
+        made = copy.copy(message)
+        made.timestamp = message.timestamp / speed
+        yield made
