@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import queue
 import signal
 import threading
@@ -10,12 +9,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final, cast
 
 from rtgen.cli.can.common import require_python_can
 from rtgen.cli.can.options import BusAccess
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen.frames import Frame
+from rtgen.runtime.canopen.link import LinkError
+from rtgen.runtime.canopen.python_can import OpenBus, open_bus
 
 if TYPE_CHECKING:
     from can import BusABC, Message
@@ -27,61 +28,55 @@ _NOTIFIER: Final = 0.1
 """Seconds that the notifier waits for a frame, and so that it takes to stop."""
 _MAX_WAITING: Final = 1 << 18
 """Frames that may wait for the command."""
+_LINGER: Final = 0.05
+"""Seconds that the last frame has to leave."""
+_ATTEMPTS: Final = 100
+_PAUSE: Final = 0.01
+"""Seconds between two attempts to send what the interface has no room for."""
 
 
 @contextmanager
-def opened(access: BusAccess) -> Iterator[BusABC]:
-    """The bus, shut down at the end. Raises ToolError if it cannot be used."""
+def opened(access: BusAccess) -> Iterator[OpenBus]:
+    """The bus, closed at the end. Raises ToolError if it cannot be used."""
     require_python_can()
-    import can
-
-    _silence()
     try:
-        further: dict[str, Any] = access.arguments
-        bus = can.Bus(interface=access.interface, channel=access.channel, **further)
-    except can.CanInterfaceNotImplementedError as error:
-        hint: str | None = "give --interface, for instance --interface socketcan --channel can0"
-        if access.interface is not None:
-            hint = f"python-can has {', '.join(sorted(can.VALID_INTERFACES))}"
-        raise ToolError(f"no such interface: {_said(error)}", hint) from error
-    except (can.CanError, OSError, ValueError, TypeError, ImportError) as error:
-        hint = "is the hub running? rtgen can hub" if _for_hub(access) else None
-        raise ToolError(f"cannot open {access}: {_said(error)}", hint) from error
+        bus = open_bus(access.address())
+    except LinkError as error:
+        raise ToolError(f"cannot open the bus: {error}") from error
     try:
         yield bus
     finally:
-        bus.shutdown()
+        bus.close()
 
 
-def _said(error: BaseException) -> str:
-    return " ".join(f"{error}".split()) or type(error).__name__
+class _Receiving:
+    """A bus as python-can's notifier takes it, which ends when the bus does."""
+
+    def __init__(self, bus: OpenBus) -> None:
+        self.recv = bus.receive
+        self.channel_info = bus.bus.channel_info
+
+    def fileno(self) -> int:
+        """The notifier has a thread."""
+        raise NotImplementedError
 
 
-def _for_hub(access: BusAccess) -> bool:
-    return access.interface == "socketcand"
+class Coming:
+    """Frames that come from a bus, as an iterator that gives None now and then.
 
-
-def _silence() -> None:
-    """Keeps python-can's log records off standard error: what matters is raised, too."""
-    log = logging.getLogger("can")
-    if not log.handlers:
-        log.addHandler(logging.NullHandler())
-        log.propagate = False
-
-
-class Inbox:
-    """Takes frames from a bus by a python-can notifier, in a thread, till it is closed.
-
-    `lost` counts frames that came while too many waited.
+    A python-can notifier takes them in a thread; `lost` counts those that came while too many
+    waited. It ends when the time is over, at the count of frames, or at Ctrl-C, which does not
+    interrupt the one who iterates. Raises ToolError if the bus is gone.
     """
 
-    def __init__(self, bus: BusABC) -> None:
-        from can import Notifier
-
-        self._bus = bus
+    def __init__(
+        self, seconds: float | None, count: int | None, ended: threading.Event
+    ) -> None:
+        self._end = None if seconds is None else time.monotonic() + seconds
+        self._left = count
+        self._ended = ended
         self._waiting: queue.Queue[Message | Exception] = queue.Queue(_MAX_WAITING)
         self.lost = 0
-        self._notifier = Notifier(bus, [self], timeout=_NOTIFIER)
 
     def __call__(self, message: Message) -> None:
         """Takes a frame: called by the notifier."""
@@ -96,56 +91,68 @@ class Inbox:
             self._waiting.put_nowait(error)
         time.sleep(_NOTIFIER)
 
-    def take(self, timeout: float) -> Message | None:
-        """The next frame, None if none comes in time. Raises ToolError if the bus is gone."""
+    def __iter__(self) -> Iterator[Message | None]:
+        return self
+
+    def __next__(self) -> Message | None:
+        left = TICK if self._end is None else min(self._end - time.monotonic(), TICK)
+        if self._left == 0 or left <= 0 or self._ended.is_set():
+            raise StopIteration
         try:
-            found = self._waiting.get(timeout=max(timeout, 0.0))
+            found = self._waiting.get(timeout=left)
         except queue.Empty:
-            if _gone(self._bus):
-                raise ToolError("the bus is gone: the peer has closed") from None
             return None
         if isinstance(found, Exception):
-            raise ToolError(f"the bus has failed: {_said(found)}") from found
+            raise ToolError(f"the bus is gone: {found}") from found
+        if self._left is not None:
+            self._left -= 1
+        if not found.timestamp:
+            found.timestamp = time.time()
         return found
-
-    def close(self) -> None:
-        """Takes no more frames."""
-        self._notifier.stop()
 
 
 @contextmanager
-def inbox(bus: BusABC) -> Iterator[Inbox]:
-    """An inbox that is closed at the end."""
-    made = Inbox(bus)
-    try:
-        yield made
-    finally:
-        made.close()
-
-
 def frames(
-    source: Inbox, seconds: float | None = None, count: int | None = None
-) -> Iterator[Message | None]:
-    """Frames until the time is over, there are so many, or Ctrl-C; None now and then.
+    bus: OpenBus, seconds: float | None = None, count: int | None = None
+) -> Iterator[Coming]:
+    """The frames of a bus, for so long or so many."""
+    from can import Notifier
 
-    The one who iterates is not interrupted. Raises ToolError if the bus is gone.
-    """
-    end = None if seconds is None else time.monotonic() + seconds
     with _noted_signals() as ended:
-        yield from _frames(source, end, count, ended)
+        coming = Coming(seconds, count, ended)
+        receiving = cast("BusABC", _Receiving(bus))
+        notifier = Notifier(receiving, [coming], timeout=_NOTIFIER)
+        try:
+            yield coming
+        finally:
+            notifier.stop()
 
 
-def _frames(
-    source: Inbox, end: float | None, count: int | None, ended: threading.Event
-) -> Iterator[Message | None]:
-    found = 0
-    while not ended.is_set() and (count is None or found < count):
-        left = TICK if end is None else min(end - time.monotonic(), TICK)
-        if left <= 0:
-            return
-        message = source.take(left)
-        found += message is not None
-        yield message
+@contextmanager
+def drained(bus: OpenBus) -> Iterator[None]:
+    """Takes what comes, and drops it: a peer must not wait for one who only sends.
+
+    At the end what was sent is on its way.
+    """
+    from can import Notifier
+
+    notifier = Notifier(cast("BusABC", _Receiving(bus)), [_Drain()], timeout=_NOTIFIER)
+    try:
+        yield
+        time.sleep(_LINGER)
+    finally:
+        notifier.stop()
+
+
+class _Drain:
+    """Drops frames."""
+
+    def __call__(self, message: Message) -> None:
+        """Drops a frame."""
+
+    def on_error(self, error: Exception) -> None:
+        """The bus has failed: the one who sends notices."""
+        time.sleep(_NOTIFIER)
 
 
 @contextmanager
@@ -189,56 +196,13 @@ def until_interrupted() -> Iterator[None]:
         yield
 
 
-def frame_of(message: Message) -> Frame | None:
-    """The frame of a message; None for an error frame and for one of CAN FD."""
-    if message.is_error_frame or message.is_fd:
-        return None
-    return Frame(
-        message.arbitration_id,
-        b"" if message.is_remote_frame else bytes(message.data),
-        message.is_remote_frame,
-        message.is_extended_id,
-    )
-
-
-def message_of(frame: Frame) -> Message:
-    """The message of a frame."""
-    from can import Message
-
-    return Message(
-        arbitration_id=frame.can_id,
-        data=None if frame.remote else frame.data,
-        is_remote_frame=frame.remote,
-        is_extended_id=frame.extended,
-        is_rx=False,
-    )
-
-
-def send(bus: BusABC, frame: Frame) -> None:
-    """Sends a frame. Raises ToolError if the bus is gone."""
-    send_message(bus, message_of(frame))
-
-
-def send_message(bus: BusABC, message: Message) -> None:
-    """Sends a message. Raises ToolError if the bus is gone."""
-    from can import CanError
-
-    try:
-        bus.send(message, timeout=1.0)
-    except (CanError, OSError, ValueError) as error:
-        raise ToolError(f"cannot send: {_said(error)}") from error
-
-
-def _gone(bus: BusABC) -> bool:
-    """Whether the peer of a socketcand bus has closed: python-can then reads nothing, forever."""
-    import socket
-
-    peer = getattr(bus, "_SocketCanDaemonBus__socket", None)
-    if peer is None:
-        return False
-    try:
-        return not peer.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT)
-    except BlockingIOError:
-        return False
-    except OSError:
-        return True
+def send(bus: OpenBus, frame: Frame) -> None:
+    """Sends a frame; waits if the interface has no room. Raises ToolError if the bus is gone."""
+    for _ in range(_ATTEMPTS):
+        try:
+            if bus.send(frame):
+                return
+        except LinkError as error:
+            raise ToolError(f"the bus is gone: {error}") from error
+        time.sleep(_PAUSE)
+    raise ToolError("cannot send: the interface has no room", "is the bus connected?")

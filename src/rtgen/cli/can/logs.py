@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 from rtgen.cli.can.common import require_python_can
 from rtgen.cli.common import Refusal
@@ -52,21 +52,23 @@ def _read(path: Path) -> Iterator[Message]:
     import struct
     import zlib
 
-    from can import LogReader
     from can.io.blf import BLFParseError
+    from can.io.generic import BinaryIOMessageReader
+    from can.io.player import MESSAGE_READERS
 
+    suffix = path.suffix.lower()
+    kind = MESSAGE_READERS[suffix]
+    binary = issubclass(kind, BinaryIOMessageReader)
     found = 0
-    bad = (ValueError, IndexError, struct.error, zlib.error, BLFParseError)
     try:
-        with LogReader(path) as reader:
-            for message in reader:
+        with path.open("rb") if binary else path.open(errors="replace") as stream:
+            for message in kind(cast(Any, stream)):
                 found += 1
                 yield message
     except OSError as error:
         reason = error.strerror or error
         raise ToolError(f"cannot read {path}: {reason}") from error
-    except bad as error:
-        kind = KINDS[path.suffix.lower()]
+    except (ValueError, IndexError, struct.error, zlib.error, BLFParseError) as error:
         after = f"after {found} frames " if found else ""
-        reason_ = " ".join(str(error).split())
-        raise Refusal(f"{path}: {after}this is no {kind}: {reason_}") from error
+        said = " ".join(str(error).split())
+        raise Refusal(f"{path}: {after}this is no {KINDS[suffix]}: {said}") from error

@@ -3,19 +3,13 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import click
 
-from rtgen.cli.can.known import KnownBus
-from rtgen.cli.can.live import frames, inbox, opened
-from rtgen.cli.can.options import BusAccess, with_bus, with_known, with_span
-from rtgen.cli.can.printing import JsonLines, Lines, MessageDecoder, Wanted, stamped
+from rtgen.cli.can.live import frames, opened
+from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes, with_span
+from rtgen.cli.can.printing import JsonLines, Lines, MessageDecoder, Wanted
 from rtgen.cli.common import OK, Console, with_console, write_out
-
-if TYPE_CHECKING:
-    from can import Message
 
 
 @click.command("monitor")
@@ -32,13 +26,13 @@ if TYPE_CHECKING:
     help="Show such frames only: nmt, heartbeat, emcy, sync, time, sdo, tpdo, rpdo1, ...",
 )
 @with_span
-@with_known
+@with_nodes
 @with_bus
 @with_console
 def monitor_(
     console: Console,
     access: BusAccess,
-    known: KnownBus,
+    described: Described,
     seconds: float | None,
     count: int | None,
     plain: bool,
@@ -51,10 +45,9 @@ def monitor_(
     On a terminal a table, with a row for each identifier; elsewhere, or with --plain, a line for
     each frame. It ends at Ctrl-C, or as --for and --count say.
     """
-    wanted = Wanted(known, nodes, kinds)
-    decoder = MessageDecoder(known)
-    with opened(access.on(known)) as bus, inbox(bus) as source:
-        coming = _stamped(frames(source, seconds, count))
+    known = described.known()
+    wanted, decoder = Wanted(known, nodes, kinds), MessageDecoder(known)
+    with opened(access.on(known)) as bus, frames(bus, seconds, count) as coming:
         if as_json or plain or not sys.stdout.isatty():
             lines = JsonLines() if as_json else Lines()
             for message in coming:
@@ -65,12 +58,7 @@ def monitor_(
         else:
             from rtgen.cli.can.live_table import show
 
-            show(coming, decoder, wanted, f"{access}")
-        lost = source.lost
-    if lost:
-        console.say(f"{lost} frames came too fast and are missing")
+            show(coming, decoder, wanted, bus.bus.channel_info)
+    if coming.lost:
+        console.say(f"{coming.lost} frames came too fast and are missing")
     return OK
-
-
-def _stamped(coming: Iterator[Message | None]) -> Iterator[Message | None]:
-    return (None if message is None else stamped(message) for message in coming)

@@ -11,12 +11,17 @@ from typing import Any, ParamSpec, TypeAlias, TypeVar
 import click
 
 from rtgen.cli.can.known import KnownBus, known_bus
+from rtgen.cli.common import Refusal
+from rtgen.runtime.canopen.python_can import BusAddress
 
 P = ParamSpec("P")
 R = TypeVar("R")
 
-Argument: TypeAlias = bool | int | str
+Argument: TypeAlias = bool | int | float | str
 """An argument of a python-can interface."""
+
+CHANNEL = "can0"
+"""The channel if none is told, as of components."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,27 +33,35 @@ class BusAccess:
     bitrate: int | None = None
     further: dict[str, Argument] = field(default_factory=dict)
 
-    @property
-    def arguments(self) -> dict[str, Argument]:
-        """The further arguments, and what makes an interface fit for CANopen."""
+    def address(self) -> BusAddress:
+        """The bus; what no option tells is python-can's configuration. Raises Refusal."""
         told = dict(self.further)
-        if self.interface == "socketcand":
-            # Without it Nagle's algorithm and delayed ACKs make stalls of 40 ms.
-            told.setdefault("tcp_tune", True)
-        if self.bitrate is not None:
-            told["bitrate"] = self.bitrate
-        return told
+        interface, channel, bitrate = self.interface, self.channel, self.bitrate
+        if interface is None:
+            from can import CanInterfaceNotImplementedError
+            from can.util import load_config
+
+            try:
+                config = dict(load_config())
+            except CanInterfaceNotImplementedError:
+                raise Refusal(
+                    "which bus? Give --interface, for instance --interface socketcan "
+                    "--channel can0, or --interface socketcand for rtgen can hub"
+                ) from None
+            interface = config.pop("interface")
+            channel = channel or config.pop("channel", None)
+            bitrate = bitrate or config.pop("bitrate", None)
+            plain = {k: v for k, v in config.items() if isinstance(v, Argument)}
+            told = plain | told
+        channel = CHANNEL if channel is None else str(channel)
+        options = tuple(sorted(told.items()))
+        return BusAddress(interface, channel, bitrate or 0, options)
 
     def on(self, known: KnownBus) -> BusAccess:
         """With the bit rate of a bus file, if none is asked for."""
         if self.bitrate is not None or known.bus is None:
             return self
         return replace(self, bitrate=1000 * known.bus.bit_rate)
-
-    def __str__(self) -> str:
-        words = [self.interface or "python-can's default", self.channel or ""]
-        words += [f"{name}={value}" for name, value in self.further.items()]
-        return " ".join(word for word in words if word)
 
 
 def with_bus(function: Callable[P, R]) -> Callable[..., R]:
@@ -59,7 +72,7 @@ def with_bus(function: Callable[P, R]) -> Callable[..., R]:
         metavar="NAME",
         help="python-can's interface: socketcan, socketcand, slcan, ...",
     )
-    @click.option("--channel", metavar="NAME", help="The channel of the interface.")
+    @click.option("--channel", metavar="NAME", help=f"The channel; default: {CHANNEL}.")
     @click.option(
         "--bitrate",
         type=click.IntRange(min=1),
@@ -89,8 +102,20 @@ def with_bus(function: Callable[P, R]) -> Callable[..., R]:
     return wrapped
 
 
-def with_known(function: Callable[P, R]) -> Callable[..., R]:
-    """Adds --bus and --eds; the function gets `known`."""
+@dataclass(frozen=True, slots=True)
+class Described:
+    """What the options tell of the nodes; read with `known`."""
+
+    bus_file: Path | None = None
+    descriptions: tuple[tuple[int | None, Path], ...] = ()
+
+    def known(self) -> KnownBus:
+        """What the files tell. Raises InputError."""
+        return known_bus(self.bus_file, self.descriptions)
+
+
+def with_nodes(function: Callable[P, R]) -> Callable[..., R]:
+    """Adds --bus and --eds; the function gets `described`."""
 
     @click.option(
         "--bus",
@@ -114,10 +139,8 @@ def with_known(function: Callable[P, R]) -> Callable[..., R]:
         *args: P.args,
         **kwargs: P.kwargs,
     ) -> R:
-        loaded: Callable[[], KnownBus] = functools.cache(
-            lambda: known_bus(bus_file, descriptions)
-        )
-        return function(*args, known=loaded(), **kwargs)  # type: ignore[arg-type]
+        described = Described(bus_file, tuple(descriptions))
+        return function(*args, described=described, **kwargs)  # type: ignore[arg-type]
 
     return wrapped
 
@@ -154,10 +177,12 @@ def _arguments(
 def _argument(text: str) -> Argument:
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
-    try:
-        return int(text, 0)
-    except ValueError:
-        return text
+    for kind in (lambda word: int(word, 0), float):
+        try:
+            return kind(text)
+        except ValueError:
+            continue
+    return text
 
 
 def _descriptions(

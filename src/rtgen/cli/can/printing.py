@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-import time
 from typing import TYPE_CHECKING
 
 from rtgen.cli.can.decoding import Decoded, Decoder
 from rtgen.cli.can.known import KnownBus
-from rtgen.cli.can.live import frame_of
 from rtgen.cli.rpc.values import Json
+from rtgen.runtime.canopen.python_can import frame_of
 
 if TYPE_CHECKING:
     from can import Message
@@ -27,7 +26,7 @@ class MessageDecoder:
             return Decoded("error frame", None, "", "")
         frame = frame_of(message)
         if frame is None:
-            return Decoded("fd frame", None, "", message.data.hex(" "))
+            return Decoded("no classical frame", None, "", message.data.hex(" "))
         return self._decoder.decode(frame)
 
 
@@ -82,10 +81,3 @@ class JsonLines:
         else:
             frame["data"] = message.data.hex()
         return json.dumps(frame | told.to_json())
-
-
-def stamped(message: Message) -> Message:
-    """The message, with the time of now if the interface has told none."""
-    if not message.timestamp:
-        message.timestamp = time.time()
-    return message

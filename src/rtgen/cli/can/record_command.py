@@ -6,10 +6,9 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.can.live import frames, inbox, opened
+from rtgen.cli.can.live import frames, opened
 from rtgen.cli.can.logs import check_kind, writer
 from rtgen.cli.can.options import BusAccess, with_bus, with_span
-from rtgen.cli.can.printing import stamped
 from rtgen.cli.common import OK, Console, with_console
 
 
@@ -32,13 +31,12 @@ def record_(
     """
     check_kind(file)
     found = 0
-    with opened(access) as bus, writer(file) as record, inbox(bus) as source:
-        console.say(f"recording {access} to {file}")
-        for message in frames(source, seconds, count):
+    with opened(access) as bus, writer(file) as record, frames(bus, seconds, count) as coming:
+        console.say(f"recording {bus.bus.channel_info} to {file}")
+        for message in coming:
             if message is not None:
-                record(stamped(message))
+                record(message)
                 found += 1
-        lost = source.lost
-    missing = f"; {lost} came too fast and are missing" if lost else ""
+    missing = f"; {coming.lost} came too fast and are missing" if coming.lost else ""
     console.say(f"{found} frames in {file}{missing}")
     return OK

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,17 +10,14 @@ from typing import TYPE_CHECKING
 import click
 
 from rtgen.cli.can import logs
-from rtgen.cli.can.known import KnownBus
-from rtgen.cli.can.live import inbox, opened, send_message, until_interrupted
-from rtgen.cli.can.options import BusAccess, with_bus, with_known
+from rtgen.cli.can.live import drained, opened, send, until_interrupted
+from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.printing import JsonLines, Lines, MessageDecoder, Wanted
 from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.runtime.canopen.python_can import frame_of
 
 if TYPE_CHECKING:
     from can import Message
-
-_LINGER = 0.05
-"""Seconds after the last frame, so that it is on its way before the bus is closed."""
 
 
 @click.command("replay")
@@ -51,13 +47,13 @@ _LINGER = 0.05
     metavar="KIND",
     help="With --decode: such frames only.",
 )
-@with_known
+@with_nodes
 @with_bus
 @with_console
 def replay_(
     console: Console,
     access: BusAccess,
-    known: KnownBus,
+    described: Described,
     file: Path,
     speed: float,
     at_once: bool,
@@ -69,8 +65,9 @@ def replay_(
     """Send the frames of a record to a bus, or print them in words.
 
     FILE is a record: .log (candump), .asc or .blf (Vector). What --decode prints of a frame is what
-    `monitor` prints when it comes from the bus. Error frames are not sent.
+    `monitor` prints when it comes from the bus. Error frames and those of CAN FD are not sent.
     """
+    known = described.known()
     if decode:
         wanted = Wanted(known, nodes, kinds)
         _print(logs.read(file), MessageDecoder(known), wanted, as_json=as_json)
@@ -78,14 +75,16 @@ def replay_(
     if as_json or nodes or kinds:
         raise click.UsageError("--json, --node and --kind go with --decode")
     found = logs.read(file)
-    sent = 0
-    with opened(access.on(known)) as bus, inbox(bus), until_interrupted():
+    sent = left_out = 0
+    with opened(access.on(known)) as bus, drained(bus), until_interrupted():
         for message in _in_time(found, speed, at_once=at_once):
-            if not message.is_error_frame:
-                send_message(bus, message)
-                sent += 1
-        time.sleep(_LINGER)
-    console.say(f"{sent} frames of {file} sent")
+            frame = frame_of(message)
+            if frame is not None:
+                send(bus, frame)
+            sent += frame is not None
+            left_out += frame is None
+    missing = f"; {left_out} are no frames of classical CAN" if left_out else ""
+    console.say(f"{sent} frames of {file} sent{missing}")
     return OK
 
 

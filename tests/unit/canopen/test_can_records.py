@@ -1,0 +1,254 @@
+"""`rtgen can monitor`, `record` and `replay`: live and from a record the same is shown."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import can
+import pytest
+from can_commands import (
+    bus,
+    command,
+    eventually,
+    listeners,
+    meanwhile,
+    messages,
+    on,
+    received,
+    texts,
+)
+from rich.console import Console as Terminal
+
+from rtgen.cli import run
+from rtgen.cli.can.known import KnownBus, known_bus
+from rtgen.cli.can.live_table import show
+from rtgen.cli.can.printing import MessageDecoder, Wanted
+
+SPECS = Path(__file__).parents[3] / "specs" / "canopen"
+LINKED = str(SPECS / "pdo_linking.toml")
+TRAFFIC = [
+    "000#0101",
+    "080#",
+    "482#e8030000",
+    "181#370203",
+    "601#4018100100000000",
+    "581#431810010100ffff",
+    "081#1082110102030405",
+    "702#05",
+    "181#R",
+    "01234567#aa",
+]
+KINDS = ["nmt", "sync", "tpdo4", "tpdo1", "sdo", "sdo", "emcy", "heartbeat", "tpdo1"]
+
+
+def lines(text: str) -> list[dict[str, Any]]:
+    return [json.loads(line) for line in text.splitlines()]
+
+
+def untimed(found: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    return [{k: v for k, v in line.items() if k != "time"} for line in found]
+
+
+def sent_when(channel: str, count: int, peer: can.BusABC) -> None:
+    eventually(lambda: listeners(channel) >= count)
+    for message in messages(*TRAFFIC):
+        peer.send(message)
+
+
+def recorded(path: Path, frames: list[can.Message]) -> Path:
+    with can.Logger(path) as writer:
+        for message in frames:
+            writer(message)
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".log", ".asc", ".blf"])
+def test_a_record_shows_what_was_live(
+    suffix: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path, channel = tmp_path / f"run{suffix}", f"live{suffix}"
+    end = ["--count", str(len(TRAFFIC)), "--for", "10"]
+    with bus(channel) as peer:
+        with meanwhile(lambda: sent_when(channel, 2, peer)):
+            assert command(channel, "monitor", "--json", "--bus", LINKED, *end) == 0
+        live = lines(capfd.readouterr().out)
+        with meanwhile(lambda: sent_when(channel, 2, peer)):
+            assert command(channel, "record", str(path), *end) == 0
+    assert f"10 frames in {path}" in capfd.readouterr().err
+    with can.LogReader(path) as reader:
+        assert texts(list(reader)) == [t[:4].upper() + t[4:] for t in TRAFFIC]
+    assert run(["can", "replay", str(path), "--decode", "--json", "--bus", LINKED]) == 0
+    again = lines(capfd.readouterr().out)
+    assert untimed(again) == untimed(live)
+    assert [line["kind"] for line in live] == [*KINDS, "frame"]
+    assert live[2]["values"] == [
+        {"object": "2100:0", "name": "Angle_reference", "value": 1000}
+    ]
+
+
+def test_lines_for_people(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = recorded(tmp_path / "a.log", messages(*TRAFFIC))
+    assert run(["can", "replay", str(path), "--decode", "--bus", LINKED]) == 0
+    shown = capfd.readouterr().out.splitlines()
+    assert shown[0] == "   0.000000       000  01 01                    motor nmt start"
+    assert shown[2].endswith("palette tpdo4 -> motor.rpdo2 Angle_reference=1000")
+    assert shown[9].split() == ["0.090000", "01234567", "aa", "frame", "aa"]
+
+
+def test_filters(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = recorded(tmp_path / "a.log", messages(*TRAFFIC))
+    base = ["can", "replay", str(path), "--decode", "--json", "--bus", LINKED]
+    assert run([*base, "--node", "palette"]) == 0
+    assert [x["kind"] for x in lines(capfd.readouterr().out)] == ["tpdo4", "heartbeat"]
+    assert run([*base, "--kind", "tpdo", "--node", "motor"]) == 0
+    assert [x["id"] for x in lines(capfd.readouterr().out)] == ["181", "181"]
+    assert run([*base, "--node", "moter"]) == 2
+    assert "did you mean motor?" in capfd.readouterr().err
+
+
+def test_replay_on_a_bus(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = recorded(tmp_path / "a.log", messages(*TRAFFIC))
+    with can.Logger(path, append=True) as writer:
+        writer(can.Message(is_error_frame=True, timestamp=1_700_000_001.0))
+    with bus("replay") as peer:
+        for way in (["--at-once"], ["--speed", "50"]):
+            assert command("replay", "replay", str(path), *way) == 0
+            found = received(peer, len(TRAFFIC))
+            assert texts(found) == [t[:4].upper() + t[4:] for t in TRAFFIC]
+            err = capfd.readouterr().err
+            assert "10 frames of" in err
+            assert "1 are no frames of classical CAN" in err
+        assert peer.recv(0) is None
+
+
+def test_the_rhythm_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [100.0]
+    slept = []
+
+    def sleep(seconds: float) -> None:
+        slept.append(round(seconds, 6))
+        now[0] += seconds
+
+    monkeypatch.setattr("can.io.player.time.perf_counter", lambda: now[0])
+    monkeypatch.setattr("can.io.player.time.sleep", sleep)
+    path = recorded(tmp_path / "a.log", messages("181#01", "181#02", "181#03"))
+    assert command("rhythm", "replay", str(path), "--speed", "0.5") == 0
+    assert slept[:2] == [0.02, 0.02]
+
+
+def shown_table(known: KnownBus, *frames: str) -> str:
+    screen = Terminal(
+        file=io.StringIO(), width=120, height=40, force_terminal=True, color_system=None
+    )
+    wanted = Wanted(known, (), ())
+    show(iter(messages(*frames)), MessageDecoder(known), wanted, "virtual", screen)
+    assert isinstance(screen.file, io.StringIO)
+    return screen.file.getvalue()
+
+
+def test_the_table_has_a_row_for_each_identifier() -> None:
+    known = known_bus(Path(LINKED), [])
+    shown = shown_table(known, *TRAFFIC[:4], "181#380203", "482#00000000")
+    last = shown[shown.rindex("virtual: 6 frames") :]
+    rows = [line.split() for line in last.splitlines() if "motor" in line[:40]]
+    assert ["000", "motor", "nmt"] in [[r[1], r[3], r[5]] for r in rows]
+    row = next(r for r in rows if r[1] == "181")
+    assert row[7] == "2"
+    assert row[9] == "10.0"
+    assert "Statusword=568," in row
+    assert "Angle_reference=0" in last
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "told"),
+    [
+        (["monitor"], 2, "which bus? Give --interface"),
+        (["monitor", "--interface", "sockets"], 3, "no interface 'sockets'"),
+        (
+            ["monitor", "--interface", "socketcand", "--option", "port=1"],
+            3,
+            "is `rtgen can hub` running?",
+        ),
+        (["monitor", "--option", "x"], 2, "no KEY=VALUE"),
+        (["monitor", "--eds", "300=a.eds"], 2, "no node-id"),
+        (["monitor", "--bus", "missing.toml"], 2, "EDS0700"),
+        (["monitor", "--eds", "1=missing.eds"], 2, "missing.eds"),
+        (["record", "a.txt"], 2, ".blf (Vector BLF)"),
+        (["replay", "missing.log", "--decode"], 3, "cannot read missing.log"),
+        (["replay", "missing.txt"], 2, "the suffix tells"),
+        (["replay", "missing.log", "--json"], 2, "go with --decode"),
+    ],
+)
+def test_what_cannot_be(
+    arguments: list[str],
+    code: int,
+    told: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert run(["can", *arguments]) == code
+    err = capfd.readouterr().err
+    assert told in " ".join(err.split())
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("name", ["a.log", "a.blf", "a.asc"])
+def test_files_that_are_no_records(
+    name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / name
+    path.write_bytes(b"this is no record\n" * 20)
+    code = run(["can", "replay", str(path), "--decode"])
+    captured = capfd.readouterr()
+    assert captured.out == ""
+    if name != "a.asc":
+        # python-can passes over lines that are no messages in ASC.
+        assert code == 2
+        assert "this is no" in captured.err
+
+
+def test_a_folder_cannot_be_written(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "missing" / "a.log"
+    assert command("none", "record", str(path), "--for", "0.1") == 3
+    assert "cannot write" in capfd.readouterr().err
+
+
+def test_without_python_can(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "can", None)
+    assert run(["can", "monitor", "--interface", "virtual"]) == 3
+    assert "pip install 'rtgen[can]'" in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_record_is_complete_when_it_is_ended(
+    number: signal.Signals, tmp_path: Path
+) -> None:
+    path = tmp_path / "a.blf"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "rtgen", "can", "record", path, *on("can0")],
+        stderr=subprocess.PIPE,
+        text=True,
+        env={**os.environ, "PYTHONUNBUFFERED": "1"},
+    )
+    assert process.stderr is not None
+    assert "recording" in process.stderr.readline()
+    process.send_signal(number)
+    _, err = process.communicate(timeout=10)
+    assert process.returncode == 0, err
+    assert "0 frames in" in err
+    with can.LogReader(path) as reader:
+        assert list(reader) == []
