@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import sys
 from dataclasses import replace
+from pathlib import Path
 from types import ModuleType
 
 import pytest
@@ -37,8 +38,9 @@ NETWORK = Network("net", 500, 127, 0, 100, (PLACED,))
 
 
 def put(monkeypatch: pytest.MonkeyPatch, network: Network) -> None:
+    """Makes it what the generated module `net` has."""
     package, module = ModuleType("canopen_networks"), ModuleType("canopen_networks.net")
-    package.__path__ = []
+    package.__path__ = [str(Path(__file__).parent / "networks")]
     module.NETWORK = network  # type: ignore[attr-defined]
     monkeypatch.setitem(sys.modules, package.__name__, package)
     monkeypatch.setitem(sys.modules, module.__name__, module)
@@ -119,8 +121,8 @@ def test_a_device_that_does_not_keep_its_configuration(
 @pytest.mark.parametrize(
     ("settings", "reason"),
     [
-        ({"network": "other"}, "there is no network 'other'"),
-        ({"network": "os.path"}, "there is no network 'os.path'"),
+        ({"network": "other"}, "there is no network 'other'; there are net"),
+        ({"network": "os.path"}, "there is no network 'os.path'; there are net"),
         ({"node_id": 9}, "the network net has no node 9"),
     ],
 )

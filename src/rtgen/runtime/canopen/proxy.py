@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any, Final
 
 from rtgen.runtime.callbacks import log
@@ -23,6 +22,7 @@ from rtgen.runtime.canopen.frames import MILLISECOND, CobId, Frame
 from rtgen.runtime.canopen.hooks import ProxyHooks, Sender
 from rtgen.runtime.canopen.link import Link, LinkError
 from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.networks import UnknownNetworkError, load_network
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
 from rtgen.runtime.canopen.node_control import NodeControl, NodeError, Steps, reason_of
 from rtgen.runtime.canopen.pdo import PdoError
@@ -376,11 +376,9 @@ class CanopenProxy(ProxyHooks, Component):
         if not name:
             return None, None
         try:
-            if not (self.networks and name.isidentifier()):
-                raise ModuleNotFoundError(name)
-            network: Network = import_module(f"{self.networks}.{name}").NETWORK
-        except ModuleNotFoundError:
-            raise NodeError(f"there is no network {name!r}") from None
+            network = load_network(self.networks, name)
+        except UnknownNetworkError as error:
+            raise NodeError(str(error)) from None
         node = network.node(settings.node_id)
         if node is None:
             raise NodeError(f"the network {name} has no node {settings.node_id}")

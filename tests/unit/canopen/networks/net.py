@@ -1,0 +1,1 @@
+"""Stands for a generated network; tests put its content in."""
