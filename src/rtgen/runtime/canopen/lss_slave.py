@@ -2,47 +2,52 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Final, TypeAlias
+from dataclasses import dataclass, replace
+from typing import Final
 
 from rtgen.runtime.canopen.frames import (
     LSS_REQUEST,
     LSS_RESPONSE,
-    MAX_DATA,
     MAX_NODE_ID,
     Frame,
 )
+from rtgen.runtime.canopen.lss import (
+    BIT_RATES,
+    CONFIGURATION,
+    MESSAGE,
+    OUT_OF_RANGE,
+    START_OF_SCAN,
+    UNCONFIGURED,
+    LssAddress,
+    LssCommand,
+    message,
+    told_number,
+)
 
-Identity: TypeAlias = tuple[int, int, int, int]
-"""Vendor-id, product code, revision and serial number, as 1018h has them."""
-
-UNCONFIGURED: Final = 0xFF
-"""The node-id of a node that has none yet."""
-BIT_RATES: Final = {0: 1000, 1: 800, 2: 500, 3: 250, 4: 125, 6: 50, 7: 20, 8: 10}
-"""Bit rates in kbit/s by their index in the standard table."""
-
-SWITCH_GLOBAL: Final = 0x04
-SET_NODE_ID: Final = 0x11
-SET_BIT_TIMING: Final = 0x13
-ACTIVATE_BIT_TIMING: Final = 0x15
-STORE: Final = 0x17
-SELECT_FIRST: Final = 0x40
-SELECTED: Final = 0x44
-IDENTIFY_FIRST: Final = 0x46
-IDENTIFY_LAST: Final = 0x4B
-IDENTIFY_UNCONFIGURED: Final = 0x4C
-IDENTIFIED: Final = 0x4F
-UNCONFIGURED_IDENTIFIED: Final = 0x50
-FASTSCAN: Final = 0x51
-INQUIRE_FIRST: Final = 0x5A
-INQUIRE_NODE_ID: Final = 0x5E
-
-FASTSCAN_BEGIN: Final = 0x80
-_CONFIGURATION: Final = 1
-_REFUSED: Final = 1
-_IDENTITY_PARTS: Final = (0, 1, 2, 2, 3, 3)
-"""Which part of the identity the commands 46h to 4Bh are about; two have a low and a high end."""
+_RATES: Final = {index: rate for rate, index in BIT_RATES.items()}
+_SWITCHES: Final = (
+    LssCommand.SWITCH_VENDOR,
+    LssCommand.SWITCH_PRODUCT,
+    LssCommand.SWITCH_REVISION,
+    LssCommand.SWITCH_SERIAL,
+)
+_INQUIRIES: Final = (
+    LssCommand.INQUIRE_VENDOR,
+    LssCommand.INQUIRE_PRODUCT,
+    LssCommand.INQUIRE_REVISION,
+    LssCommand.INQUIRE_SERIAL,
+)
+_RANGE: Final = {
+    LssCommand.IDENTIFY_VENDOR: (0, operator.eq),
+    LssCommand.IDENTIFY_PRODUCT: (1, operator.eq),
+    LssCommand.IDENTIFY_REVISION_LOW: (2, operator.ge),
+    LssCommand.IDENTIFY_REVISION_HIGH: (2, operator.le),
+    LssCommand.IDENTIFY_SERIAL_LOW: (3, operator.ge),
+    LssCommand.IDENTIFY_SERIAL_HIGH: (3, operator.le),
+}
+"""Which part of the address a command is about, and how it has to compare."""
 
 
 @dataclass
@@ -62,11 +67,11 @@ class LssSlave:
 
     def __init__(
         self,
-        identity: Callable[[], Identity],
+        address: Callable[[], LssAddress],
         node_id: int = UNCONFIGURED,
         activated: Callable[[int, int], None] | None = None,
     ) -> None:
-        self._identity = identity
+        self._address = address
         self._activated = activated
         self.active = node_id
         """The node-id that the node has now."""
@@ -75,115 +80,110 @@ class LssSlave:
         self.configuring = False
         """Whether the slave is in the configuration state, not in the waiting state."""
         self._matched = 0
-        self._identified = 0
+        self._in_range = 0
         self._scanned = 0
 
     def receive(self, frame: Frame) -> list[Frame]:
         """The answers to a frame."""
         if frame.can_id != LSS_REQUEST or frame.extended or frame.remote:
             return []
-        if len(frame.data) != MAX_DATA:
+        if len(frame.data) != MESSAGE:
             return []
-        answer = self._answer(frame.data)
-        if answer is None:
+        try:
+            answer = self._answer(LssCommand(frame.data[0]), frame.data)
+        except ValueError:
             return []
-        return [Frame(LSS_RESPONSE, answer.ljust(MAX_DATA, b"\0"))]
+        return [] if answer is None else [Frame(LSS_RESPONSE, answer)]
 
     def take_over(self, *, stored: bool) -> int:
         """The node-id that a reset gives; of the whole node, it is the stored one."""
         if stored:
-            self.pending = LssSettings(self.stored.node_id, self.stored.bit_rate)
+            self.pending = replace(self.stored)
         self.active = self.pending.node_id
         self.configuring = False
         return self.active
 
-    def _answer(self, data: bytes) -> bytes | None:
-        command = data[0]
-        number = int.from_bytes(data[1:5], "little")
-        if command == SWITCH_GLOBAL:
-            self.configuring = data[1] == _CONFIGURATION
+    def _answer(self, command: LssCommand, data: bytes) -> bytes | None:
+        if command is LssCommand.SWITCH_GLOBAL:
+            self.configuring = data[1] == CONFIGURATION
             self._matched = 0
             return None
-        if command == FASTSCAN:
-            return self._fastscan(number, *data[5:8])
-        if SELECT_FIRST <= command < SELECT_FIRST + 4:
-            return self._select(command - SELECT_FIRST, number)
-        if IDENTIFY_FIRST <= command <= IDENTIFY_LAST:
-            return self._identify(command - IDENTIFY_FIRST, number)
-        if command == IDENTIFY_UNCONFIGURED:
+        if command is LssCommand.FASTSCAN:
+            return self._scan(told_number(data), *data[5:8])
+        if command in _SWITCHES:
+            return self._switch(_SWITCHES.index(command), told_number(data))
+        if command in _RANGE:
+            return self._identify(command, told_number(data))
+        if command is LssCommand.IDENTIFY_UNCONFIGURED:
             unconfigured = self.active == UNCONFIGURED
-            return bytes((UNCONFIGURED_IDENTIFIED,)) if unconfigured else None
+            return message(LssCommand.UNCONFIGURED_IDENTIFIED) if unconfigured else None
         return self._configure(command, data) if self.configuring else None
 
-    def _configure(self, command: int, data: bytes) -> bytes | None:
+    def _configure(self, command: LssCommand, data: bytes) -> bytes | None:
         """The services of the configuration state."""
-        if command == SET_NODE_ID:
+        if command is LssCommand.CONFIGURE_NODE_ID:
             fits = 1 <= data[1] <= MAX_NODE_ID or data[1] == UNCONFIGURED
             if fits:
                 self.pending.node_id = data[1]
-            return bytes((command, 0 if fits else _REFUSED))
-        if command == SET_BIT_TIMING:
-            fits = data[1] == 0 and data[2] in BIT_RATES
+            return message(command, 0 if fits else OUT_OF_RANGE)
+        if command is LssCommand.CONFIGURE_BIT_TIMING:
+            fits = data[1] == 0 and data[2] in _RATES
             if fits:
-                self.pending.bit_rate = BIT_RATES[data[2]]
-            return bytes((command, 0 if fits else _REFUSED))
-        if command == ACTIVATE_BIT_TIMING:
+                self.pending.bit_rate = _RATES[data[2]]
+            return message(command, 0 if fits else OUT_OF_RANGE)
+        if command is LssCommand.ACTIVATE_BIT_TIMING:
             if self._activated is not None and self.pending.bit_rate is not None:
                 delay = int.from_bytes(data[1:3], "little")
                 self._activated(self.pending.bit_rate, delay)
             return None
-        if command == STORE:
-            self.stored = LssSettings(self.pending.node_id, self.pending.bit_rate)
-            return bytes((command, 0))
-        if INQUIRE_FIRST <= command < INQUIRE_NODE_ID:
-            part = self._identity()[command - INQUIRE_FIRST]
-            return bytes((command,)) + part.to_bytes(4, "little")
-        if command == INQUIRE_NODE_ID:
-            return bytes((command, self.active))
+        if command is LssCommand.STORE:
+            self.stored = replace(self.pending)
+            return message(command)
+        if command in _INQUIRIES:
+            return message(command, self._address()[_INQUIRIES.index(command)])
+        if command is LssCommand.INQUIRE_NODE_ID:
+            return message(command, self.active)
         return None
 
-    def _select(self, part: int, number: int) -> bytes | None:
+    def _switch(self, part: int, number: int) -> bytes | None:
+        """The address part by part; whose it is goes to the configuration state."""
         if self.configuring:
             return None
         if part == 0:
             self._matched = 0
-        right = part == self._matched and self._identity()[part] == number
+        right = part == self._matched and self._address()[part] == number
         self._matched = part + 1 if right else 0
-        if self._matched < 4:
+        if self._matched < len(_SWITCHES):
             return None
         self._matched, self.configuring = 0, True
-        return bytes((SELECTED,))
+        return message(LssCommand.SWITCHED)
 
-    def _identify(self, step: int, number: int) -> bytes | None:
-        own = self._identity()[_IDENTITY_PARTS[step]]
+    def _identify(self, command: LssCommand, number: int) -> bytes | None:
+        """Vendor and product, then the ends of ranges of revision and serial number."""
+        part, compare = _RANGE[command]
+        step = list(_RANGE).index(command)
         if step == 0:
-            self._identified = 0
-        if step in (0, 1):
-            right = own == number
-        else:
-            right = own >= number if step % 2 == 0 else own <= number
-        right = right and step == self._identified
-        self._identified = step + 1 if right else 0
-        if self._identified < len(_IDENTITY_PARTS):
+            self._in_range = 0
+        right = step == self._in_range and compare(self._address()[part], number)
+        self._in_range = step + 1 if right else 0
+        if self._in_range < len(_RANGE):
             return None
-        self._identified = 0
-        return bytes((IDENTIFIED,))
+        self._in_range = 0
+        return message(LssCommand.IDENTIFIED)
 
-    def _fastscan(
-        self, number: int, bit: int, part: int, following: int
-    ) -> bytes | None:
+    def _scan(self, number: int, bit: int, part: int, following: int) -> bytes | None:
+        """Fastscan: whose address agrees down to a bit answers; the last one is configured."""
         if self.active != UNCONFIGURED or self.configuring:
             return None
-        answer = bytes((IDENTIFIED,))
-        if bit == FASTSCAN_BEGIN:
+        if bit == START_OF_SCAN:
             self._scanned = 0
-            return answer
+            return message(LssCommand.IDENTIFIED)
         if bit > 31 or part > 3 or following > 3 or part != self._scanned:
             return None
-        if (self._identity()[part] ^ number) >> bit:
+        if (self._address()[part] ^ number) >> bit:
             return None
         if bit == 0:
             self._scanned = following
             if following < part:
                 self._scanned, self.configuring = 0, True
-        return answer
+        return message(LssCommand.IDENTIFIED)

@@ -43,7 +43,8 @@ from rtgen.runtime.canopen.heartbeat import (
     HeartbeatProducer,
 )
 from rtgen.runtime.canopen.heartbeat_consumers import CONSUMERS, HeartbeatConsumers
-from rtgen.runtime.canopen.lss_slave import UNCONFIGURED, LssSlave
+from rtgen.runtime.canopen.lss import UNCONFIGURED, LssAddress
+from rtgen.runtime.canopen.lss_slave import LssSlave
 from rtgen.runtime.canopen.nmt import (
     NmtCommand,
     NmtSlave,
@@ -130,7 +131,7 @@ class DeviceNode:
         self.errors = EmergencyProducer(self.dictionary)
         self.pdos = DevicePdos(self.dictionary, self.errors, self._received)
         self.store = ParameterStore(self.dictionary)
-        self.lss = LssSlave(self._identity, node_id, self._activate_bit_rate)
+        self.lss = LssSlave(self._address, node_id, self._activate_bit_rate)
         self._consumers = HeartbeatConsumers(self.dictionary, self.errors, self._heard)
         self._sync = DeviceSync(self.dictionary, self.errors)
         self.dictionary.guard((COB_ID_TIME[0],), _check_time_id)
@@ -307,7 +308,7 @@ class DeviceNode:
         """Gives it a node-id before the first boot-up. Raises ValueError for none."""
         if node_id != UNCONFIGURED and not 1 <= node_id <= MAX_NODE_ID:
             raise ValueError(f"node-id {node_id}: it is 1 to {MAX_NODE_ID}, or 255")
-        self.lss = LssSlave(self._identity, node_id, self._activate_bit_rate)
+        self.lss = LssSlave(self._address, node_id, self._activate_bit_rate)
         self._power_on()
 
     def _power_on(self) -> None:
@@ -494,9 +495,9 @@ class DeviceNode:
 
     # The object dictionary
 
-    def _identity(self) -> tuple[int, int, int, int]:
+    def _address(self) -> LssAddress:
         told = self.description
-        return (
+        return LssAddress(
             self.dictionary.number((IDENTITY, 1), told.vendor_id),
             self.dictionary.number((IDENTITY, 2), told.product_code),
             self.dictionary.number((IDENTITY, 3), told.revision_number),
