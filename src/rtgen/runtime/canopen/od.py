@@ -136,7 +136,8 @@ class DeviceDictionary:
             except Exception:
                 log.exception("read hook of %04X:%02X", *number)
                 raise SdoAbort(sdo.GENERAL_ERROR) from None
-            self.put(number, octets)
+            # Looking is no event: a TPDO would never end to be sent.
+            self._octets[number] = octets
         return self._octets[number]
 
     def last(self, number: ObjectNumber) -> bytes:
