@@ -62,8 +62,18 @@ def read(project: Project, *, lowered: bool = False) -> FrontendResult:
     of_devices = _ending_with(project.sources, ".eds", ".dcf")
     of_idl = _ending_with(project.sources, ".idl")
     of_buses = _ending_with(project.sources, ".toml")
+    of_profiles = _ending_with(project.sources, ".xml")
     results: list[FrontendResult] = []
     side = None
+    profiles = None
+    if of_profiles:
+        from rtgen import component_profiles
+
+        root, include = project.root, project.include
+        profiles = component_profiles.read(
+            of_profiles, of_idl, root=root, include=include
+        )
+        of_idl += profiles.paths
     if of_devices or of_buses:
         from rtgen import devices
 
@@ -71,7 +81,7 @@ def read(project: Project, *, lowered: bool = False) -> FrontendResult:
         results.append(described)
         if of_idl or lowered:
             side = devices.device_idl(described, of_idl, given=lowered)
-    if of_idl or side is not None or not (of_tecs or results):
+    if of_idl or side is not None or profiles or not (of_tecs or results):
         from rtgen.frontends import idl
 
         found = idl.load(
@@ -80,7 +90,10 @@ def read(project: Project, *, lowered: bool = False) -> FrontendResult:
             include=project.include,
             define=dict(project.define),
             ignore_case_clashes=project.ignore_case_clashes,
-            virtual={} if side is None else side.files,
+            virtual={
+                **({} if profiles is None else profiles.virtual),
+                **({} if side is None else side.files),
+            },
         )
         if side is not None:
             found = replace(
@@ -90,6 +103,8 @@ def read(project: Project, *, lowered: bool = False) -> FrontendResult:
                 dependencies=(*found.dependencies, *side.dependencies),
             )
         results.insert(0, found)
+        if profiles is not None:
+            results.insert(1, profiles.result(found.model))
     if of_tecs:
         from rtgen.frontends import cdl
 

@@ -19,6 +19,7 @@ MODULES = (
     "rtgen.frontends.eds.rules",
     "rtgen.frontends.idl.rules",
     "rtgen.frontends.openrtm_python.rules",
+    "rtgen.frontends.profile_yaml",
     "rtgen.frontends.rtc_profile.rules",
     "rtgen.frontends.rts_profile",
     "rtgen.lint.rules",

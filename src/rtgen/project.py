@@ -30,6 +30,8 @@ SUFFIXES = (".idl", ".cdl", ".eds", ".dcf")
 
 _BUS = re.compile(rb"^[ \t]*(\[[ \t]*bus[ \t]*\]|bus[ \t]*[.=])", re.MULTILINE)
 _MOST_OF_BUS = 1024 * 1024
+_PROFILE = re.compile(rb"<(\w+:)?RtcProfile[\s>]")
+_MOST_OF_PROLOG = 64 * 1024
 _RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
 
 
@@ -267,7 +269,23 @@ def _below(folder: Path, skip: Path) -> list[Path]:
 
 
 def _is_definition(path: Path) -> bool:
-    return path.name.lower().endswith(SUFFIXES) or is_bus_file(path)
+    return (
+        path.name.lower().endswith(SUFFIXES)
+        or is_bus_file(path)
+        or is_component_profile(path)
+    )
+
+
+def is_component_profile(path: Path) -> bool:
+    """Whether it is an XML file that describes a component (RtcProfile), not a system."""
+    if path.suffix.lower() != ".xml":
+        return False
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(_MOST_OF_PROLOG)
+    except OSError:
+        return False
+    return _PROFILE.search(head.replace(b"\0", b"")) is not None
 
 
 def is_bus_file(path: Path) -> bool:
@@ -286,7 +304,7 @@ def _check_kind(path: Path) -> Diagnostic | None:
         return None
     if path.suffix.lower() == ".toml" and path.name != FILE_NAME:
         return None  # named as a bus file: its reader says what is wrong with it
-    kinds = ", ".join(f"*{s}" for s in (*SUFFIXES, ".toml"))
+    kinds = ", ".join(f"*{s}" for s in (*SUFFIXES, ".toml", ".xml"))
     return SOURCE_KIND.at(
         None, f"{path.as_posix()} is no definition file", hint=f"rtgen reads {kinds}"
     )

@@ -18,7 +18,8 @@ SPECS = Path(__file__).parents[2] / "specs" / "idl"
 
 def read(path: Path) -> tuple[str, list[Diagnostic]]:
     """The component as IDL, and the findings."""
-    base = idl.load([SPECS / "BasicDataType.idl"], root=SPECS).model
+    known = [SPECS / "BasicDataType.idl", CASES / "base" / "Taken.idl"]
+    base = idl.load(known, root=SPECS).model
     result = rtc_profile.lowered(rtc_profile.read([path], root=CASES, include=()), base)
     made = result.model.declarations
     whole = replace(

@@ -20,6 +20,7 @@ from rtgen.cli.common import (
     with_node_id,
     write_out,
 )
+from rtgen.project import is_component_profile
 
 
 @click.command()
@@ -37,10 +38,14 @@ def inspect(
 ) -> int:
     """Show the resolved model of definitions, devices or systems.
 
-    PATH is a definition file (*.idl, *.cdl, *.eds, *.dcf, a bus file *.toml), a folder of them, or
-    a system (RtsProfile, *.xml). Without PATH the sources of rtgen.toml are shown.
+    PATH is a definition file (*.idl, *.cdl, *.eds, *.dcf, RTC.xml, a bus file *.toml), a folder of
+    them, or a system (RtsProfile, *.xml). Without PATH the sources of rtgen.toml are shown.
     """
-    profiles = [p for p in definitions.paths if p.lower().endswith(".xml")]
+    profiles = [
+        p
+        for p in definitions.paths
+        if p.lower().endswith(".xml") and not is_component_profile(Path(p))
+    ]
     others = tuple(p for p in definitions.paths if p not in profiles)
     project = None
     if others or not profiles:

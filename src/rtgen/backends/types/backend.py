@@ -16,6 +16,7 @@ from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
 from rtgen.layouts.representations import Representations
 from rtgen.model import (
     Case,
+    Component,
     Declaration,
     ExceptionDecl,
     Member,
@@ -41,7 +42,9 @@ class TypesBackend:
 
     def emit(self, model: Model, options: Options) -> Emission:
         """All modules and packages; nothing but diagnostics if there are errors."""
-        if not any(is_emitted(declaration) for declaration in model.declarations):
+        if not any(
+            is_emitted(d) or isinstance(d, Component) for d in model.declarations
+        ):
             return Emission()
         representations = Representations(
             model, options.representation == "xcdr2", options.extensibility

@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from rtgen.diagnostics import Diagnostic, Rule, Span
+from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.frontends.rtc_profile import rules
 from rtgen.model import (
     Annotation,
@@ -57,7 +57,7 @@ class Lowering:
         self._parameters = Parameters(self.model)
 
     def component(self, profile: RtcProfile) -> Component:
-        """The component of a profile."""
+        """The component of a profile, which later ones may clash with."""
         taken: set[str] = set()
         ports = [self._data_port(profile, port, taken) for port in profile.data_ports]
         for service in profile.service_ports:
@@ -66,7 +66,7 @@ class Lowering:
         known: set[str] = set()
         parameters = [self._parameter(p, known) for p in profile.parameters]
         name = self._name(profile)
-        return Component(
+        made = Component(
             name=(name,),
             repository_id=f"IDL:{name}:1.0",
             file=profile.file,
@@ -87,6 +87,8 @@ class Lowering:
             created=profile.created,
             updated=profile.updated,
         )
+        self._by_name[made.name] = made
+        return made
 
     def _tell(
         self, rule: Rule, span: Span, message: str, hint: str | None = None
@@ -97,7 +99,13 @@ class Lowering:
         """The component's name, told if it is not the profile's."""
         name = _identifier(profile.name, "Component")
         why = "is no identifier"
-        if (name,) in self._by_name or (name,) in self.placeholders:
+        known = self._by_name.get((name,))
+        if isinstance(known, Component):
+            message = f"there is a component {name} already"
+            related = [Related(known.span, "the other one")]
+            found = rules.SAME_COMPONENT.at(profile.span, message, related=related)
+            self.diagnostics.append(found)
+        elif known is not None or (name,) in self.placeholders:
             name, why = f"{name}Component", "is the name of a type, too"
         if name != profile.name:
             message = f"{profile.name!r} {why}; the component is {name}"
@@ -262,10 +270,13 @@ class Lowering:
             message = f"the constraint of {parameter.name} is left out: {error}"
             self._tell(rules.CONSTRAINT, parameter.span, message)
             return made
-        if limit and made.default is not None and not self._allowed(tried, limit):
-            message = f"the default of {parameter.name} is against its constraint"
-            self._tell(rules.PARAMETER_VALUE, parameter.default_span, message)
-            return replace(tried, default=None)
+        if limit is not None and not self._allowed(tried, limit):
+            message = (
+                f"the constraint of {parameter.name} is left out: "
+                "its default does not meet it"
+            )
+            self._tell(rules.CONSTRAINT, parameter.span, message)
+            return made
         return tried
 
     def _allowed(self, parameter: ConfigurationParameter, limit: Constraint) -> bool:

@@ -107,8 +107,8 @@ PARAMETER_VALUE = Rule(
     Severity.WARNING,
     """\
 The default of a parameter cannot be read as its type, such as `abc` for an `int`, or lies outside
-of its range or of its constraint. OpenRTM reads parameters as text and takes zero for such a
-value; rtgen leaves the default out.
+of its range. OpenRTM reads parameters as text and takes zero for such a value; rtgen leaves the
+default out.
 """,
 )
 CONSTRAINT = Rule(
@@ -117,7 +117,8 @@ CONSTRAINT = Rule(
     Severity.WARNING,
     """\
 The constraint of a parameter is one that OpenRTM's text form has no words for (`Not`, `Like`, a
-null value, `Or` of ranges), is empty, or contradicts the parameter's type. It is left out.
+null value, `Or` of ranges), is empty, or contradicts the parameter's type or default, as texts of
+templates do. OpenRTM itself does not look at constraints. It is left out.
 """,
 )
 TWICE = Rule(
@@ -139,6 +140,16 @@ another name. Names of ports and parameters may be any text.
 """,
 )
 
+SAME_COMPONENT = Rule(
+    "RTC0544",
+    "component defined twice",
+    Severity.ERROR,
+    """\
+Two definitions, in IDL or as profiles, give the same component. Leave one of them out of the
+sources, or rename one.
+""",
+)
+
 RULES = (
     NOT_A_PROFILE,
     MISSING,
@@ -154,4 +165,5 @@ RULES = (
     CONSTRAINT,
     TWICE,
     NAME,
+    SAME_COMPONENT,
 )

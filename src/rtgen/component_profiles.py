@@ -1,0 +1,83 @@
+"""RtcProfiles among a project's sources: their IDL files, and the components that they become."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+
+from rtgen.frontends import Dependency, FrontendResult, rtc_profile
+from rtgen.frontends.library import VirtualFile
+from rtgen.frontends.rtc_profile import Profiles
+from rtgen.model import Model
+from rtgen.resources import idl_file
+
+STANDARD = ("BasicDataType.idl", "ExtendedDataTypes.idl", "InterfaceDataTypes.idl")
+"""The data types of OpenRTM, each file including those before it."""
+
+_DECLARED = re.compile(r"\b(?:struct|union|interface)\s+(\w+)\s*[:{]")
+
+
+@dataclass(frozen=True, slots=True)
+class ProfileIdl:
+    """What has to be read before profiles: IDL files that they name, and the types of OpenRTM."""
+
+    profiles: Profiles
+    paths: tuple[Path, ...]
+    virtual: dict[str, VirtualFile | Path] = field(default_factory=dict)
+    dependencies: tuple[Dependency, ...] = ()
+
+    def result(self, model: Model) -> FrontendResult:
+        """The components, with the types of the model that was read."""
+        made = rtc_profile.lowered(self.profiles, model)
+        return FrontendResult(
+            made.model,
+            made.diagnostics,
+            made.sources,
+            (*made.dependencies, *self.dependencies),
+        )
+
+
+def read(
+    paths: Sequence[Path],
+    definitions: Sequence[Path],
+    *,
+    root: Path,
+    include: Sequence[Path],
+) -> ProfileIdl:
+    """Reads profiles; `definitions` are the IDL files that are read in any case."""
+    return needed(rtc_profile.read(paths, root=root, include=include), definitions)
+
+
+def needed(profiles: Profiles, definitions: Sequence[Path]) -> ProfileIdl:
+    """What has to be read for profiles.
+
+    A type of OpenRTM comes from the project's file of that name, else from the one that ships
+    with rtgen.
+    """
+    known = {path.resolve() for path in definitions}
+    further = tuple(p for p in profiles.idl if p.resolve() not in known)
+    own = {path.name: path for path in (*definitions, *further)}
+    names = _type_names(profiles)
+    virtual: dict[str, VirtualFile | Path] = {}
+    dependencies = []
+    for name in STANDARD:
+        if name in own:
+            virtual[name] = own[name]
+            continue
+        path = idl_file(name)
+        data = path.read_bytes()
+        dependencies.append(Dependency(path, sha256(data).hexdigest()))
+        text = data.decode()
+        given = not names.isdisjoint(_DECLARED.findall(text))
+        virtual[name] = VirtualFile(f"rtgen/idl/{name}", text, given)
+    return ProfileIdl(profiles, further, virtual, tuple(dependencies))
+
+
+def _type_names(profiles: Profiles) -> set[str]:
+    """The last parts of the types of all ports that may be OpenRTM's."""
+    types = [port.type for p in profiles.profiles for port in p.data_ports]
+    parts = [type_.split("::") for type_ in types]
+    return {part[-1] for part in parts if len(part) == 1 or part[-2] == "RTC"}
