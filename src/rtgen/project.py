@@ -30,7 +30,10 @@ SUFFIXES = (".idl", ".cdl", ".eds", ".dcf")
 
 _BUS = re.compile(rb"^[ \t]*(\[[ \t]*bus[ \t]*\]|bus[ \t]*[.=])", re.MULTILINE)
 _MOST_OF_BUS = 1024 * 1024
-_PROFILE = re.compile(rb"<(\w+:)?RtcProfile[\s>]")
+_PROFILES = {
+    ".xml": re.compile(rb"<(\w+:)?RtcProfile[\s>]"),
+    **dict.fromkeys((".yaml", ".yml"), re.compile(rb"^rtcProfile\s*:", re.MULTILINE)),
+}
 _MOST_OF_PROLOG = 64 * 1024
 _RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
 
@@ -277,15 +280,16 @@ def _is_definition(path: Path) -> bool:
 
 
 def is_component_profile(path: Path) -> bool:
-    """Whether it is an XML file that describes a component (RtcProfile), not a system."""
-    if path.suffix.lower() != ".xml":
+    """Whether it describes a component (RtcProfile, in XML or YAML), and is no other such file."""
+    form = _PROFILES.get(path.suffix.lower())
+    if form is None:
         return False
     try:
         with path.open("rb") as stream:
             head = stream.read(_MOST_OF_PROLOG)
     except OSError:
         return False
-    return _PROFILE.search(head.replace(b"\0", b"")) is not None
+    return form.search(head.replace(b"\0", b"")) is not None
 
 
 def is_bus_file(path: Path) -> bool:

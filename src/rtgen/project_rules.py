@@ -139,6 +139,26 @@ ignore = ["LINT0003"]
 """,
 )
 
+OTHER_FORM = Rule(
+    "PRJ0010",
+    "no such form",
+    Severity.ERROR,
+    """
+`rtgen convert` writes components as IDL or RtcProfile, and systems as RtsProfile, each profile as
+XML or YAML. A system cannot become a component, nor the other way round.
+""",
+)
+
+WHICH_COMPONENT = Rule(
+    "PRJ0011",
+    "not one component",
+    Severity.ERROR,
+    """
+The file defines no component, several of which none was named by `--component`, or not the named
+one.
+""",
+)
+
 SAME_PATH = Rule(
     "PRJ0101",
     "two files of one name",
@@ -230,6 +250,8 @@ RULES: tuple[Rule, ...] = (
     SOURCE_NONE,
     SOURCE_KIND,
     UNKNOWN_CODE,
+    OTHER_FORM,
+    WHICH_COMPONENT,
     SAME_PATH,
     LEAVES_OUTPUT,
     LINK_IN_OUTPUT,

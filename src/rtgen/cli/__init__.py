@@ -18,6 +18,8 @@ COMMANDS = {
     "inspect": "Show the resolved model of definitions or systems.",
     "run": "Run a system on the embedded runtime.",
     "graph": "Draw a system's components and connections as SVG.",
+    "convert": "Write a component or system in another form: IDL, RTC.xml, RtsProfile, YAML.",
+    "adopt": "Make a definition of a component of OpenRTM-aist-Python.",
     "rpc": "Call functions of TECS devices, or look at the bytes of such calls.",
     "can": "Look at CAN buses, take part in them, or make one.",
     "explain": "Tell what a diagnostic means.",

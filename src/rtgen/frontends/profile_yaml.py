@@ -18,6 +18,8 @@ from xml.sax.saxutils import escape, quoteattr
 from rtgen.diagnostics import InputError, Rule, Severity, Span
 from rtgen.frontends.located_xml import Element
 
+YAML_SUFFIXES = (".yaml", ".yml")
+
 XSI = "http://www.w3.org/2001/XMLSchema-instance"
 
 _BAD_YAML = """\
@@ -151,8 +153,10 @@ _DATES = ("creationDate", "updateDate")
 _DATE = re.compile(
     r"(?P<year>\d{4,})-(?P<month>\d\d)-(?P<day>\d\d)"
     r"T(?P<hour>\d\d):(?P<minute>\d\d):(?P<second>\d\d)"
+    r"(?P<fraction>\.\d+)?(?P<zone>Z|[+-]\d\d:\d\d)?"
 )
 _DATE_PARTS = ("year", "month", "day", "hour", "minute", "second")
+_DATE_REST = ("fraction", "zone")
 _MANY_CONSTRAINTS = ("And", "Or", "ConstraintListType", "ConstraintHashType")
 _NAME = re.compile(r"[A-Za-z_][\w.-]*")
 _MAX_DEPTH = 60
@@ -193,9 +197,12 @@ def _mapping(form: _Form, element: Element) -> dict[str, Any]:
 
 
 def _date(text: str) -> object:
-    """The parts of a date that has no fraction and no zone; else the text, which loses nothing."""
+    """The parts of a date; those that rtshell does not know of only where they are."""
     found = _DATE.fullmatch(text)
-    return text if found is None else {k: int(found[k]) for k in _DATE_PARTS}
+    if found is None:
+        return text
+    parts: dict[str, int | str] = {k: int(found[k]) for k in _DATE_PARTS}
+    return parts | {k: found[k] for k in _DATE_REST if found[k]}
 
 
 def _key(form: _Form, name: tuple[str, str], inside: str) -> str:
@@ -327,4 +334,7 @@ def _date_text(parts: Mapping[str, str]) -> str:
     except (TypeError, ValueError):
         raise ValueError("a date is not made of numbers") from None
     month, day, hour, minute, second = rest
-    return f"{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}"
+    rest_of_it = "".join(parts.get(name) or "" for name in _DATE_REST)
+    return (
+        f"{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}{rest_of_it}"
+    )

@@ -1,4 +1,4 @@
-"""Front end for systems: RtsProfile XML, the files of RTSystemEditor and rtshell.
+"""Front end for systems: RtsProfile, the files of RTSystemEditor and rtshell, in XML or YAML.
 
 Format 0.2. Names are bound by namespace; what is not known is ignored, and what real files leave
 out is not asked for.
@@ -20,8 +20,9 @@ from rtgen.diagnostics import (
     Span,
     has_errors,
 )
-from rtgen.frontends import located_xml
+from rtgen.frontends import located_xml, profile_yaml
 from rtgen.frontends.located_xml import Element
+from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.model import Activation, Connection, PortReference, System, SystemComponent
 
 RTS = "http://www.openrtp.org/namespaces/rts"
@@ -146,7 +147,7 @@ def load(path: Path, *, display: str | None = None) -> SystemResult:
 def load_bytes(data: bytes, file: str) -> SystemResult:
     """Read a system from the bytes of a file; `file` is the path for messages."""
     try:
-        text = located_xml.decode(data, file)
+        text = _xml_text(data, file)
     except InputError as error:
         sources = {file: data.decode("utf-8", errors="replace")}
         return SystemResult(None, error.diagnostics, sources)
@@ -158,6 +159,12 @@ def load_bytes(data: bytes, file: str) -> SystemResult:
     system = reader.system(root)
     found = tuple(reader.diagnostics)
     return SystemResult(None if has_errors(found) else system, found, {file: text})
+
+
+def _xml_text(data: bytes, file: str) -> str:
+    if file.lower().endswith(YAML_SUFFIXES):
+        return profile_yaml.to_xml(data.decode("utf-8", "replace"), file)
+    return located_xml.decode(data, file)
 
 
 class _Reader:

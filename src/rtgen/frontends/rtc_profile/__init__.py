@@ -1,4 +1,4 @@
-"""Front end for RtcProfile XML (`RTC.xml`), the files of RTCBuilder: formats 0.1, 0.2 and 0.3.
+"""Front end for RtcProfiles, the files of RTCBuilder (`RTC.xml`, formats 0.1 to 0.3), and in YAML.
 
 Names are bound by namespace; what is not known is ignored, what real files leave out or misspell
 is read with a warning.
@@ -12,13 +12,14 @@ from hashlib import sha256
 from pathlib import Path, PurePosixPath
 
 from rtgen.diagnostics import Diagnostic, InputError
-from rtgen.frontends import Dependency, FrontendResult, located_xml
+from rtgen.frontends import Dependency, FrontendResult, located_xml, profile_yaml
+from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.frontends.rtc_profile.lowering import components
 from rtgen.frontends.rtc_profile.reader import Reader, idl_files
 from rtgen.model import Model, SourceFile
 from rtgen.model.rtc_profile import RtcProfile
 
-__all__ = ["Profiles", "lowered", "read"]
+__all__ = ["Profiles", "lowered", "read", "xml_text"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +61,7 @@ def read(paths: Sequence[Path], *, root: Path, include: Sequence[Path]) -> Profi
         dependencies.append(Dependency(path, digest))
         sources[file] = data.decode("utf-8", "replace")
         try:
-            sources[file] = located_xml.decode(data, file)
+            sources[file] = xml_text(data, file)
             tree = located_xml.parse(sources[file], file)
         except InputError as error:
             found += error.diagnostics
@@ -89,6 +90,13 @@ def read(paths: Sequence[Path], *, root: Path, include: Sequence[Path]) -> Profi
         tuple(dependencies),
         tuple(idl),
     )
+
+
+def xml_text(data: bytes, file: str) -> str:
+    """The text of a profile, of one in YAML its form in XML. Raises InputError."""
+    if file.lower().endswith(YAML_SUFFIXES):
+        return profile_yaml.to_xml(data.decode("utf-8", "replace"), file)
+    return located_xml.decode(data, file)
 
 
 def lowered(read: Profiles, model: Model) -> FrontendResult:

@@ -1,0 +1,160 @@
+"""`rtgen convert`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
+from rtgen.diagnostics import InputError, has_errors
+from rtgen.frontends.profile_yaml import YAML_SUFFIXES
+from rtgen.model import Component, Model
+from rtgen.project import Project, is_component_profile
+
+_OF_COMPONENTS = ("idl", "rtc-xml", "rtc-yaml")
+_OF_SYSTEMS = ("rts-xml", "rts-yaml")
+
+
+@click.command()
+@click.argument("file", metavar="FILE")
+@click.option(
+    "--to",
+    "to",
+    required=True,
+    type=click.Choice((*_OF_COMPONENTS, *_OF_SYSTEMS)),
+    help="The form to write.",
+)
+@click.option(
+    "--component", metavar="NAME", help="The component, where FILE defines several."
+)
+@click.option(
+    "-I",
+    "include",
+    multiple=True,
+    metavar="DIR",
+    help="Look for included files, and for the types of ports, there.",
+)
+@with_console
+def convert(
+    console: Console,
+    file: str,
+    to: str,
+    component: str | None,
+    include: tuple[str, ...],
+) -> int:
+    """Write a component or a system in another form, to standard output.
+
+    FILE is a definition with a component (*.idl), an RtcProfile (RTC.xml, or the YAML that
+    rtc-template writes), or an RtsProfile (XML, or the YAML of rtshell). A profile that is asked
+    for in its own form is written as it was.
+    """
+    if _is_system(Path(file)):
+        return _system(console, Path(file), to)
+    return _component(console, file, to, component, include)
+
+
+def _is_system(path: Path) -> bool:
+    suffix = path.suffix.lower()
+    return suffix in (".xml", *YAML_SUFFIXES) and not is_component_profile(path)
+
+
+def _wrong_form(form: str, forms: tuple[str, ...], what: str) -> InputError:
+    from rtgen.project_rules import OTHER_FORM
+
+    hint = f"--to {', --to '.join(forms)}"
+    return InputError([OTHER_FORM.at(None, f"{what} has no form {form}", hint=hint)])
+
+
+# Systems.
+
+
+def _system(console: Console, path: Path, form: str) -> int:
+    from rtgen.frontends import located_xml, profile_yaml, rts_profile
+
+    if form not in _OF_SYSTEMS:
+        raise _wrong_form(form, _OF_SYSTEMS, "a system")
+    shown = path.as_posix()
+    read = rts_profile.load(path)
+    console.findings(read.diagnostics, read.sources)
+    if has_errors(read.diagnostics):
+        return BAD_INPUT
+    text = path.read_bytes().decode("utf-8", "replace")
+    is_yaml = path.suffix.lower() in YAML_SUFFIXES
+    if is_yaml is form.endswith("yaml"):
+        write_out(text)
+    elif is_yaml:
+        write_out(profile_yaml.to_xml(text, shown))
+    else:
+        tree = located_xml.parse(read.sources[shown], shown)
+        write_out(profile_yaml.to_yaml(tree))
+    return OK
+
+
+# Components.
+
+
+def _component(
+    console: Console,
+    file: str,
+    form: str,
+    name: str | None,
+    include: tuple[str, ...],
+) -> int:
+    from rtgen import compiler
+    from rtgen.cli.component_text import component_idl
+    from rtgen.project import load, with_arguments
+
+    if form not in _OF_COMPONENTS:
+        raise _wrong_form(form, _OF_COMPONENTS, "a component")
+    project = with_arguments(load(), paths=(file,), include=include)
+    read = compiler.read(project)
+    console.findings(read.diagnostics, read.sources)
+    if has_errors(read.diagnostics):
+        return BAD_INPUT
+    component = _chosen(read.model, file, name)
+    if form == "idl":
+        write_out(component_idl(read.model, component))
+        return OK
+    write_out(_profile(Path(file), form, read.model, component, project))
+    return OK
+
+
+def _chosen(model: Model, file: str, name: str | None) -> Component:
+    """The component that is meant. Raises InputError."""
+    from rtgen.project_rules import WHICH_COMPONENT
+
+    main = {source.name for source in model.files if source.main}
+    known = [d for d in model.declarations if isinstance(d, Component)]
+    known = [d for d in known if d.file in main]
+    wanted = [d for d in known if name in (None, d.name[-1], d.scoped)]
+    if len(wanted) == 1:
+        return wanted[0]
+    names = ", ".join(d.scoped for d in known)
+    if not known:
+        message, hint = f"{file} defines no component", None
+    elif name is None:
+        message, hint = f"{file} defines {len(known)} components", "--component NAME"
+    else:
+        message, hint = f"{file} defines no component {name}", None
+    hint = f"{hint + ': ' if hint else 'it has '}{names}" if known else None
+    raise InputError([WHICH_COMPONENT.at(None, message, hint=hint)])
+
+
+def _profile(
+    path: Path, form: str, model: Model, component: Component, project: Project
+) -> str:
+    from rtgen.cli.component_text import component_profile
+    from rtgen.frontends import located_xml, profile_yaml, rtc_profile
+
+    shown = path.as_posix()
+    if not is_component_profile(path):
+        xml = component_profile(model, component, project)
+    else:
+        data = path.read_bytes()
+        if (path.suffix.lower() in YAML_SUFFIXES) is form.endswith("yaml"):
+            return data.decode("utf-8", "replace")
+        xml = rtc_profile.xml_text(data, shown)
+    if form == "rtc-xml":
+        return xml
+    return profile_yaml.to_yaml(located_xml.parse(xml, shown))
