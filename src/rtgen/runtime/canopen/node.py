@@ -483,9 +483,10 @@ class DeviceNode:
             self._moved(self._nmt.go(NmtState.PRE_OPERATIONAL))
 
     def _heard(self, node_id: int, event: HeartbeatEvent) -> None:
+        # Told first: it is the reason for what follows.
+        self.events.heard(node_id, event)
         if event.news is HeartbeatNews.LOST:
             self._communication_error()
-        self.events.heard(node_id, event)
 
     def _received(self, number: int) -> None:
         self.events.received(number)
