@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Final, TypeAlias
 
 from rtgen.runtime.canopen import sdo
@@ -56,6 +56,7 @@ class DevicePdo:
         self.description = pdo
         self.number = pdo.number
         self.mapping = Mapping()
+        self.cob_id = CobId(_INVALID)
         communication, mapping = _BASES[pdo.direction]
         self.communication = communication + pdo.number - 1
         self.mapped = mapping + pdo.number - 1
@@ -67,11 +68,6 @@ class DevicePdo:
     def label(self) -> bytes:
         """What tells it from others in emergency messages: its number."""
         return self.number.to_bytes(2, "little")
-
-    @property
-    def cob_id(self) -> CobId:
-        """Its COB-ID."""
-        return CobId(self._parameter(_COB_ID, _INVALID))
 
     def load(self, node_id: int) -> None:
         """Gives its objects the description's values."""
@@ -96,6 +92,7 @@ class DevicePdo:
 
     def configure(self) -> PdoParameters:
         """Takes over what the object dictionary has."""
+        self.cob_id = CobId(self._parameter(_COB_ID, _INVALID))
         if (self.mapped, 0) in self._dictionary:
             count = self._dictionary.number((self.mapped, 0))
         else:
@@ -199,6 +196,7 @@ class DevicePdos:
         """By the indices of their parameters."""
         self._receivers: dict[DevicePdo, RpdoReceiver] = {}
         self._transmitters: dict[DevicePdo, TpdoTransmitter] = {}
+        self._timed: list[RpdoReceiver | TpdoTransmitter] = []
         self._by_id: dict[int, list[DevicePdo]] = {}
         self._carriers: dict[ObjectNumber, list[DevicePdo]] = {}
         self._is_event: dict[ObjectNumber, IsEvent] = {}
@@ -225,9 +223,12 @@ class DevicePdos:
     @property
     def deadline(self) -> int | None:
         """When `poll` has something to do."""
-        deadlines = [part.deadline for part in self._transmitters.values()]
-        deadlines += [part.deadline for part in self._receivers.values()]
-        return min((due for due in deadlines if due is not None), default=None)
+        deadline = None
+        for part in self._timed:
+            due = part.deadline
+            if due is not None and (deadline is None or due < deadline):
+                deadline = due
+        return deadline
 
     def is_event(self, number: ObjectNumber, is_event: IsEvent) -> None:
         """Sets what decides whether a change of an object is an event that TPDOs tell of."""
@@ -294,10 +295,11 @@ class DevicePdos:
                 self._unpack(pdo, data)
         yield from self.flush(now)
         for pdo, transmitter in self._transmitters.items():
-            self._refresh(pdo, now)
-            frame = transmitter.sync(counter, now)
-            if frame is not None:
-                yield frame
+            if transmitter.synchronous:
+                self._refresh(pdo, now)
+                frame = transmitter.sync(counter, now)
+                if frame is not None:
+                    yield frame
 
     def poll(self, now: int) -> Iterator[Frame]:
         """What is due by a timer."""
@@ -313,10 +315,13 @@ class DevicePdos:
                 if frame is not None:
                     yield frame
 
-    def flush(self, now: int) -> Iterator[Frame]:
+    def flush(self, now: int) -> Iterable[Frame]:
         """Takes over changed parameters, and sends the TPDOs whose objects have changed."""
         if self._touched:
             self._rebuild(now)
+        return self._flushed(now) if self._due else ()
+
+    def _flushed(self, now: int) -> Iterator[Frame]:
         while self._due:
             pdo = next(iter(self._due))
             del self._due[pdo]
@@ -350,6 +355,8 @@ class DevicePdos:
 
     def _index(self) -> None:
         self._by_id, self._carriers = {}, {}
+        self._timed = [part for part in self._transmitters.values() if part.timed]
+        self._timed += [part for part in self._receivers.values() if part.timed]
         for pdo in self._all:
             if not pdo.cob_id.bit31 and pdo.mapping.fields:
                 self._by_id.setdefault(pdo.cob_id.can_id, []).append(pdo)

@@ -29,6 +29,8 @@ class DeviceSync:
         self._dictionary = dictionary
         self._errors = errors
         self._producer: SyncProducer | None = None
+        self._size: int | None = None
+        """The octets that a SYNC has, None for 0 or 1."""
         self.cob_id = CobId(SYNC)
         dictionary.guard((COB_ID_SYNC[0],), self._check_cob_id)
         dictionary.guard((SYNC_OVERFLOW[0],), self._check_overflow)
@@ -42,6 +44,8 @@ class DeviceSync:
         """Takes over the objects; a producer begins with `start`."""
         number = self._dictionary.number
         self.cob_id = CobId(number(COB_ID_SYNC, SYNC))
+        if SYNC_OVERFLOW in self._dictionary:
+            self._size = 1 if number(SYNC_OVERFLOW) else 0
         period = number(SYNC_PERIOD) * _MICROSECOND
         self._producer = None
         if self.cob_id.bit30 and period:
@@ -65,8 +69,7 @@ class DeviceSync:
         if not self.cob_id.carries(frame) or frame.remote:
             return None
         counter = sync_counter(frame)
-        counted = self._dictionary.number(SYNC_OVERFLOW) != 0
-        if SYNC_OVERFLOW in self._dictionary and len(frame.data) != counted:
+        if self._size is not None and len(frame.data) != self._size:
             counter = None
         if counter is None:
             self._errors.add(SYNC_LENGTH)

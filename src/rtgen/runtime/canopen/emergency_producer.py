@@ -114,6 +114,8 @@ class EmergencyProducer:
 
     def remove(self, code: int, additional: bytes | None = None) -> None:
         """The error is gone; without additional octets all of that code."""
+        if not self._present:
+            return
         gone = [
             key
             for key in self._present

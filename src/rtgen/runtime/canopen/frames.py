@@ -6,7 +6,7 @@ nanoseconds, come from outside, and frames to be sent are returned.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 MILLISECOND: Final = 1_000_000
@@ -63,10 +63,18 @@ class CobId:
     """
 
     value: int
+    extended: bool = field(init=False, repr=False, compare=False)
+    """Whether the identifier has 29 bits."""
+    can_id: int = field(init=False, repr=False, compare=False)
+    """The identifier."""
 
     def __post_init__(self) -> None:
         if not 0 <= self.value < 1 << 32:
             raise ValueError(f"no COB-ID: {self.value:#x}")
+        extended = bool(self.value & 1 << 29)
+        object.__setattr__(self, "extended", extended)
+        can_id = self.value & (0x1FFFFFFF if extended else 0x7FF)
+        object.__setattr__(self, "can_id", can_id)
 
     @property
     def bit31(self) -> bool:
@@ -77,16 +85,6 @@ class CobId:
     def bit30(self) -> bool:
         """Whether bit 30 is set."""
         return bool(self.value & 1 << 30)
-
-    @property
-    def extended(self) -> bool:
-        """Whether the identifier has 29 bits."""
-        return bool(self.value & 1 << 29)
-
-    @property
-    def can_id(self) -> int:
-        """The identifier."""
-        return self.value & (0x1FFFFFFF if self.extended else 0x7FF)
 
     def carries(self, frame: Frame) -> bool:
         """Whether the frame has this identifier, of the same length."""

@@ -57,10 +57,12 @@ class HeartbeatConsumers:
     @property
     def deadline(self) -> int | None:
         """When `poll` has something to do."""
-        return min(
-            (c.deadline for c in self._consumers.values() if c.deadline is not None),
-            default=None,
-        )
+        deadline = None
+        for consumer in self._consumers.values():
+            due = consumer.deadline
+            if due is not None and (deadline is None or due < deadline):
+                deadline = due
+        return deadline
 
     def configure(self) -> None:
         """Takes over 1016h; nodes whose entry is as before go on to be watched."""

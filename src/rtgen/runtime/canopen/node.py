@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeAlias
 
 from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import (
@@ -77,6 +77,9 @@ USER_SOFTWARE: Final = 0x6200
 _SELF_STARTING: Final = 8
 _ALL: Final = range(0x10000)
 
+Handler: TypeAlias = Callable[[Frame], None]
+"""What a node does with a frame."""
+
 
 @dataclass
 class NodeEvents:
@@ -142,6 +145,10 @@ class DeviceNode:
         self._now = 0
         self._guard_toggle = 0
         self._out: list[Frame] = []
+        self._deadline: int | None = None
+        self._handlers: dict[int, tuple[Handler, ...]] = {}
+        self._identifiers: frozenset[int] | None = None
+        """None if the handlers are to be found anew."""
         self._power_on()
 
     # Station
@@ -149,38 +156,26 @@ class DeviceNode:
     @property
     def identifiers(self) -> frozenset[int]:
         """See `Station`."""
-        found = {NMT}
-        if self.description.lss:
-            found.add(LSS_REQUEST)
-        if self._nmt is None:
-            return frozenset(found)
-        node_id = self.node_id
-        found |= self._own_identifiers
-        found |= {SDO_REQUEST + node_id, self._sync.cob_id.can_id}
-        if self.dictionary.number(COB_ID_TIME) >> 31:
-            found.add(CobId(self.dictionary.number(COB_ID_TIME)).can_id)
-        return frozenset(found) | self._consumers.identifiers | self.pdos.identifiers
+        if self._identifiers is None:
+            self._handlers = self._handlers_of_now()
+            self._identifiers = frozenset((NMT, *self._handlers))
+        return self._identifiers
 
     @property
     def deadline(self) -> int | None:
         """See `Station`."""
-        parts = [self._producer.deadline, self._server.deadline]
-        parts += [self.pdos.deadline, self._consumers.deadline]
-        if self._allows(Service.EMERGENCY):
-            parts.append(self.errors.deadline)
-        if self._allows(Service.SYNC):
-            parts.append(self._sync.deadline)
-        return min((part for part in parts if part is not None), default=None)
+        return self._deadline
 
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
         """See `Station`."""
         self._now = now
         if frame.can_id == NMT:
             self._obey(frame)
-        elif frame.can_id == LSS_REQUEST:
-            self._configure_layers(frame)
-        elif self._nmt is not None and self.state is not NmtState.INITIALISING:
-            self._serve(frame)
+            return self._taken()
+        if self._identifiers is None:
+            self._identifiers = self.identifiers
+        for handler in self._handlers.get(frame.can_id, ()):
+            handler(frame)
         return self._taken()
 
     def poll(self, now: int) -> Iterable[Frame]:
@@ -317,6 +312,7 @@ class DeviceNode:
 
     def _begin(self) -> None:
         """INITIALISING, with the node-id of now."""
+        self._identifiers = self._deadline = None
         if self.node_id == UNCONFIGURED:
             self._nmt = None
             return
@@ -376,6 +372,8 @@ class DeviceNode:
     def _moved(self, transition: Transition | None) -> None:
         if transition is None:
             return
+        if transition.before is NmtState.INITIALISING:
+            self._identifiers = None
         if transition.before is NmtState.OPERATIONAL:
             self.pdos.stop()
         if transition.after is NmtState.INITIALISING and self._nmt is not None:
@@ -420,35 +418,56 @@ class DeviceNode:
     def _allows(self, service: Service) -> bool:
         return self._nmt is not None and self._nmt.allows(service)
 
-    def _serve(self, frame: Frame) -> None:
-        can_id, node_id = frame.can_id, self.node_id
-        if can_id in self._own_identifiers and not frame.extended:
-            if not frame.remote:
-                self._collide(can_id)
-            elif can_id == ERROR_CONTROL + node_id:
-                self._answer_guarding()
-        if can_id == SDO_REQUEST + node_id and self._allows(Service.SDO):
+    def _handlers_of_now(self) -> dict[int, tuple[Handler, ...]]:
+        """What is done with the frames of each identifier."""
+        found: dict[int, tuple[Handler, ...]] = {}
+
+        def add(can_id: int, handler: Handler) -> None:
+            found[can_id] = (*found.get(can_id, ()), handler)
+
+        if self.description.lss:
+            add(LSS_REQUEST, self._configure_layers)
+        if self._nmt is None or self.state is NmtState.INITIALISING:
+            return found
+        node_id = self.node_id
+        # What nobody else sends.
+        add(SDO_RESPONSE + node_id, self._collide)
+        add(ERROR_CONTROL + node_id, self._take_guarding)
+        if self.errors.can_id is not None:
+            add(self.errors.can_id, self._collide)
+        add(SDO_REQUEST + node_id, self._serve_sdo)
+        add(self._sync.cob_id.can_id, self._synchronise)
+        for can_id in self._consumers.identifiers:
+            add(can_id, self._take_heartbeat)
+        time = CobId(self.dictionary.number(COB_ID_TIME))
+        if time.bit31:
+            add(time.can_id, self._take_time)
+        for can_id in self.pdos.identifiers:
+            add(can_id, self._serve_pdo)
+        return found
+
+    def _serve_sdo(self, frame: Frame) -> None:
+        if self._allows(Service.SDO):
             self._out += self._server.receive(frame, self._now)
-        if self._allows(Service.SYNC):
-            self._synchronise(frame)
-        self._consumers.receive(frame, self._now)
-        if self._allows(Service.TIME):
-            self._take_time(frame)
+
+    def _serve_pdo(self, frame: Frame) -> None:
         if self._allows(Service.PDO):
             self._out += self.pdos.receive(frame, self._now)
 
-    @property
-    def _own_identifiers(self) -> frozenset[int]:
-        """What nobody else sends."""
-        own = {ERROR_CONTROL + self.node_id, SDO_RESPONSE + self.node_id}
-        if self.errors.can_id is not None:
-            own.add(self.errors.can_id)
-        return frozenset(own)
+    def _take_heartbeat(self, frame: Frame) -> None:
+        self._consumers.receive(frame, self._now)
 
-    def _collide(self, can_id: int) -> None:
-        if not self.errors.present(ID_COLLISION):
-            self.errors.add(ID_COLLISION)
-            self.events.collided(can_id)
+    def _collide(self, frame: Frame) -> None:
+        if frame.extended or frame.remote or self.errors.present(ID_COLLISION):
+            return
+        self.errors.add(ID_COLLISION)
+        self.events.collided(frame.can_id)
+
+    def _take_guarding(self, frame: Frame) -> None:
+        if not frame.remote:
+            self._collide(frame)
+        elif not frame.extended:
+            self._answer_guarding()
 
     def _answer_guarding(self) -> None:
         """Node guarding, where there is no heartbeat."""
@@ -459,13 +478,15 @@ class DeviceNode:
         self._out.append(Frame(ERROR_CONTROL + self.node_id, data))
 
     def _synchronise(self, frame: Frame) -> None:
+        if not self._allows(Service.SYNC):
+            return
         counter = self._sync.counter(frame)
         if counter is not None and self._allows(Service.PDO):
             self._out += self.pdos.sync(counter, self._now)
 
     def _take_time(self, frame: Frame) -> None:
         cob_id = CobId(self.dictionary.number(COB_ID_TIME))
-        if not cob_id.bit31 or not cob_id.carries(frame):
+        if not cob_id.carries(frame) or not self._allows(Service.TIME):
             return
         moment = decode_time(Frame(TIME, frame.data, frame.remote))
         if moment is not None:
@@ -520,6 +541,7 @@ class DeviceNode:
     def _settle(self) -> None:
         """Lets written parameters take effect."""
         effects, self._effects = self._effects, {}
+        self._identifiers = None
         indices = {number[0] for number in effects}
         if indices & {COB_ID, INHIBIT_TIME}:
             self.errors.configure()
@@ -538,10 +560,28 @@ class DeviceNode:
         if self._effects:
             self._settle()
         self._out += self.pdos.flush(self._now)
-        if self._allows(Service.EMERGENCY):
+        if self.errors.deadline is not None and self._allows(Service.EMERGENCY):
             self._out += self.errors.take(self._now)
+        self._deadline = self._next_deadline()
         frames, self._out = self._out, []
         return frames
+
+    def _next_deadline(self) -> int | None:
+        deadline = self._producer.deadline
+        for due in (
+            self._server.deadline,
+            self.pdos.deadline,
+            self._consumers.deadline,
+        ):
+            if due is not None and (deadline is None or due < deadline):
+                deadline = due
+        for due, service in (
+            (self.errors.deadline, Service.EMERGENCY),
+            (self._sync.deadline, Service.SYNC),
+        ):
+            if due is not None and self._allows(service):
+                deadline = due if deadline is None else min(due, deadline)
+        return deadline
 
 
 def _check_time_id(number: ObjectNumber, value: ObjectValue) -> None:

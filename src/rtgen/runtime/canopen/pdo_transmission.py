@@ -85,6 +85,16 @@ class TpdoTransmitter:
         self.overwritten = 0
 
     @property
+    def timed(self) -> bool:
+        """Whether it may ever have a deadline: inhibit time and event timer are for events."""
+        return self._type in _EVENT
+
+    @property
+    def synchronous(self) -> bool:
+        """Whether SYNC is anything to it."""
+        return self._type <= RTR_SYNC
+
+    @property
     def deadline(self) -> int | None:
         """When `poll` has something to send, None for never."""
         if not self._running or self._type not in _EVENT or self._data is None:
@@ -214,6 +224,11 @@ class RpdoReceiver:
         self.too_long = 0
         self.overwritten = 0
         """PDOs that a newer one replaced before the SYNC."""
+
+    @property
+    def timed(self) -> bool:
+        """Whether it may ever have a deadline."""
+        return bool(self._timeout)
 
     def start(self) -> None:
         """The node has become OPERATIONAL."""
