@@ -360,8 +360,8 @@ class DevicePdos:
         for pdo in self._all:
             if not pdo.cob_id.bit31 and pdo.mapping.fields:
                 self._by_id.setdefault(pdo.cob_id.can_id, []).append(pdo)
-        for pdo in self._transmitters:
-            for number in pdo.mapping.numbers:
+        for pdo, transmitter in self._transmitters.items():
+            for number in pdo.mapping.numbers if transmitter.eventful else ():
                 self._carriers.setdefault(number, []).append(pdo)
 
     def _begin(self, pdo: DevicePdo, now: int) -> None:
@@ -374,7 +374,7 @@ class DevicePdos:
             is_event = self._is_event.get(number)
             octets = self._dictionary.last(number)
             self._sent[number] = octets
-            if is_event is None or is_event(None, octets):
+            if transmitter.eventful and (is_event is None or is_event(None, octets)):
                 self._due[pdo] = None
 
     def _note(self, pdo: DevicePdo, number: ObjectNumber) -> None:

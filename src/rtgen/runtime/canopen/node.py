@@ -568,19 +568,21 @@ class DeviceNode:
 
     def _next_deadline(self) -> int | None:
         deadline = self._producer.deadline
-        for due in (
-            self._server.deadline,
-            self.pdos.deadline,
-            self._consumers.deadline,
-        ):
-            if due is not None and (deadline is None or due < deadline):
-                deadline = due
-        for due, service in (
-            (self.errors.deadline, Service.EMERGENCY),
-            (self._sync.deadline, Service.SYNC),
-        ):
-            if due is not None and self._allows(service):
-                deadline = due if deadline is None else min(due, deadline)
+        due = self._server.deadline
+        if due is not None and (deadline is None or due < deadline):
+            deadline = due
+        due = self.pdos.deadline
+        if due is not None and (deadline is None or due < deadline):
+            deadline = due
+        due = self._consumers.deadline
+        if due is not None and (deadline is None or due < deadline):
+            deadline = due
+        due = self.errors.deadline
+        if due is not None and self._allows(Service.EMERGENCY):
+            deadline = due if deadline is None else min(due, deadline)
+        due = self._sync.deadline
+        if due is not None and self._allows(Service.SYNC):
+            deadline = due if deadline is None else min(due, deadline)
         return deadline
 
 

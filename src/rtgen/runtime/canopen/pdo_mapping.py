@@ -96,6 +96,8 @@ class Mapping:
         self.bits = sum(field.bits for field in fields)
         if self.bits > MAX_BITS:
             raise SdoAbort(TOO_LONG)
+        # Whole values one behind the other are joined and cut, not shifted.
+        self._whole = all(map(_is_whole, self.fields))
 
     @property
     def size(self) -> int:
@@ -109,6 +111,8 @@ class Mapping:
 
     def pack(self, octets: Callable[[ObjectNumber], bytes]) -> bytes:
         """The data, of the values that `octets` gives."""
+        if self._whole:
+            return b"".join([octets(f.number) for f in self.fields if f.number])
         raw = offset = 0
         for field in self.fields:
             if field.number is not None:
@@ -120,12 +124,29 @@ class Mapping:
 
     def unpack(self, data: bytes) -> Iterator[tuple[ObjectNumber, bytes | None]]:
         """The values in data of at least `size` octets; None where a variable has no room."""
+        if self._whole:
+            yield from self._cut(data)
+            return
         raw = int.from_bytes(data[: self.size], "little")
         for field in self.fields:
             if field.number is not None:
                 value = raw & (1 << field.bits) - 1
                 yield field.number, _octets(field, value)
             raw >>= field.bits
+
+    def _cut(self, data: bytes) -> Iterator[tuple[ObjectNumber, bytes]]:
+        offset = 0
+        for field in self.fields:
+            end = offset + field.bits // 8
+            if field.number is not None:
+                yield field.number, data[offset:end]
+            offset = end
+
+
+def _is_whole(field: MappedField) -> bool:
+    """Whether a field has all octets of a variable as they are."""
+    size = values.size(field.kind)
+    return field.number is not None and field.bits == 8 * (size or 0)
 
 
 def _octets(field: MappedField, raw: int) -> bytes | None:

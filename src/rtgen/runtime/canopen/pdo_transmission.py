@@ -90,6 +90,11 @@ class TpdoTransmitter:
         return self._type in _EVENT
 
     @property
+    def eventful(self) -> bool:
+        """Whether a change of its data makes it be sent, at once or at the next SYNC."""
+        return self._type == SYNC_ACYCLIC or self._type in _EVENT
+
+    @property
     def synchronous(self) -> bool:
         """Whether SYNC is anything to it."""
         return self._type <= RTR_SYNC
@@ -127,8 +132,7 @@ class TpdoTransmitter:
         if len(data) > MAX_DATA:
             raise ValueError(f"{len(data)} octets; a PDO has up to {MAX_DATA}")
         self._data = data
-        waits = self._type == SYNC_ACYCLIC or self._type in _EVENT
-        if not (event and self._running and waits):
+        if not (event and self._running and self.eventful):
             return None
         if self._pending:
             self.overwritten += 1
