@@ -262,3 +262,21 @@ def test_a_node_that_the_manager_misses(monkeypatch: pytest.MonkeyPatch) -> None
         bench.system.activate("Drive0")
         bench.until("ERROR")
         assert "node 5: no boot-up message within 2000 ms" in bench.reason
+
+
+def test_a_heartbeat_is_watched_when_the_manager_has_configured_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Before that a node may beat as its EDS has it, ever so slowly."""
+    idle = replace(NETWORK, nodes=(replace(PLACED, start=False),))
+    put(monkeypatch, idle)
+    with ready(master=False) as bench:
+        bench.node.beat(NmtState.PRE_OPERATIONAL)
+        bench.run(2.0)
+        assert bench.state == "INACTIVE"
+        ManagerStation(bench.link, idle).start()
+        bench.run(1.0)
+        assert bench.state == "INACTIVE"
+        bench.node.mute()
+        bench.until("ERROR")
+        assert bench.reason == "node 5 is lost: no heartbeat for 150 ms"

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
-from proxy_bench import MS, NODE, SECOND, Bench, Objects
+from proxy_bench import DESCRIPTION, MS, NODE, SECOND, Bench, DriveProxy, Objects
 
 from rtgen.runtime import PRECONDITION_NOT_MET, SimulatedClock
 from rtgen.runtime.canopen import sdo
@@ -212,6 +214,25 @@ def test_a_lost_heartbeat_is_an_error_within_the_time_out(
         assert bench.reason == f"node 5 is lost: no heartbeat for {late} ms"
         bench.run(0.1)
         assert bench.node.state is NmtState.STOPPED
+
+
+@pytest.mark.parametrize("told", ["by its parameter", "by the EDS"])
+def test_a_node_that_was_never_activated_is_watched_too(
+    told: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    objects = [
+        replace(o, default=100) if o.index == 0x1017 else o for o in DESCRIPTION.objects
+    ]
+    described = replace(DESCRIPTION, objects=tuple(objects))
+    if told == "by the EDS":
+        monkeypatch.setattr(DriveProxy, "description", described)
+    with Bench(settings={"heartbeat_timeout": 0 if "EDS" in told else 300}) as bench:
+        bench.with_node()
+        bench.node.beat(NmtState.PRE_OPERATIONAL)
+        bench.run(0.25)
+        assert bench.state == "INACTIVE"
+        bench.until("ERROR")
+        assert bench.reason == "node 5 is lost: no heartbeat for 300 ms"
 
 
 def test_heartbeats_may_jitter_within_the_time_out() -> None:

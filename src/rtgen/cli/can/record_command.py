@@ -31,7 +31,11 @@ def record_(
     """
     check_kind(file)
     found = 0
-    with opened(access) as bus, writer(file) as record, frames(bus, seconds, count) as coming:
+    with (
+        opened(access) as bus,
+        writer(file) as record,
+        frames(bus, seconds, count) as coming,
+    ):
         console.say(f"recording {bus.bus.channel_info} to {file}")
         for message in coming:
             if message is not None:

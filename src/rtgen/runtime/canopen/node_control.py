@@ -76,12 +76,32 @@ class NodeControl:
         self._master = master
         self._heartbeat_timeout = heartbeat_timeout
         self._boot_timeout = boot_timeout
+        period = description.by_number.get(_HEARTBEAT_TIME)
+        default = None if period is None else period.initial(node.node_id)
+        self._period = default if isinstance(default, int) else 0
         self._silent = False
+        self._supervised = -1
         self._boots = 0
         self.running = False
         """Whether the node was brought to operational."""
         self.written: dict[ObjectNumber, ObjectValue] = {}
         """Parameters as the node has them; nothing is known of the others."""
+
+    @property
+    def timeout(self) -> int:
+        """After how long without heartbeat the node is lost; 0 if that is not known yet.
+
+        What a network says holds when the node is configured, and till it boots again.
+        """
+        node, placed, master = self._node, self._placed, self._link.master
+        if self._silent or self._heartbeat_timeout:
+            return 0 if self._silent else self._heartbeat_timeout
+        if placed is None:
+            return 3 * self._period * MILLISECOND
+        known = self._supervised == node.boots or (
+            master is not None and master.readiness(node.node_id) is True
+        )
+        return placed.heartbeat_timeout * MILLISECOND if known else 0
 
     def activation(
         self, parameters: Callable[[], Mapping[ObjectNumber, ObjectValue]]
@@ -224,22 +244,15 @@ class NodeControl:
                 )
 
     def _supervise(self) -> Steps:
-        """Finds out how often the node beats, and watches it."""
-        timeout = self._heartbeat_timeout
-        placed = self._placed
-        if placed is not None:
-            self._silent = not placed.heartbeat
-            timeout = timeout or placed.heartbeat_timeout * MILLISECOND
+        """Finds out how often the node beats; from now on its heartbeat is watched."""
+        if self._placed is None:
+            self._period = yield from self._read_period()
+            self._silent = not self._period
         else:
-            period = yield from self._period()
-            self._silent = not period
-            timeout = timeout or 3 * period * MILLISECOND
-        link = self._link
-        with link.lock:
-            self._node.supervise(0 if self._silent else timeout, link.now())
-            link.refresh(self._node)
+            self._silent = not self._placed.heartbeat
+        self._supervised = self._node.boots
 
-    def _period(self) -> Generator[str, None, int]:
+    def _read_period(self) -> Generator[str, None, int]:
         """The heartbeat period in ms; a master gives a node that has none one."""
         try:
             octets = yield from self._upload(_HEARTBEAT_TIME)

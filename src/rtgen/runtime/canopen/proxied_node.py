@@ -84,6 +84,9 @@ def _transmitted(
 class Watcher(Protocol):
     """Who is told what becomes of a node; called with the link's lock held."""
 
+    def timeout(self) -> int:
+        """After how long without heartbeat, in ns, it is lost now; 0 for never."""
+
     def booted(self, node: ProxiedNode) -> None:
         """Its boot-up message has come."""
 
@@ -130,7 +133,6 @@ class ProxiedNode:
         node_id: int,
         received: Mapping[int, PdoDescription],
         receivers: Mapping[int, Receiver],
-        timeout: int,
         watcher: Watcher,
     ) -> None:
         self.node_id = node_id
@@ -141,7 +143,7 @@ class ProxiedNode:
         self.emergencies = 0
         self.emergency: Emergency | None = None
         self._watcher = watcher
-        self._consumer = HeartbeatConsumer(node_id, timeout)
+        self._consumer = HeartbeatConsumer(node_id, 0)
         self._heartbeat_id = ERROR_CONTROL + node_id
         self._emergency_id = EMERGENCY + node_id
         self._flips: deque[int] = deque(maxlen=_FLIPS)
@@ -166,7 +168,7 @@ class ProxiedNode:
 
     @property
     def timeout(self) -> int:
-        """After how long, in ns, it is lost; 0 if it is not supervised."""
+        """After how long, in ns, it is lost; 0 if it is not supervised, or not yet."""
         return self._consumer.timeout
 
     @property
@@ -184,11 +186,6 @@ class ProxiedNode:
         if not self.listening:
             self.queue.clear()
             self.listening = True
-
-    def supervise(self, timeout: int, now: int) -> None:
-        """Sets the time-out in ns; the link is to be told (`Link.refresh`)."""
-        self._consumer.configure(timeout, now)
-        self.deadline = self._consumer.deadline
 
     def told(self) -> None:
         """It has been told to change its state, so that a change is no surprise."""
@@ -217,7 +214,7 @@ class ProxiedNode:
 
     def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
         """See `Station`: what was known of the node is not known any more."""
-        self._consumer = HeartbeatConsumer(self.node_id, self.timeout)
+        self._consumer = HeartbeatConsumer(self.node_id, 0)
         self.deadline = None
         if not up:
             self._watcher.cut_off(self)
@@ -237,6 +234,7 @@ class ProxiedNode:
 
     def _heard(self, frame: Frame, now: int) -> None:
         before = self._consumer.state
+        self._consumer.configure(self._watcher.timeout(), now)
         event = self._consumer.receive(frame, now)
         self.deadline = self._consumer.deadline
         if event is not None and event.news is HeartbeatNews.BOOT_UP:

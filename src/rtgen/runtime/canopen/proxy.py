@@ -330,8 +330,7 @@ class CanopenProxy(ProxyHooks, Component):
             settings.node_id,
             wired.received,
             self._receivers(),
-            settings.heartbeat_timeout * MILLISECOND,
-            StateMirror(self, lambda: self._under_way is not None),
+            StateMirror(self, lambda: self._under_way is not None, self._timeout),
         )
         senders = self._senders()
         link = open_link(
@@ -361,6 +360,10 @@ class CanopenProxy(ProxyHooks, Component):
         )
         link.attach(node)
         return connection
+
+    def _timeout(self) -> int:
+        connection = self._connection
+        return 0 if connection is None else connection.control.timeout
 
     def _disconnect(self) -> None:
         connection, self._connection = self._connection, None

@@ -18,14 +18,25 @@ from rtgen.runtime.return_codes import (
 class StateMirror:
     """The watcher of a proxy's node; nothing here waits, since the link's lock is held.
 
-    `busy` tells whether a transition of the proxy is under way, which looks at the states itself.
+    `busy` tells whether a transition of the proxy is under way, which looks at the states itself;
+    `timeout` is for `Watcher`.
     Every heartbeat is compared with the component's state, not only the first of a kind: so no
     race between the two can leave them apart.
     """
 
-    def __init__(self, component: Component, busy: Callable[[], bool]) -> None:
+    def __init__(
+        self,
+        component: Component,
+        busy: Callable[[], bool],
+        timeout: Callable[[], int],
+    ) -> None:
         self._component = component
         self._busy = busy
+        self._timeout = timeout
+
+    def timeout(self) -> int:
+        """See `Watcher`."""
+        return self._timeout()
 
     def booted(self, node: ProxiedNode) -> None:
         """See `Watcher`."""
