@@ -52,6 +52,28 @@ COMPONENT_NAMES = frozenset(
 )
 """The public attributes of `rtgen.runtime.Component`, and `config` of the generated bases."""
 
+CANOPEN_NAMES = frozenset(
+    {
+        "bus_lock",
+        "description",
+        "get_object",
+        "merged_stop",
+        "networks",
+        "node",
+        "objects",
+        "read_object",
+        "read_octets",
+        "refusal",
+        "reports",
+        "self_start",
+        "set_object",
+        "station",
+        "write_object",
+        "write_octets",
+    }
+)
+"""What the bases of CANopen proxies, devices and managers have besides."""
+
 CONFIGURATION_NAMES = frozenset(
     {"bool", "bytes", "field", "float", "int", "list", "str"}
 )

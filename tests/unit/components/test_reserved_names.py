@@ -1,8 +1,11 @@
 """The names that ports cannot have, against the runtime that has them."""
 
 from rtgen.runtime import Component
+from rtgen.runtime.canopen.device import CanopenDevice
+from rtgen.runtime.canopen.manager import CanopenManager
+from rtgen.runtime.canopen.proxy import CanopenProxy
 from rtgen.typemap.component_actions import ACTIONS
-from rtgen.typemap.component_names import COMPONENT_NAMES
+from rtgen.typemap.component_names import CANOPEN_NAMES, COMPONENT_NAMES
 
 
 def test_names_are_those_of_the_component_class() -> None:
@@ -12,6 +15,19 @@ def test_names_are_those_of_the_component_class() -> None:
         if not name.startswith("_")
     }
     assert found | {"config"} == COMPONENT_NAMES
+
+
+def test_names_are_those_of_the_bases_of_canopen() -> None:
+    found = {
+        name
+        for base in (CanopenProxy, CanopenDevice, CanopenManager)
+        for class_ in base.__mro__
+        for name in (*vars(class_), *vars(class_).get("__annotations__", ()))
+        if not name.startswith("_") and class_ is not object
+    }
+    # Attributes of instances, and ports that a manager has.
+    own = {"node", "objects", "station"}
+    assert (found | own) - COMPONENT_NAMES - {"manager", "states"} == CANOPEN_NAMES
 
 
 def test_actions_are_callbacks_of_the_component_class() -> None:

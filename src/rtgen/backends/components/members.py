@@ -6,7 +6,11 @@ from collections.abc import Collection
 from dataclasses import dataclass
 
 from rtgen.model import Component, ConfigurationParameter, Port
-from rtgen.typemap.component_names import COMPONENT_NAMES, CONFIGURATION_NAMES
+from rtgen.typemap.component_names import (
+    CANOPEN_NAMES,
+    COMPONENT_NAMES,
+    CONFIGURATION_NAMES,
+)
 from rtgen.typemap.idl_python import distinct
 
 
@@ -23,7 +27,10 @@ def attributes_of(component: Component, imported: Collection[str] = ()) -> Attri
 
     `imported` are names that the fields' own types are written with.
     """
-    ports = distinct((p.identifier for p in component.ports), COMPONENT_NAMES)
+    names = COMPONENT_NAMES
+    if component.runtime_base:
+        names |= CANOPEN_NAMES
+    ports = distinct((p.identifier for p in component.ports), names)
     own = CONFIGURATION_NAMES.union(imported)
     fields = distinct((p.identifier for p in component.configuration), own)
     return Attributes(
