@@ -238,7 +238,7 @@ class _View:
 
     def _row(self, instance: str) -> Row:
         s = self._running.statistics(instance)
-        why = s.awaited or s.reason
+        why = f"waits for {s.awaited}" if s.awaited else s.reason
         return Row(instance, _name(s.state), s.ticks, s.overruns, s.lost, why)
 
     def _pose(self, name: str | None) -> Pose | None:

@@ -38,7 +38,7 @@ class Slow(Component):
         self.asked.append(request)
         self.began = self.now() if self.began is None else self.began
         if self.now() - self.began < self.delay:
-            self._awaited = f"{request} waits"
+            self._awaited = f"{request}'s end"
             return None
         self.began = None
         return self.answer
@@ -79,7 +79,7 @@ def test_a_gate_is_asked_once_in_a_tick() -> None:
         system.activate("Slow0")
         system.run(30 * MILLISECOND)
         assert slow.asked == [Request.ACTIVATE] * 3
-        assert system.statistics("Slow0").awaited == "activate waits"
+        assert system.statistics("Slow0").awaited == "activate's end"
         assert system.deactivate("Slow0") is PRECONDITION_NOT_MET
         system.run(40 * MILLISECOND)
         assert system.state("Slow0") is ACTIVE_STATE

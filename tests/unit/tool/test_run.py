@@ -59,6 +59,16 @@ class Broken(Component):
         return self.fail("no motor")
 
 
+class Waiting(Component):
+    """Its activation waits for a second."""
+
+    profile = ComponentProfile("Waiting", rate=100.0)
+
+    def _gate(self, request):
+        self._awaited = "a second to pass"
+        return RTC_OK if self.now() >= 1_000_000_000 else None
+
+
 def no_component(name):
     return 3
 
@@ -103,6 +113,7 @@ def _project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     names = {
         "Mover": "Mover",
         "Broken": "Broken",
+        "Waiting": "Waiting",
         "None": "no_component",
         "Raising": "raising",
     }
@@ -347,3 +358,17 @@ def test_an_interrupt_ends_a_run_with_its_report() -> None:
     assert process.returncode == 1, err
     assert out.startswith("instance")
     assert "Traceback" not in err
+
+
+def test_what_is_waited_for_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    system = tmp_path / "waiting.xml"
+    system.write_text(profile(("Waiting", "W0")), encoding="utf-8")
+    assert rtgen(["run", str(system), "--until", "0.5"]) == 0
+    out = capsys.readouterr().out
+    assert "W0: waits for a second to pass" in out
+    assert rtgen(["run", str(system), "--until", "W0=ACTIVE"]) == 0
+    shown = capsys.readouterr()
+    assert "waits" not in shown.out
+    assert "W0 ACTIVE" in shown.err

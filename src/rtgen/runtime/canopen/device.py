@@ -232,7 +232,7 @@ class CanopenDevice(DeviceHooks, Component):
                 if state is NmtState.OPERATIONAL:
                     return RTC_OK
                 if not (self.self_start and state is NmtState.PRE_OPERATIONAL):
-                    self._awaited = f"{request} waits for the NMT master's start"
+                    self._awaited = "the NMT master's start"
                     return None
                 self._send(self.node.go(NmtState.OPERATIONAL, now))
             elif request is Request.DEACTIVATE:
