@@ -240,6 +240,19 @@ plug-in cannot be loaded, or a target is not part of this version. The command e
 """,
 )
 
+SUPERVISED = Rule(
+    "ENV0002",
+    "node has an SDO client already",
+    Severity.WARNING,
+    """
+A node's SDO server talks to one client: the manager of its network, or the process of its proxy.
+When `rtgen can sdo` reads or writes beside it, answers of the one can be taken for those of the
+other, and transfers of both can fail.
+
+Use the SDO port of the node's proxy, or do it while no manager runs.
+""",
+)
+
 RULES: tuple[Rule, ...] = (
     FILE_UNREADABLE,
     UNKNOWN_KEY,
@@ -259,4 +272,5 @@ RULES: tuple[Rule, ...] = (
     NAME_TOO_LONG,
     FOREIGN_FILE,
     ENVIRONMENT,
+    SUPERVISED,
 )

@@ -10,6 +10,11 @@ COMMANDS: dict[str, str] = {
     "monitor": "Show the frames of a bus in words.",
     "record": "Write the frames of a bus to a file.",
     "replay": "Send the frames of a record, or print them in words.",
+    "plot": "Draw values of objects over time.",
+    "send": "Send frames once, again and again, or as a file says.",
+    "scan": "Find the nodes of a bus.",
+    "sdo": "Read or write an object of a node.",
+    "timing": "Tell the load of a bus, and how late its messages can be.",
 }
 """Command to its line of help; the module `<command>_command` has a function `<command>_`."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rtgen.cli.can.known import KnownBus, KnownNode, Number
 from rtgen.cli.can.known_values import Field, field_of, iso_time, sdo_value
@@ -59,6 +59,7 @@ class Decoded:
     `kind` is nmt, failsafe, sync, time, emcy, heartbeat, guarding, tpdo1.., rpdo1.., sdo, lss,
     or frame for what nobody knows. `node` is the node-id that it is about (0: all nodes), None for
     what concerns none; `name` is how that node is called. `code` is an error or abort code.
+    `taken` are the values as the nodes have them that take a PDO by a link.
     """
 
     kind: str
@@ -67,6 +68,7 @@ class Decoded:
     text: str
     fields: tuple[Field, ...] = ()
     code: int | None = None
+    taken: tuple[Field, ...] = ()
 
     def __str__(self) -> str:
         words = (self.name, self.kind, self.text)
@@ -256,7 +258,8 @@ class Decoder:
         elif len(frame.data) > route.octets:
             words.append(f"(too long: {len(frame.data)} octets for {route.octets})")
         text = told + " ".join(words)
-        return self._about(kind, node_id, text.rstrip(), fields)
+        taken = tuple(f for taker in takers for f in taker.fields(frame.data))
+        return replace(self._about(kind, node_id, text.rstrip(), fields), taken=taken)
 
     # SDO
 

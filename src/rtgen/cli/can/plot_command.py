@@ -1,0 +1,108 @@
+"""`rtgen can plot`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rtgen.cli.can import logs
+from rtgen.cli.can.known import KnownBus
+from rtgen.cli.can.live import frames, opened
+from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes, with_span
+from rtgen.cli.can.printing import MessageDecoder
+from rtgen.cli.can.series import Series, check_output, draw, write_csv
+from rtgen.cli.common import NO, OK, Console, with_console
+
+if TYPE_CHECKING:
+    from can import Message
+
+
+@click.command("plot")
+@click.argument("objects", nargs=-1, required=True, metavar="OBJECT...")
+@click.option(
+    "--from",
+    "record",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Take the values from a record; default: from the bus.",
+)
+@click.option(
+    "-o",
+    "outputs",
+    multiple=True,
+    required=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Where to: .svg, .png, .pdf or .csv; may be given several times.",
+)
+@with_span
+@with_nodes
+@with_bus
+@with_console
+def plot_(
+    console: Console,
+    access: BusAccess,
+    described: Described,
+    objects: tuple[str, ...],
+    record: Path | None,
+    outputs: tuple[Path, ...],
+    seconds: float | None,
+    count: int | None,
+) -> int:
+    """Draw values of objects over time, from a record or a bus.
+
+    An OBJECT is NODE.NAME or NODE.6401:1; without a node, it is that of every node that has it.
+    Values are those that PDOs and SDO carry, physical where there is a factor. From a bus it ends
+    at Ctrl-C, or as --for and --count say. Exit code 1: there was no value at all.
+    """
+    known = described.known()
+    for path in outputs:
+        check_output(path)
+    found = _series(known, objects)
+    decoder = MessageDecoder(known)
+    if record is not None:
+        _collect(logs.read(record), decoder, found)
+    else:
+        with opened(access.on(known)) as bus, frames(bus, seconds, count) as coming:
+            _collect(coming, decoder, found)
+    for path in outputs:
+        if path.suffix.lower() == ".csv":
+            write_csv(path, list(found.values()))
+        else:
+            draw(path, list(found.values()))
+    for series in found.values():
+        values = "value" if len(series.times) == 1 else "values"
+        console.say(f"{series.label}: {len(series.times)} {values}")
+    return OK if any(series.times for series in found.values()) else NO
+
+
+def _series(
+    known: KnownBus, objects: tuple[str, ...]
+) -> dict[tuple[str, tuple[int, int]], Series]:
+    found = {}
+    for text in objects:
+        for node, thing in known.find(text):
+            key = node.name, thing.number
+            found[key] = Series(f"{node.name}.{thing.name}", thing.unit)
+    return found
+
+
+def _collect(
+    coming: Iterator[Message | None],
+    decoder: MessageDecoder,
+    found: dict[tuple[str, tuple[int, int]], Series],
+) -> None:
+    start = None
+    for message in coming:
+        if message is None:
+            continue
+        start = message.timestamp if start is None else start
+        told = decoder.decode(message)
+        for field in (*told.fields, *told.taken):
+            series = found.get((field.node, field.thing.number))
+            value = field.physical
+            if series is not None and isinstance(value, (bool, int, float)):
+                series.add(message.timestamp - start, float(value))

@@ -1,0 +1,150 @@
+"""`rtgen can scan`."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+
+import click
+
+from rtgen.cli.can.exchange import Exchange
+from rtgen.cli.can.known import KnownBus
+from rtgen.cli.can.live import opened
+from rtgen.cli.can.lss_scan import unconfigured
+from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
+from rtgen.cli.can.scanning import Found, scanned
+from rtgen.cli.common import NO, OK, Console, with_console, write_out
+from rtgen.runtime.canopen.lss import LssAddress
+
+_SECOND = 1_000_000_000
+
+
+@dataclass(slots=True)
+class _Line:
+    """What is told of one node-id."""
+
+    node: int
+    name: str
+    state: str
+    device: str
+    verdict: str
+    identity: tuple[int | None, ...] = field(default=())
+
+
+@click.command("scan")
+@click.option(
+    "--for",
+    "seconds",
+    type=click.FloatRange(min=0.01),
+    default=1.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="How long heartbeats and answers are awaited.",
+)
+@click.option("--no-lss", is_flag=True, help="Do not look for nodes without node-id.")
+@click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@with_nodes
+@with_bus
+@with_console
+def scan_(
+    console: Console,
+    access: BusAccess,
+    described: Described,
+    seconds: float,
+    no_lss: bool,
+    as_json: bool,
+) -> int:
+    """Find the nodes of a bus, and compare them with a bus file.
+
+    Each node-id is asked by SDO for its device type, and those that answer for identity and name;
+    heartbeats tell of nodes that have no SDO now. LSS fastscan finds nodes without node-id; it
+    changes nothing in them. Exit code 1: with --bus or --eds, a node is missing or another one.
+    """
+    known = described.known()
+    with opened(access.on(known)) as bus:
+        found, strangers = scanned(bus, seconds), list[LssAddress]()
+        if not no_lss:
+            strangers = unconfigured(Exchange(bus))
+    lines = [
+        _line(known, found.get(node_id), node_id) for node_id in _ids(known, found)
+    ]
+    wrong = any(line.verdict not in ("", "as described") for line in lines)
+    if as_json:
+        told = {
+            "nodes": [_json(line) for line in lines],
+            "unconfigured": [address._asdict() for address in strangers],
+        }
+        write_out(f"{json.dumps(told)}\n")
+    else:
+        _print(lines, strangers)
+        console.say(
+            f"{len(found)} nodes answer, {len(strangers)} have no node-id"
+            if not no_lss
+            else f"{len(found)} nodes answer"
+        )
+    return NO if wrong and known.nodes else OK
+
+
+def _ids(known: KnownBus, found: dict[int, Found]) -> list[int]:
+    return sorted({*known.nodes, *found})
+
+
+def _line(known: KnownBus, found: Found | None, node_id: int) -> _Line:
+    name = known.name(node_id)
+    if found is None:
+        return _Line(node_id, name, "", "", "missing")
+    return _Line(
+        node_id,
+        name,
+        found.state_text,
+        found.device_text,
+        _verdict(known, found, node_id),
+        found.identity,
+    )
+
+
+def _verdict(known: KnownBus, found: Found, node_id: int) -> str:
+    """How the node agrees with its description."""
+    node = known.nodes.get(node_id)
+    if node is None:
+        if not known.nodes or node_id == known.manager:
+            return ""
+        return "not described"
+    if found.identity[0] is None:
+        return "no identity"
+    parts = ("device type", "vendor", "product", "revision")
+    for part, wanted, told in zip(parts, node.identity, found.identity, strict=False):
+        if part == "revision" and wanted is not None and told is not None:
+            # The same major revision behaves alike (CiA 301, 7.5.2.21).
+            wanted, told = wanted >> 16, told >> 16
+        if wanted is not None and told is not None and wanted != told:
+            return f"{part} 0x{told:X}, described is 0x{wanted:X}"
+    return "as described"
+
+
+def _json(line: _Line) -> dict[str, object]:
+    parts = ("device_type", "vendor", "product", "revision", "serial")
+    told: dict[str, object] = {"node": line.node, "name": line.name}
+    if line.state:
+        told["state"] = line.state
+    told |= dict(zip(parts, line.identity, strict=False))
+    if line.device:
+        told["device"] = line.device
+    if line.verdict:
+        told["verdict"] = line.verdict
+    return told
+
+
+def _print(lines: list[_Line], strangers: list[LssAddress]) -> None:
+    rows = [("id", "node", "state", "device", "")]
+    rows += [(f"{x.node}", x.name, x.state, x.device, x.verdict) for x in lines]
+    for address in strangers:
+        numbers = (
+            f"vendor 0x{address.vendor:X} product 0x{address.product:X} "
+            f"revision 0x{address.revision:X} serial {address.serial}"
+        )
+        rows.append(("-", "", "no node-id", numbers, ""))
+    widths = [max(len(row[column]) for row in rows) for column in range(5)]
+    for row in rows:
+        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
+        write_out(f"{'  '.join(cells).rstrip()}\n")

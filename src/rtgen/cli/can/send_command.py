@@ -1,0 +1,86 @@
+"""`rtgen can send`."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+import click
+
+from rtgen.cli.can.frame_texts import FORMS, frame_of_text
+from rtgen.cli.can.live import drained, opened, send, until_interrupted
+from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
+from rtgen.cli.can.sequences import Step, read_sequence
+from rtgen.cli.common import OK, Console, with_console
+from rtgen.runtime.canopen.python_can import OpenBus
+
+
+@click.command("send")
+@click.argument("texts", nargs=-1, metavar="[FRAME]...")
+@click.option(
+    "--file",
+    type=click.Path(dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Send the sequence of a file.",
+)
+@click.option(
+    "--every",
+    type=click.FloatRange(min=0, min_open=True),
+    metavar="SECONDS",
+    help="Send again after that time, until --count or Ctrl-C.",
+)
+@click.option(
+    "--count",
+    type=click.IntRange(min=1),
+    metavar="N",
+    help="Send so many times; default: once, with --every without end.",
+)
+@with_nodes
+@with_bus
+@with_console
+def send_(
+    console: Console,
+    access: BusAccess,
+    described: Described,
+    texts: tuple[str, ...],
+    file: Path | None,
+    every: float | None,
+    count: int | None,
+) -> int:
+    """Send frames once, again and again, or as a file says.
+
+    A FRAME is ID#HEX or ID#R with 3 or 8 hexadecimal digits of identifier; sync; 'nmt COMMAND NODE'
+    (start, stop, pre-operational, reset-node, reset-communication; a node or all); or, for nodes
+    that are described, 'NODE.rpdoN OBJECT=VALUE ...' with physical values, others 0.
+
+    Lines of a file are [TIME] FRAME: seconds since the start, with + since the line before;
+    # begins a comment.
+    """
+    if bool(texts) == (file is not None):
+        raise click.UsageError(f"give frames, or --file; a frame is {FORMS}")
+    known = described.known()
+    if file is not None:
+        steps = read_sequence(file, known)
+    else:
+        steps = [Step(0.0, frame_of_text(text, known)) for text in texts]
+    sent = 0
+    period = steps[-1].at if every is None else every
+    times = count or (1 if every is None else None)
+    with opened(access.on(known)) as bus, drained(bus), until_interrupted():
+        begin = time.monotonic()
+        for number in itertools.count() if times is None else range(times):
+            _run(bus, steps, begin + number * period)
+            sent += len(steps)
+    console.say(f"{sent} frames sent")
+    return OK
+
+
+def _run(bus: OpenBus, steps: Sequence[Step], start: float) -> None:
+    """Sends each frame when it is due."""
+    for step in steps:
+        pause = start + step.at - time.monotonic()
+        if pause > 0:
+            time.sleep(pause)
+        send(bus, step.frame)

@@ -1,0 +1,64 @@
+"""Sequences of frames: a small text file with a frame, and when it is due, in each line."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from rtgen.cli.can.frame_texts import frame_of_text
+from rtgen.cli.can.known import KnownBus
+from rtgen.cli.common import Refusal
+from rtgen.diagnostics import ToolError
+from rtgen.runtime.canopen.frames import Frame
+
+_LINE = re.compile(r"(?:(?P<plus>\+?)(?P<time>\d+(?:\.\d*)?)\s+)?(?P<frame>.+)")
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A frame that is due so many seconds after the start."""
+
+    at: float
+    frame: Frame
+
+
+def read_sequence(path: Path, known: KnownBus) -> list[Step]:
+    """The steps of a file. Raises Refusal with the line, ToolError if it cannot be read.
+
+    A line is `[TIME] FRAME`: the time in seconds since the start, or, with `+`, since the line
+    before; without a time the frame follows at once. Lines that begin with `#` are comments.
+    """
+    try:
+        text = path.read_text("utf-8")
+    except OSError as error:
+        raise ToolError(f"cannot read {path}: {error.strerror}") from error
+    except UnicodeDecodeError as error:
+        raise Refusal(f"{path}: this is no text in UTF-8") from error
+    steps = list(_steps(path, text, known))
+    if not steps:
+        raise Refusal(f"{path}: there is no frame in this file")
+    return steps
+
+
+def _steps(path: Path, text: str, known: KnownBus) -> Iterator[Step]:
+    at = 0.0
+    for number, line in enumerate(text.splitlines(), 1):
+        written = line.strip()
+        if not written or written.startswith("#"):
+            continue
+        found = _LINE.fullmatch(written)
+        assert found is not None
+        if found["time"] is not None:
+            time = float(found["time"])
+            due = at + time if found["plus"] else time
+            if due < at:
+                raise Refusal(
+                    f"{path}:{number}: {time:g} s is before the line above ({at:g} s)"
+                )
+            at = due
+        try:
+            yield Step(at, frame_of_text(found["frame"], known))
+        except Refusal as error:
+            raise Refusal(f"{path}:{number}: {error.message}") from error

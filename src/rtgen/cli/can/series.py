@@ -1,0 +1,97 @@
+"""Values over time: as CSV, and as a picture."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from rtgen.cli.common import Refusal
+from rtgen.cli.recording import PICTURES
+from rtgen.diagnostics import ToolError
+
+_WIDTH, _HEIGHT = 9.0, 2.6
+"""Inches of a picture, and of each of its diagrams."""
+
+
+class Series:
+    """The values of an object: times in seconds since the first frame."""
+
+    def __init__(self, label: str, unit: str) -> None:
+        self.label = label
+        self.unit = unit
+        self.times: list[float] = []
+        self.values: list[float] = []
+
+    @property
+    def title(self) -> str:
+        """The label with the unit."""
+        return f"{self.label} [{self.unit}]" if self.unit else self.label
+
+    def add(self, time: float, value: float) -> None:
+        """Takes a value."""
+        self.times.append(time)
+        self.values.append(value)
+
+
+def check_output(path: Path) -> None:
+    """Raises Refusal for a suffix that means nothing, ToolError if matplotlib is missing."""
+    suffix = path.suffix.lower()
+    if suffix == ".csv":
+        return
+    if suffix not in PICTURES:
+        raise Refusal(f"{path}: the suffix is one of {', '.join(PICTURES)}, .csv")
+    if find_spec("matplotlib") is None:
+        raise ToolError(
+            "pictures need matplotlib, which is not installed",
+            hint="pip install 'rtgen[plot]', or write .csv",
+        )
+
+
+def write_csv(path: Path, found: Sequence[Series]) -> None:
+    """A line for each value, by time: the columns of other series are empty. Raises ToolError."""
+    rows = sorted(
+        (time, column, value)
+        for column, series in enumerate(found)
+        for time, value in zip(series.times, series.values, strict=True)
+    )
+    try:
+        with path.open("w", encoding="utf-8", newline="") as stream:
+            writer = csv.writer(stream, lineterminator="\n")
+            writer.writerow(["t", *(series.title for series in found)])
+            for time, column, value in rows:
+                cells = [""] * len(found)
+                cells[column] = repr(value)
+                writer.writerow([f"{time:.6f}", *cells])
+    except OSError as error:
+        raise ToolError(f"cannot write {path}: {error.strerror}") from error
+
+
+def draw(path: Path, found: Sequence[Series]) -> None:
+    """A diagram for each unit, one below the other, with one time axis. Raises ToolError."""
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    units = list(dict.fromkeys(series.unit for series in found))
+    with rc_context({"svg.hashsalt": "rtgen", "font.family": "DejaVu Sans"}):
+        figure = Figure((_WIDTH, 1.0 + _HEIGHT * len(units)), layout="constrained")
+        rows = figure.subplots(len(units), sharex=True, squeeze=False)
+        for unit, (axes,) in zip(units, rows, strict=True):
+            for series in found:
+                if series.unit == unit:
+                    # A value holds until the next one comes.
+                    axes.step(
+                        series.times, series.values, where="post", label=series.label
+                    )
+            axes.set_ylabel(unit or "value")
+            axes.grid(visible=True, alpha=0.3)
+            axes.legend(loc="best")
+        rows[-1][0].set_xlabel("t [s]")
+        kind = path.suffix.lower()[1:]
+        undated: dict[str, Any] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
+        try:
+            figure.savefig(path, format=kind, metadata=undated.get(kind))
+        except OSError as error:
+            raise ToolError(f"cannot write {path}: {error.strerror}") from error
