@@ -15,6 +15,7 @@ from rtgen.diagnostics import ToolError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 Pose: TypeAlias = tuple[float, float, float]
 """x [m], y [m], heading [rad]."""
@@ -105,12 +106,17 @@ def draw(path: str, title: str, samples: Sequence[Sample]) -> None:
         axes.set_title(title)
         axes.grid(visible=True, alpha=0.3)
         axes.legend(loc="best")
-        kind = Path(path).suffix.lower()[1:]
-        undated: dict[str, Any] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
-        try:
-            figure.savefig(path, format=kind, metadata=undated.get(kind))
-        except OSError as error:
-            raise ToolError(f"cannot write {path}: {error.strerror}") from error
+        save_picture(figure, Path(path))
+
+
+def save_picture(figure: Figure, path: Path) -> None:
+    """Writes a picture, without a date, of the kind that the suffix tells. Raises ToolError."""
+    kind = path.suffix.lower()[1:]
+    undated: dict[str, Any] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
+    try:
+        figure.savefig(path, format=kind, metadata=undated.get(kind))
+    except OSError as error:
+        raise ToolError(f"cannot write {path}: {error.strerror}") from error
 
 
 def _extent(poses: Sequence[Pose]) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import get_args
@@ -28,6 +29,8 @@ _SECOND = 1_000_000_000
 _LOOK = 0.3
 """Seconds that the bus is watched for a manager, if nobody tells how often it beats."""
 _LONGEST_LOOK = 2.0
+_MINUS = "\N{MINUS SIGN}"
+_NEGATIVE = re.compile(r"-\.?\d")
 _BLOCKS: tuple[Kind, ...] = ("octets", "string", "wstring")
 """Kinds of values that may be long, and so are read by blocks."""
 
@@ -38,11 +41,25 @@ class _Aborted(click.ClickException):
     exit_code = NO
 
 
-@click.command("sdo")
+class _Command(click.Command):
+    """A command one of whose arguments may be a negative number, which looks like an option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        marked = [f"{_MINUS}{a[1:]}" if _NEGATIVE.match(a) else a for a in args]
+        return super().parse_args(ctx, marked)
+
+
+def _unmarked(
+    context: click.Context, parameter: click.Parameter, text: str | None
+) -> str | None:
+    return None if text is None else text.replace(_MINUS, "-", 1)
+
+
+@click.command("sdo", cls=_Command)
 @click.argument("action", type=click.Choice(["read", "write"]))
 @click.argument("node", metavar="NODE")
 @click.argument("name", metavar="OBJECT")
-@click.argument("value", required=False)
+@click.argument("value", required=False, callback=_unmarked)
 @click.option(
     "--type",
     "kind",

@@ -6,10 +6,9 @@ import csv
 from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 from rtgen.cli.common import Refusal
-from rtgen.cli.recording import PICTURES
+from rtgen.cli.recording import PICTURES, save_picture
 from rtgen.diagnostics import ToolError
 
 _WIDTH, _HEIGHT = 9.0, 2.6
@@ -89,9 +88,4 @@ def draw(path: Path, found: Sequence[Series]) -> None:
             axes.grid(visible=True, alpha=0.3)
             axes.legend(loc="best")
         rows[-1][0].set_xlabel("t [s]")
-        kind = path.suffix.lower()[1:]
-        undated: dict[str, Any] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
-        try:
-            figure.savefig(path, format=kind, metadata=undated.get(kind))
-        except OSError as error:
-            raise ToolError(f"cannot write {path}: {error.strerror}") from error
+        save_picture(figure, path)

@@ -1,0 +1,56 @@
+"""Complete slaves of the devices in `specs/canopen`, on a virtual bus of this process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from rtgen.backends.canopen.objects_module import objects_text
+from rtgen.frontends import eds
+from rtgen.runtime.canopen.description import DeviceDescription
+from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.clocks import RealClock
+from rtgen.typemap.canopen_names import field_names
+
+SPECS = Path(__file__).parents[3] / "specs" / "canopen"
+
+
+@cache
+def description(name: str) -> DeviceDescription:
+    """The generated description of `specs/canopen/<name>.eds`."""
+    path = SPECS / f"{name}.eds"
+    (device,) = eds.load([path], root=path.parent).model.devices
+    made: dict[str, Any] = {"__name__": name}
+    exec(objects_text(device.name, device, field_names(device.variables), ""), made)
+    found = made["DESCRIPTION"]
+    assert isinstance(found, DeviceDescription)
+    return found
+
+
+@contextmanager
+def nodes(
+    channel: str, names: Mapping[int, str], serial: int = 0
+) -> Iterator[dict[int, DeviceNode]]:
+    """Slaves by node-id, booted; above 200 they have none, and serial numbers that follow."""
+    link = open_link(RealClock(), "virtual", channel)
+    made = {}
+    for place, (node_id, name) in enumerate(names.items()):
+        node = DeviceNode(
+            description(name),
+            node_id if node_id <= 127 else 255,
+            serial_number=serial + place,
+        )
+        with link.lock:
+            link.attach(node)
+            link.send(node.boot(link.now()), node)
+            link.refresh(node)
+        made[node_id] = node
+    try:
+        yield made
+    finally:
+        for node in made.values():
+            link.detach(node)

@@ -1,0 +1,402 @@
+"""`rtgen can send`, `sdo`, `scan`, `plot` and `timing`, with complete slaves on a virtual bus."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import can
+import pytest
+from can_commands import (
+    bus,
+    command,
+    eventually,
+    listeners,
+    meanwhile,
+    messages,
+    received,
+    texts,
+)
+from can_nodes import SPECS, nodes
+from device_bench import DEVICE, NODE_ID, number_of
+
+from rtgen.cli import run
+from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.nmt import NmtCommand
+from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.clocks import RealClock
+
+LINKED = str(SPECS / "pdo_linking.toml")
+FOURX = str(SPECS / "fourx.toml")
+PAIR = {1: "motor_core_unit", 2: "f_palette"}
+DRIVE = ["--eds", f"1={SPECS / 'epos_drive.eds'}"]
+
+
+def out(capfd: pytest.CaptureFixture[str]) -> str:
+    return capfd.readouterr().out.rstrip("\n")
+
+
+def shown(text: str) -> str:
+    """The text of a message box or of findings, in one line."""
+    return " ".join(text.split())
+
+
+# send
+
+
+@pytest.mark.parametrize(
+    ("frame", "sent"),
+    [
+        ("181#0102", "181#0102"),
+        ("7FF#11.22.33", "7FF#112233"),
+        ("080#", "080#"),
+        ("701#R", "701#R"),
+        ("01ABCDEF#ff", "01ABCDEF#ff"),
+        ("sync", "080#"),
+        ("sync 7", "080#07"),
+        ("nmt start all", "000#0100"),
+        ("nmt reset-node front_right", "000#8102"),
+        ("NMT pre-operational 0x10", "000#8010"),
+        ("front_left.rpdo1 Controlword=0x0F", "201#0f0000"),
+        ("front_left.rpdo1 modes_of_operation=-3 Controlword=6", "201#0600fd"),
+        ("rear_right.rpdo3 Target_velocity=-1.5", "404#24faffff"),
+    ],
+)
+def test_frames_as_people_write_them(frame: str, sent: str) -> None:
+    with bus("forms") as peer:
+        assert command("forms", "send", frame, "--bus", FOURX) == 0
+        assert texts(received(peer, 1)) == [sent]
+
+
+@pytest.mark.parametrize(
+    ("frame", "told"),
+    [
+        ("181", "is no frame: write ID#HEX"),
+        ("181#0", "hexadecimal digits"),
+        ("FFF#00", "hexadecimal digits"),
+        ("181#112233445566778899", "hexadecimal digits"),
+        ("sync x", "no counter"),
+        ("sync 300", "no counter"),
+        ("nmt go all", "no NMT command"),
+        ("nmt start frnt_left", "did you mean front_left?"),
+        ("front_left.rpdo9", "no valid rpdo9; there are"),
+        ("front_left.rpdo1 Contrlword=1", "did you mean Controlword?"),
+        ("front_left.rpdo1 Zzz=1", "it has Controlword"),
+        ("front_left.rpdo1 Controlword", "no OBJECT=VALUE"),
+        ("front_left.rpdo1 Controlword=x", "is no integer (u16)"),
+        ("front_left.rpdo1 Controlword=70000", "over 65535"),
+        ("9.rpdo1 Controlword=1", "9 is not described"),
+    ],
+)
+def test_frames_that_are_none(
+    frame: str, told: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert command("none", "send", frame, "--bus", FOURX) == 2
+    assert told in shown(capfd.readouterr().err)
+
+
+def test_again_and_again() -> None:
+    with bus("cyclic") as peer:
+        again = ["--every", "0.01", "--count", "3"]
+        assert command("cyclic", "send", "080#", "181#01", *again) == 0
+        assert texts(received(peer, 6)) == ["080#", "181#01"] * 3
+        assert peer.recv(0) is None
+
+
+def test_a_sequence(tmp_path: Path) -> None:
+    path = tmp_path / "sequence.txt"
+    path.write_text(
+        "# switch the drive on\n"
+        "nmt start front_left\n"
+        "0.01 front_left.rpdo1 Controlword=6\n"
+        "+0.01  201#0700.00\n"
+        "\n"
+        "  +0  sync\n"
+    )
+    with bus("sequence") as peer:
+        whole = ["--file", str(path), "--bus", FOURX, "--count", "2"]
+        assert command("sequence", "send", *whole) == 0
+        once = ["000#0101", "201#060000", "201#070000", "080#"]
+        assert texts(received(peer, 8)) == once * 2
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "told"),
+    [
+        ("080#\n1.0 081#\n0.5 082#\n", 2, "s.txt:3: 0.5 s is before the line above"),
+        ("080#\nnonsense\n", 2, "s.txt:2: 'nonsense' is no frame"),
+        ("# nothing\n", 2, "there is no frame"),
+    ],
+)
+def test_sequences_that_are_none(
+    text: str,
+    code: int,
+    told: str,
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    path = tmp_path / "s.txt"
+    path.write_text(text)
+    assert command("none", "send", "--file", str(path)) == code
+    assert told in shown(capfd.readouterr().err)
+    assert command("none", "send", "--file", str(tmp_path / "x")) == 3
+    assert command("none", "send") == 2
+    assert command("none", "send", "080#", "--file", str(path)) == 2
+
+
+# sdo
+
+
+def test_sdo_by_name_and_number(capfd: pytest.CaptureFixture[str]) -> None:
+    near = ["--no-look", "--bus", LINKED]
+    with nodes("sdo", PAIR):
+        for name in ("Vendor_ID", "1018:1", "0x1018:01"):
+            assert command("sdo", "sdo", "read", "motor", name, *near) == 0
+            assert out(capfd) == "0xFFFF01"
+        name = "Manufacturer_device_name"
+        assert command("sdo", "sdo", "read", "palette", name, *near) == 0
+        assert out(capfd) == "f-palette"
+        time = "Producer_heartbeat_time"
+        assert command("sdo", "sdo", "write", "1", time, "0", *near) == 0
+        assert command("sdo", "sdo", "read", "1", time, "--json", *near) == 0
+        assert json.loads(out(capfd)) == {
+            "node": 1,
+            "node_name": "motor",
+            "object": "1017:0",
+            "name": time,
+            "value": 0,
+        }
+
+
+def test_sdo_has_factor_and_unit(capfd: pytest.CaptureFixture[str]) -> None:
+    near = ["--no-look", "--bus", FOURX]
+    with nodes("factor", {1: "ftmd"}) as made:
+        assert command("factor", "sdo", "write", "1", "60FF", "-1.5", *near) == 0
+        assert made[1].get(0x60FF) == -1500
+        assert command("factor", "sdo", "read", "1", "60FF", *near) == 0
+        assert out(capfd) == "-1.5 deg/s"
+        assert command("factor", "sdo", "read", "1", "60FF", "--raw", *near) == 0
+        assert out(capfd) == "-1500"
+        raw = ["sdo", "write", "1", "60FF", "20", "--raw"]
+        assert command("factor", *raw, *near) == 0
+        assert made[1].get(0x60FF) == 20
+
+
+def test_sdo_of_a_node_that_nobody_described(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    with nodes("stranger", {9: "f_palette"}):
+        base = ["stranger", "sdo", "read", "9"]
+        assert command(*base, "1018:1", "--no-look") == 0
+        assert out(capfd) == "01 ff ff 00"
+        assert command(*base, "1018:1", "--no-look", "--type", "u32") == 0
+        assert out(capfd) == "0xFFFF01"
+        assert command(*base, "Vendor_ID", "--no-look") == 2
+        assert "give --bus or --eds" in shown(capfd.readouterr().err)
+
+
+def test_sdo_refusals(capfd: pytest.CaptureFixture[str]) -> None:
+    near = ["--no-look", "--bus", LINKED]
+    with nodes("refusal", PAIR):
+        write = ["refusal", "sdo", "write", "motor"]
+        assert command(*write, "Vendor_ID", "1", *near) == 1
+        assert (
+            "motor 1018:1 Vendor_ID: the node refuses: 06010002h write of a read-only "
+            "object" in shown(capfd.readouterr().err)
+        )
+        assert command(*write, "Producer_heartbeat_time", "70000", *near) == 2
+        assert "over 65535" in shown(capfd.readouterr().err)
+        assert command(*write, "Producer_heartbeat_time", "fast", *near) == 2
+        assert "'fast' is no integer" in shown(capfd.readouterr().err)
+        assert command(*write, "Producer_heartbeat_tim", "1", *near) == 2
+        assert "did you mean Producer_heartbeat_time?" in shown(capfd.readouterr().err)
+        assert command(*write, "6060", *near) == 2
+        read = ["refusal", "sdo", "read", "motor"]
+        assert command(*read, "6060", "3", *near) == 2
+        assert command(*read, "5FFF", "--type", "u8", *near) == 1
+        assert "06020000h object does not exist" in shown(capfd.readouterr().err)
+        silent = ["sdo", "read", "33", "1000", "--no-look", "--timeout", "0.02"]
+        assert command("refusal", *silent) == 3
+        assert "node 33 does not answer" in shown(capfd.readouterr().err)
+
+
+def test_sdo_warns_of_a_manager(capfd: pytest.CaptureFixture[str]) -> None:
+    def beat() -> None:
+        eventually(lambda: listeners("managed") >= 3)
+        peer.send(messages("77F#05")[0])
+
+    with nodes("managed", PAIR), bus("managed") as peer, meanwhile(beat):
+        assert command("managed", "sdo", "read", "motor", "1000", "--bus", LINKED) == 0
+    captured = capfd.readouterr()
+    assert captured.out.startswith("0x")
+    assert "warning[ENV0002]: the manager (node 127) is on the bus" in captured.err
+
+
+def test_sdo_of_files_by_blocks(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    source, target = tmp_path / "in.bin", tmp_path / "out.bin"
+    source.write_bytes(bytes(i % 251 for i in range(3000)))
+    name = f"{number_of('octets'):X}"
+    link = open_link(RealClock(), "virtual", "files")
+    node = DeviceNode(DEVICE, NODE_ID)
+    with link.lock:
+        link.attach(node)
+        link.send(node.boot(link.now()), node)
+    try:
+        with bus("files") as peer:
+            near = ["--no-look"]
+            write = ["sdo", "write", "5", name, "--file", str(source)]
+            assert command("files", *write, *near) == 0
+            assert node.get(number_of("octets")) == source.read_bytes()
+            read = ["sdo", "read", "5", name, "--file", str(target)]
+            assert command("files", *read, *near) == 0
+            assert target.read_bytes() == source.read_bytes()
+            first = [
+                m.data[0] for m in received(peer, 900) if m.arbitration_id == 0x605
+            ]
+        assert first[0] & ~0x06 == 0xC0
+        assert 0xA4 in first
+    finally:
+        link.detach(node)
+    assert "3000 octets" in capfd.readouterr().err
+
+
+# scan
+
+
+def test_scan_tells_who_is_there(capfd: pytest.CaptureFixture[str]) -> None:
+    wait = ["--for", "0.4"]
+    with nodes("scan", {1: "motor_core_unit", 7: "epos_drive"}) as made:
+        assert command("scan", "scan", "--no-lss", "--json", *wait) == 0
+        told = json.loads(out(capfd))["nodes"]
+        assert [line["node"] for line in told] == [1, 7]
+        assert told[1]["device"] == "Wheel drive 24/5 CiA 402 (drive)"
+        assert told[1]["product"] == 0x57443245
+        assert told[0]["state"] == "pre-operational"
+        assert made[7].state.name == "PRE_OPERATIONAL"
+        assert command("scan", "scan", "--no-lss", "--bus", LINKED, *wait) == 1
+        lines = [line.split() for line in out(capfd).splitlines()]
+    assert lines[1][:2] == ["1", "motor"]
+    assert lines[1][-2:] == ["as", "described"]
+    assert lines[2] == ["2", "palette", "missing"]
+    assert lines[3][-2:] == ["not", "described"]
+
+
+def test_scan_notices_another_device(capfd: pytest.CaptureFixture[str]) -> None:
+    wait = ["--for", "0.4", "--no-lss"]
+    with nodes("other", {1: "f_palette"}):
+        assert command("other", "scan", *DRIVE, *wait) == 1
+        assert "device type 0x" in out(capfd)
+
+
+def test_scan_finds_nodes_without_node_id(capfd: pytest.CaptureFixture[str]) -> None:
+    with nodes("lss", {201: "epos_drive", 202: "epos_drive"}, serial=41) as made:
+        assert command("lss", "scan", "--json", "--for", "0.1") == 0
+        told = json.loads(out(capfd))
+        assert told["nodes"] == []
+        assert [a["serial"] for a in told["unconfigured"]] == [41, 42]
+        assert told["unconfigured"][0]["vendor"] == 0x00FFFF01
+        assert all(node.node_id == 255 for node in made.values())
+        assert command("lss", "scan", "--for", "0.1") == 0
+        assert "no node-id  vendor 0xFFFF01" in out(capfd)
+
+
+# plot and timing
+
+
+def record(path: Path) -> Path:
+    frames = [f"482#{(100 * place).to_bytes(4, 'little').hex()}" for place in range(5)]
+    with can.Logger(path) as writer:
+        for message in messages("080#", *frames, "281#0a00000000000000"):
+            writer(message)
+    return path
+
+
+def test_plot_of_a_record(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = record(tmp_path / "a.log")
+    outputs = [tmp_path / name for name in ("p.csv", "p.svg", "p.png")]
+    arguments = [
+        "Angle_reference",
+        "motor.607A",
+        "motor.6064",
+        "--from",
+        str(path),
+        "--bus",
+        LINKED,
+    ]
+    for output in outputs:
+        arguments += ["-o", str(output)]
+    assert run(["can", "plot", *arguments]) == 0
+    rows = list(csv.reader(outputs[0].read_text().splitlines()))
+    assert rows[0][0] == "t"
+    assert set(rows[0][1:]) == {
+        "motor.Target_position",
+        "palette.Angle_reference",
+        "motor.Position_actual_value",
+    }
+    column = rows[0].index("palette.Angle_reference")
+    assert [(r[0], r[column]) for r in rows[1:] if r[column]] == [
+        (f"{(place + 1) / 100:.6f}", f"{100.0 * place}") for place in range(5)
+    ]
+    column = rows[0].index("motor.Target_position")
+    assert [r[column] for r in rows[1:] if r[column]][-1] == "400.0"
+    assert outputs[1].read_text().startswith("<?xml")
+    assert outputs[2].read_bytes().startswith(b"\x89PNG")
+    assert "palette.Angle_reference: 5 values" in capfd.readouterr().err
+
+
+def test_plot_live_and_refusals(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = str(tmp_path / "p.csv")
+
+    def send() -> None:
+        eventually(lambda: listeners("plot") >= 2)
+        peer.send(messages("482#01000000")[0])
+
+    base = ["plot", "palette.Angle_reference", "--bus", LINKED]
+    with bus("plot") as peer, meanwhile(send):
+        end = ["--count", "1", "--for", "10"]
+        assert command("plot", *base, "-o", target, *end) == 0
+    assert command("plot", *base, "-o", target, "--for", "0.01") == 1
+    assert command("plot", *base, "-o", str(tmp_path / "p.txt")) == 2
+    assert "the suffix is one of" in shown(capfd.readouterr().err)
+    missing = ["plot", "palette.Angle", "--bus", LINKED, "-o", target]
+    assert command("plot", *missing) == 2
+    monkeypatch.setattr("rtgen.cli.can.series.find_spec", lambda name: None)
+    assert command("plot", *base, "-o", str(tmp_path / "p.svg")) == 3
+    assert "rtgen[plot]" in shown(capfd.readouterr().err)
+
+
+def test_timing(capfd: pytest.CaptureFixture[str]) -> None:
+    path = str(SPECS / "rh3_beego.toml")
+    assert run(["can", "timing", path, "--json"]) == 0
+    told: dict[str, Any] = json.loads(out(capfd))
+    assert told["bit_rate"] == 1000
+    first = told["messages"][0]
+    assert (first["name"], first["id"], first["frame_ns"]) == ("SYNC", 0x80, 55_000)
+    assert run(["can", "timing", path]) == 0
+    assert out(capfd).startswith("load 70.4 % of 1000 kbit/s")
+    assert run(["can", "timing", path, "--bit-rate", "125"]) == 1
+    assert "no bound" in out(capfd)
+    assert run(["can", "timing", "missing.toml"]) == 2
+    assert "EDS0700" in capfd.readouterr().err
+
+
+def test_a_command_without_its_extra(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "can", None)
+    for words in (["scan"], ["send", "080#"], ["sdo", "read", "1", "1000"]):
+        assert run(["can", *words, "--interface", "virtual"]) == 3
+        assert "pip install 'rtgen[can]'" in capfd.readouterr().err
+
+
+def test_the_commands_of_nmt_are_all_known() -> None:
+    from rtgen.cli.can.frame_texts import _COMMANDS
+
+    assert set(_COMMANDS.values()) == set(NmtCommand)
