@@ -35,7 +35,7 @@ def graph(console: Console, system: str, output: str | None) -> int:
     profiles: dict[str, ComponentView] = {}
     project = load()
     if project.sources and not has_errors(diagnostics):
-        result = compiler.read(project)
+        result = compiler.read(project, lowered=True)
         diagnostics += result.diagnostics
         sources = {**sources, **result.sources}
         declarations = result.model.declarations
