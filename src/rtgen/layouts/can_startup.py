@@ -1,0 +1,169 @@
+"""What is written to a node before it is started, in an order that every device takes.
+
+Communication comes first, the node's heartbeat (1017h) before those that it consumes (1016h), then
+the PDOs (CiA 301, 7.5.2.36): a PDO that changes is switched off (bit 31 of its COB-ID), its mapping
+emptied, written and counted, and the PDO switched on at last. The other objects follow by index.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from rtgen.layouts.can_values import octets
+from rtgen.model.can_bus import BusNode
+from rtgen.model.canopen import (
+    INVALID,
+    RPDO_COMMUNICATION,
+    TPDO_COMMUNICATION,
+    Pdo,
+    PdoDirection,
+    Variable,
+    resolved,
+)
+
+_CONSUMER, _PRODUCER = 0x1016, 0x1017
+_STORE = (0x1010, 0x1011)
+_PROFILES = 0x2000
+_MAPPING = 0x200
+_NOT_ON_DOWNLOAD = 1 << 0
+"""Flag of an object (CiA 306, 4.6.3.2): it is not written with a configuration."""
+
+
+@dataclass(frozen=True, slots=True)
+class StartWrite:
+    """A value that is written; `why` tells what for, in a few words.
+
+    `verify` says that it can be read back.
+    """
+
+    variable: Variable
+    value: bytes
+    why: str = ""
+    verify: bool = True
+
+
+def start_up(node: BusNode) -> tuple[StartWrite, ...]:
+    """What is written to a node: what the bus file asks for, and what differs from the defaults.
+
+    Raises CanValueError for a value that has no octets.
+    """
+    return tuple(_StartUp(node).writes())
+
+
+class _StartUp:
+    def __init__(self, node: BusNode) -> None:
+        self._id = node.id
+        self._device = node.device
+        asked = {number for number, _ in node.values}
+        self._changed = {
+            (v.index, v.subindex): v
+            for v in node.device.variables
+            if self._differs(v, (v.index, v.subindex) in asked)
+        }
+
+    def _differs(self, variable: Variable, asked: bool) -> bool:
+        if not variable.access.writable or variable.current is None:
+            return False
+        if asked:
+            return True
+        default, value = (
+            resolved(told, self._id) for told in (variable.default, variable.value)
+        )
+        wanted = value is not None and value != default
+        return wanted and not variable.flags & _NOT_ON_DOWNLOAD
+
+    def writes(self) -> Iterator[StartWrite]:
+        """All of them, in order."""
+        of_pdos = {
+            base + i for base in map(_index, self._device.pdos) for i in (0, _MAPPING)
+        }
+        plain = [v for v in self._changed.values() if v.index not in of_pdos]
+        plain.sort(key=_order)
+        for variable in plain:
+            if variable.index < _PROFILES and variable.index not in _STORE:
+                yield self._write(variable)
+        for pdo in self._device.pdos:
+            yield from self._pdo(pdo)
+        for variable in plain:
+            if variable.index >= _PROFILES:
+                yield self._write(variable)
+        for variable in plain:
+            if variable.index in _STORE:
+                yield self._write(variable)
+
+    def _pdo(self, pdo: Pdo) -> Iterator[StartWrite]:
+        index = _index(pdo)
+        parameters = self._of(index)
+        mapping = self._of(index + _MAPPING)
+        if not (parameters or mapping):
+            return
+        name = f"{pdo.direction.upper()} {pdo.number}"
+        cob_id = self._device.find(index, 1)
+        told = None if cob_id is None else resolved(cob_id.current, self._id)
+        switched = (
+            cob_id is not None and isinstance(told, int) and cob_id.access.writable
+        )
+        if switched:
+            assert cob_id is not None
+            assert isinstance(told, int)
+            yield self._write(cob_id, f"{name} off", told | INVALID)
+        for variable in parameters:
+            if variable is not cob_id:
+                yield self._write(variable)
+        yield from self._mapping(index + _MAPPING, name, bool(mapping))
+        if switched and isinstance(told, int) and not told & INVALID:
+            assert cob_id is not None
+            yield self._write(cob_id, f"{name} on")
+
+    def _mapping(self, index: int, name: str, changed: bool) -> Iterator[StartWrite]:
+        count = self._device.find(index, 0)
+        if not changed or count is None:
+            return
+        counted = count.access.writable
+        if counted:
+            yield self._write(count, f"{name} maps nothing", 0)
+        used = count.current if isinstance(count.current, int) else 0
+        for subindex in range(1, used + 1):
+            entry = self._device.find(index, subindex)
+            if entry is None or entry.current is None or not entry.access.writable:
+                continue
+            yield self._write(entry)
+        if counted and used:
+            yield self._write(count, f"{name} maps {used}")
+
+    def _of(self, index: int) -> list[Variable]:
+        """What changes of an object."""
+        return [v for (of, _), v in self._changed.items() if of == index]
+
+    def _write(
+        self, variable: Variable, why: str = "", value: int | None = None
+    ) -> StartWrite:
+        told = resolved(variable.current, self._id) if value is None else value
+        assert told is not None
+        verify = variable.access.readable and variable.index not in _STORE
+        return StartWrite(variable, octets(variable.data_type, told), why, verify)
+
+
+def _index(pdo: Pdo) -> int:
+    """The communication parameter of a PDO."""
+    sent = pdo.direction is PdoDirection.TPDO
+    return (TPDO_COMMUNICATION if sent else RPDO_COMMUNICATION) + pdo.number - 1
+
+
+def _order(variable: Variable) -> tuple[float, int]:
+    """By index, but for the heartbeat before those that are consumed."""
+    index = _CONSUMER - 0.5 if variable.index == _PRODUCER else variable.index
+    return index, variable.subindex
+
+
+def concise_dcf(writes: Iterable[StartWrite]) -> bytes:
+    """The writes as the octets of object 1F22h (CiA 302-3): their count, then each of them."""
+    entries = list(writes)
+    parts = [struct.pack("<I", len(entries))]
+    for write in entries:
+        variable = write.variable
+        head = struct.pack("<HBI", variable.index, variable.subindex, len(write.value))
+        parts += [head, write.value]
+    return b"".join(parts)
