@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 
 from rtgen.backends.canopen.literals import call, items, literal, named, number
 from rtgen.backends.python_text import docstring, fit, string_literal
@@ -14,10 +15,12 @@ from rtgen.model.canopen import (
     NodeRelative,
     Pdo,
     PdoDirection,
+    Value,
     Variable,
 )
 from rtgen.typemap.canopen_values import kind, object_value, python_type
 
+_IDENTITY = 0x1018
 _MAPPING = 0x200
 _EVENT_DRIVEN = 255
 
@@ -31,6 +34,7 @@ def objects_text(
     module: str, device: Device, names: Mapping[tuple[int, int], str], header: str
 ) -> str:
     """The module. `names` are the fields of the variables by index and sub-index."""
+    device = as_delivered(device)
     used = ["DeviceDescription"]
     used += ["ObjectDescription"] * any(device.variables)
     used += ["PdoDescription"] * bool(device.pdos)
@@ -66,12 +70,12 @@ def _description(
         "DeviceDescription",
         name=string_literal(module),
         objects=items(
-            [_object(v, names[v.index, v.subindex]) for v in device.variables]
+            [_object(v, names[v.index, v.subindex], device) for v in device.variables]
         ),
         pdos=items([pdo_text(pdo, device) for pdo in device.pdos]),
-        vendor_id=_hex(device.vendor_id),
-        product_code=_hex(device.product_code),
-        revision_number=_hex(_identity(device, info.revision_number, 3)),
+        vendor_id=_hex(identity_of(device, 1)),
+        product_code=_hex(identity_of(device, 2)),
+        revision_number=_hex(identity_of(device, 3)),
         lss="True" if info.lss else "",
         granularity=(
             "" if info.granularity in (None, 8) else str(info.granularity or 0)
@@ -80,18 +84,66 @@ def _description(
     )
 
 
-def _identity(device: Device, told: int | None, subindex: int) -> int | None:
-    variable = device.find(0x1018, subindex)
+def as_delivered(device: Device) -> Device:
+    """The device before anybody has configured it; one that a DCF describes is configured."""
+    if device.commissioning is not None:
+        return device
+    objects = tuple(
+        replace(o, variables=tuple(replace(v, value=None) for v in o.variables))
+        for o in device.objects
+    )
+    plain = replace(device, objects=objects)
+    return replace(plain, pdos=tuple(_default(pdo, plain) for pdo in device.pdos))
+
+
+def _default(pdo: Pdo, device: Device) -> Pdo:
+    """A PDO by the defaults of its objects."""
+
+    def told(subindex: int) -> Value | None:
+        variable = device.find(communication(pdo), subindex)
+        return None if variable is None else variable.default
+
+    def number(subindex: int) -> int | None:
+        value = told(subindex)
+        return value if isinstance(value, int) else None
+
+    cob_id = told(1)
+    return replace(
+        pdo,
+        cob_id=cob_id if isinstance(cob_id, int | NodeRelative) else None,
+        transmission_type=number(2),
+        entries=pdo.default_entries,
+        inhibit_time=number(3),
+        event_timer=number(5),
+        sync_start=number(6),
+    )
+
+
+def communication(pdo: Pdo) -> int:
+    """The index of a PDO's communication parameter."""
+    sent = pdo.direction is PdoDirection.TPDO
+    return (TPDO_COMMUNICATION if sent else RPDO_COMMUNICATION) + pdo.number - 1
+
+
+def identity_of(device: Device, subindex: int) -> int | None:
+    """A number of the identity: 1018h's, else (sub-indices 1 to 3) DeviceInfo's."""
+    variable = device.find(_IDENTITY, subindex)
     current = None if variable is None else variable.current
-    return current if told is None and isinstance(current, int) else told
+    if isinstance(current, int) and current:
+        return current
+    info = device.info
+    told = (info.vendor_number, info.product_number, info.revision_number)
+    return told[subindex - 1] if subindex <= len(told) else None
 
 
 def _hex(value: int | None) -> str:
     return f"0x{value:X}" if value else ""
 
 
-def _object(variable: Variable, name: str) -> str:
+def _object(variable: Variable, name: str, device: Device) -> str:
     value = object_value(variable.data_type, variable.current)
+    if not value and variable.index == _IDENTITY and variable.subindex:
+        value = identity_of(device, variable.subindex) or value
     relative = isinstance(variable.current, NodeRelative)
     return call(
         "ObjectDescription",
@@ -99,7 +151,7 @@ def _object(variable: Variable, name: str) -> str:
         string_literal(name),
         string_literal(kind(variable.data_type)),
         string_literal(variable.access.value),
-        default=_default(variable, value, relative),
+        default=_default_text(variable, value, relative),
         low=_limit(variable.low),
         high=_limit(variable.high),
         relative="True" if relative else "",
@@ -107,7 +159,7 @@ def _object(variable: Variable, name: str) -> str:
     )
 
 
-def _default(
+def _default_text(
     variable: Variable, value: bool | int | float | str | bytes | None, relative: bool
 ) -> str:
     if value is None:
@@ -130,10 +182,7 @@ def pdo_text(pdo: Pdo, device: Device, node_id: int | None = None) -> str:
     cob_id = told.offset if isinstance(told, NodeRelative) else told
     if relative and cob_id is not None and node_id is not None:
         relative, cob_id = False, cob_id + node_id
-    base = (
-        TPDO_COMMUNICATION if pdo.direction is PdoDirection.TPDO else RPDO_COMMUNICATION
-    )
-    used = device.find(base + _MAPPING + pdo.number - 1, 0)
+    used = device.find(communication(pdo) + _MAPPING, 0)
     transmission = pdo.transmission_type
     return call(
         "PdoDescription",

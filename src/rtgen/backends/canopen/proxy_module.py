@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from rtgen.backends import Options
 from rtgen.backends.canopen.component_module import ComponentModule
 from rtgen.backends.canopen.conversions import is_plain, to_codec, to_object
+from rtgen.backends.canopen.kinds import SERVICE
 from rtgen.backends.canopen.literals import call, items, literal, number
 from rtgen.backends.python_text import docstring, number_literal, string_literal
 from rtgen.model import VOID, Component, Interface, Model, PortKind
@@ -222,7 +223,7 @@ class _ProxyModule(ComponentModule):
         """The interface of the SDO service, if the component provides one."""
         for port in self.component.ports:
             if port.kind is PortKind.PROVIDER:
-                name = (self.ports.module, "ObjectAccess")
+                name = (self.ports.module, SERVICE)
                 declaration = self.model.find(name)
                 assert isinstance(declaration, Interface)
                 return declaration

@@ -1,0 +1,111 @@
+"""The files of networks: the module, a DCF for each node, start-up and timing as reports."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from pathlib import PurePosixPath
+
+from rtgen.backends import Artifact, Options
+from rtgen.backends.canopen.eds_text import eds_text
+from rtgen.backends.canopen.network_module import network_text
+from rtgen.backends.canopen.reports import start_up_text, timing_text
+from rtgen.backends.canopen.rules import NOT_WRITABLE
+from rtgen.backends.python_text import header, header_comment
+from rtgen.diagnostics import Diagnostic
+from rtgen.layouts.can_startup import concise_dcf, start_up
+from rtgen.layouts.can_values import CanValueError
+from rtgen.model.can_bus import Bus, BusNode
+from rtgen.model.canopen import Commissioning, DataType, Device
+
+_CONCISE_DCF = 0x1F22
+
+
+def network_files(
+    buses: Sequence[Bus], options: Options
+) -> tuple[list[Artifact], list[Diagnostic]]:
+    """All files of all networks, and what is wrong with them."""
+    findings = []
+    for bus in buses:
+        for node in bus.nodes:
+            try:
+                start_up(node)
+            except CanValueError as error:
+                findings.append(NOT_WRITABLE.at(node.span, f"{node.name}: {error}"))
+    if findings or not buses:
+        return [], findings
+    return list(_artifacts(buses, options)), []
+
+
+def _artifacts(buses: Sequence[Bus], options: Options) -> Iterator[Artifact]:
+    folder = f"{options.folder}/canopen/networks"
+    keys = tuple(dict.fromkeys(bus.key for bus in buses))
+    sources = list(dict.fromkeys((bus.key, bus.sha256) for bus in buses))
+    comment = header_comment(options.version, sources)
+    yield Artifact(f"{folder}/__init__.py", f'{comment}"""CANopen networks."""\n', keys)
+    for bus in buses:
+        name = bus.name
+        used = [(bus.key, bus.sha256)]
+        used += [(n.device.key, n.device.sha256) for n in bus.nodes]
+        used = list(dict.fromkeys(used))
+        origin = tuple(key for key, _ in used)
+        lines = header(options.version, used)
+        text = network_text(bus, header_comment(options.version, used))
+        yield Artifact(f"{folder}/{name}.py", text, origin)
+        for node in bus.nodes:
+            dcf = eds_text(configured(bus, node), lines)
+            yield Artifact(f"{folder}/{name}/{node.name}.dcf", dcf, origin)
+        report = start_up_text(bus, lines)
+        yield Artifact(f"{folder}/{name}_start_up.txt", report, origin)
+        yield Artifact(f"{folder}/{name}_timing.txt", timing_text(bus, lines), origin)
+
+
+def configured(bus: Bus, node: BusNode) -> Device:
+    """A node's device with its place on the bus.
+
+    One that can keep the configurations of others (1F22h) has theirs.
+    """
+    device = node.device
+    told = device.commissioning or Commissioning()
+    objects = tuple(
+        (
+            replace(
+                thing,
+                variables=tuple(
+                    (
+                        replace(variable, value=concise[variable.subindex])
+                        if variable.subindex in concise
+                        and variable.data_type == DataType.DOMAIN
+                        else variable
+                    )
+                    for variable in thing.variables
+                ),
+            )
+            if thing.index == _CONCISE_DCF and (concise := _concise(bus, node))
+            else thing
+        )
+        for thing in device.objects
+    )
+    return replace(
+        device,
+        objects=objects,
+        commissioning=replace(
+            told,
+            node_id=node.id,
+            node_name=node.name,
+            bit_rate=bus.bit_rate,
+            network_name=bus.name,
+        ),
+        file_info=replace(
+            device.file_info,
+            file_name=f"{node.name}.dcf",
+            last_eds=PurePosixPath(node.kind.path).name,
+        ),
+    )
+
+
+def _concise(bus: Bus, keeper: BusNode) -> dict[int, bytes]:
+    """The configurations of the other nodes, by node-id."""
+    return {
+        node.id: concise_dcf(start_up(node)) for node in bus.nodes if node is not keeper
+    }

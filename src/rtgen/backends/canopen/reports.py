@@ -1,0 +1,129 @@
+"""Reports on a network, for readers: its start-up, write by write, and its timing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from rtgen.backends.canopen.literals import named
+from rtgen.backends.canopen.network_module import heartbeat, identity
+from rtgen.layouts.can_messages import messages
+from rtgen.layouts.can_startup import StartWrite, start_up
+from rtgen.layouts.can_timing import Message, Timing, load, response_times
+from rtgen.model.can_bus import Bus, BusNode
+
+_IDENTITY = ("1000 device type", "1018:1 vendor", "1018:2 product", "1018:3 revision")
+
+
+def start_up_text(bus: Bus, header: Sequence[str]) -> str:
+    """What the manager of a network does with each node, in order.
+
+    Raises CanValueError for a value that cannot be written.
+    """
+    lines = [*(f"# {line}" for line in header), "", *_about(bus)]
+    for node in bus.nodes:
+        lines += ["", f"Node {node.id}, {node.name}: {node.kind.module}"]
+        lines += _table(list(_steps(node)), "  ")
+    return "\n".join(lines) + "\n"
+
+
+def _about(bus: Bus) -> Iterator[str]:
+    yield f"Network {bus.name}: {bus.bit_rate} kbit/s, manager {bus.manager}"
+    if bus.sync:
+        yield f"SYNC every {_milliseconds(bus.sync)} ms"
+    if bus.heartbeat:
+        yield f"Heartbeat of the manager every {_milliseconds(bus.heartbeat)} ms"
+
+
+def _steps(node: BusNode) -> Iterator[list[str]]:
+    yield ["NMT", "82", "reset communication"]
+    yield ["wait", "", "boot-up message"]
+    names = (*_IDENTITY, "1018:4 serial number")
+    for name, told in zip(names, identity(node), strict=True):
+        if told is not None:
+            number, _, what = name.partition(" ")
+            yield ["check", number, what, f"{told:08X}h"]
+    writes = start_up(node)
+    for write in writes:
+        variable = write.variable
+        place = named(variable.index, variable.subindex)
+        yield ["write", place, _what(write), write.value.hex(" ").upper()]
+    if any(write.verify for write in writes):
+        yield ["read", "", "what was written"]
+    yield ["NMT", "01", "start"]
+    period = heartbeat(node)
+    if period:
+        yield ["watch", "1017", "heartbeat", f"every {period} ms"]
+
+
+def _what(write: StartWrite) -> str:
+    name = write.variable.name
+    return f"{name} ({write.why})" if write.why else name
+
+
+def timing_text(bus: Bus, header: Sequence[str]) -> str:
+    """Load and worst-case response time of every message, the most urgent first."""
+    sent = messages(bus)
+    timings = list(response_times(sent, bus.bit_rate))
+    rows = [_HEAD, *(_timing(timing) for timing in timings)]
+    late = [t for t in timings if t.response is None or t.response > t.message.period]
+    lines = [
+        *(f"# {line}" for line in header),
+        "",
+        *_about(bus),
+        f"Load: {load(sent, bus.bit_rate):.1%} at most",
+        "",
+        *_table(rows, ""),
+        "",
+        "All times in us. Response: from the event to the end of the frame, worst case",
+        "(Davis, Burns, Bril, Lukkien: Controller Area Network schedulability analysis, 2007).",
+    ]
+    if late:
+        names = ", ".join(t.message.name for t in late)
+        lines.append(f"Not before the next one is due: {names}.")
+    return "\n".join(lines) + "\n"
+
+
+_HEAD = ["identifier", "message", "octets", "period", "frame", "response"]
+
+
+def _timing(timing: Timing) -> list[str]:
+    message = timing.message
+    return [
+        _identifier(message),
+        message.name,
+        str(message.octets),
+        _microseconds(message.period),
+        _microseconds(timing.transmission),
+        "no bound" if timing.response is None else _microseconds(timing.response),
+    ]
+
+
+def _identifier(message: Message) -> str:
+    return f"{message.identifier:0{8 if message.extended else 3}X}h"
+
+
+def _microseconds(nanoseconds: int) -> str:
+    whole, rest = divmod(nanoseconds, 1000)
+    return str(whole) if not rest else f"{whole}.{rest:03}".rstrip("0")
+
+
+def _milliseconds(seconds: float) -> str:
+    return f"{seconds * 1000:.6f}".rstrip("0").rstrip(".")
+
+
+def _table(rows: Sequence[Sequence[str]], margin: str) -> list[str]:
+    """Rows with columns of equal width."""
+    columns = max(map(len, rows), default=0)
+    widths = [
+        max((len(row[column]) for row in rows if column < len(row)), default=0)
+        for column in range(columns)
+    ]
+    return [
+        (
+            margin
+            + "  ".join(
+                text.ljust(width) for text, width in zip(row, widths, strict=False)
+            )
+        ).rstrip()
+        for row in rows
+    ]
