@@ -20,10 +20,10 @@ class CanValueError(ValueError):
 
 def octets(data_type: int, value: Value) -> bytes:
     """The octets of a value. Raises CanValueError for one that its data type does not have."""
+    if isinstance(value, bytes):
+        return value
     try:
         code = DataType(data_type)
-        if isinstance(value, bytes):
-            return value
         if isinstance(value, str):
             return value.encode(_ENCODINGS[code])
         if code in _REALS:

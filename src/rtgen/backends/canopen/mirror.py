@@ -52,10 +52,10 @@ def mirrored(device: Device, file_name: str) -> Device:
         shift = _shift(thing.index)
         if shift:
             objects.append(_moved(thing, shift))
-        elif thing.index in _OWN:
-            objects.append(thing)
         elif thing.index in sent or thing.index in received:
             objects.append(_turned(thing, thing.index in sent, thing.index in received))
+        elif thing.index in _OWN:
+            objects.append(thing)
     objects.sort(key=lambda o: o.index)
     info = replace(
         device.info,
