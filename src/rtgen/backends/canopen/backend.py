@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from rtgen.backends import Artifact, Emission, Options
+from rtgen.backends.canopen.codecs_module import codecs_text
+from rtgen.backends.canopen.device_module import device_text
+from rtgen.backends.canopen.eds_text import eds_text
 from rtgen.backends.canopen.idl_model import idl_of
 from rtgen.backends.canopen.kinds import file_name, folder_of, kinds_of
-from rtgen.backends.python_text import header
-from rtgen.model import Model
+from rtgen.backends.canopen.mirror import mirrored
+from rtgen.backends.canopen.network_files import network_files
+from rtgen.backends.canopen.objects_module import objects_text
+from rtgen.backends.canopen.proxy_module import proxy_text
+from rtgen.backends.python_text import header, header_comment
+from rtgen.model import Component, Model
 from rtgen.typemap.canopen_ports import DevicePorts
+from rtgen.typemap.idl_python import PythonNames
 
 
 class CanopenBackend:
@@ -21,22 +29,67 @@ class CanopenBackend:
         """All files of all devices and networks. The model is checked."""
         kinds, _ = kinds_of(model.devices, model.buses)
         devices = [DevicePorts(kind.device, kind) for kind in kinds]
-        return Emission(tuple(_artifacts(model, devices, options)))
+        if not devices:
+            return Emission()
+        artifacts, findings = network_files(model.buses, options)
+        return Emission(
+            (*_Devices(model, options).artifacts(devices), *artifacts), findings
+        )
 
 
 BACKEND = CanopenBackend()
 
 
-def _artifacts(
-    model: Model, devices: list[DevicePorts], options: Options
-) -> Iterator[Artifact]:
-    for ports in devices:
-        folder = f"{options.folder}/canopen/{folder_of(ports.kind)}"
-        origin = (ports.device.key,)
-        yield Artifact(f"{folder}/{file_name(ports)}", _idl(ports, options), origin)
+class _Devices:
+    def __init__(self, model: Model, options: Options) -> None:
+        self._model = model
+        self._options = options
+        self._names = PythonNames(model, options.package)
+        package = f"{options.package}.canopen.networks".removeprefix(".")
+        self._networks = package if model.buses else ""
 
+    def artifacts(self, devices: list[DevicePorts]) -> Iterator[Artifact]:
+        """The files of all devices."""
+        for ports in devices:
+            yield from self._device(ports)
 
-def _idl(ports: DevicePorts, options: Options) -> str:
-    sources = [(ports.device.key, ports.device.sha256)]
-    head = "".join(f"// {line}\n" for line in header(options.version, sources))
-    return f"{head}\n{idl_of(ports)}"
+    def _device(self, ports: DevicePorts) -> Iterator[Artifact]:
+        device, module = ports.device, ports.module
+        folder = f"{self._options.folder}/canopen/{folder_of(ports.kind)}"
+        sources = [(device.key, device.sha256)]
+        comment = header_comment(self._options.version, sources)
+        lines = header(self._options.version, sources)
+
+        def file(name: str, text: str) -> Artifact:
+            return Artifact(f"{folder}/{name}", text, (device.key,))
+
+        idl = "".join(f"// {line}\n" for line in lines)
+        yield file(file_name(ports), f"{idl}\n{idl_of(ports)}")
+        yield file("__init__.py", f'{comment}"""{module}."""\n')
+        yield file("objects.py", objects_text(module, device, ports.names, comment))
+        yield file("codecs.py", codecs_text(ports, comment))
+        yield file("proxy.py", self._component(proxy_text, ports, "Proxy", comment))
+        yield file("device.py", self._component(device_text, ports, "Device", comment))
+        name = f"{module}Proxy.eds"
+        yield file(name, eds_text(mirrored(device, name), lines))
+
+    def _component(
+        self,
+        text: Callable[
+            [Model, PythonNames, Component, DevicePorts, Options, str, str], str
+        ],
+        ports: DevicePorts,
+        suffix: str,
+        comment: str,
+    ) -> str:
+        component = self._model.find((f"{ports.module}{suffix}",))
+        assert isinstance(component, Component)
+        return text(
+            self._model,
+            self._names,
+            component,
+            ports,
+            self._options,
+            comment,
+            self._networks,
+        )

@@ -80,4 +80,19 @@ is 0 or empty unless it is set, and that is written to the device when the proxy
 """,
 )
 
-RULES = (SAME_MODULE, TAKEN_MODULE, NO_PORT, BAD_PARAMETER, NO_DEFAULT)
+NOT_WRITABLE = Rule(
+    "EDS0805",
+    "value that cannot be written to a node",
+    Severity.ERROR,
+    """
+What a bus file or a DCF gives an object cannot be sent to the device: text with characters that are
+not of Latin-1, a number that its data type does not have, or a value that depends on a node-id.
+
+```toml
+[node.left.values]
+"2001" = "\u5de6"              # gives this finding where 2001h is a VISIBLE_STRING
+```
+""",
+)
+
+RULES = (SAME_MODULE, TAKEN_MODULE, NO_PORT, BAD_PARAMETER, NO_DEFAULT, NOT_WRITABLE)
