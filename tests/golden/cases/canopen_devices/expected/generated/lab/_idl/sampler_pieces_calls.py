@@ -2595,364 +2595,146 @@ class ObjectAccess_set_Time_of_day_request(Aggregated):
         return ObjectAccess_set_Time_of_day_request(Time(value.sec, value.nsec))
 
 
+_RAISES_1 = ((CANopen_SdoAbort_raised, SdoAbort), (CANopen_BusGone_raised, BusGone))
 _CALLS: dict[str, dict[str, Call]] = {
     "IDL:SamplerPieces/ObjectAccess:1.0": {
         "get_Device_type": Call(
             reply=ObjectAccess_get_Device_type_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Error_register": Call(
             reply=ObjectAccess_get_Error_register_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Manufacturer_device_name": Call(
             reply=ObjectAccess_get_Manufacturer_device_name_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Highest_sub_index_supported_1016_00": Call(
             reply=ObjectAccess_get_Highest_sub_index_supported_1016_00_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Consumer_heartbeat_time_1": Call(
             reply=ObjectAccess_get_Consumer_heartbeat_time_1_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "set_Consumer_heartbeat_time_1": Call(
             request=ObjectAccess_set_Consumer_heartbeat_time_1_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Producer_heartbeat_time": Call(
             reply=ObjectAccess_get_Producer_heartbeat_time_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "set_Producer_heartbeat_time": Call(
             request=ObjectAccess_set_Producer_heartbeat_time_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Highest_sub_index_supported_1018_00": Call(
             reply=ObjectAccess_get_Highest_sub_index_supported_1018_00_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
-        "get_Vendor_ID": Call(
-            reply=ObjectAccess_get_Vendor_ID_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
+        "get_Vendor_ID": Call(reply=ObjectAccess_get_Vendor_ID_reply, raises=_RAISES_1),
         "get_Product_code": Call(
             reply=ObjectAccess_get_Product_code_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Revision_number": Call(
             reply=ObjectAccess_get_Revision_number_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Serial_number": Call(
             reply=ObjectAccess_get_Serial_number_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Switch_2001_00": Call(
             reply=ObjectAccess_get_Switch_2001_00_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "set_Switch_2001_00": Call(
             request=ObjectAccess_set_Switch_2001_00_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
-        "get_Gear": Call(
-            reply=ObjectAccess_get_Gear_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "set_Gear": Call(
-            request=ObjectAccess_set_Gear_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "get_Level": Call(
-            reply=ObjectAccess_get_Level_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "set_Level": Call(
-            request=ObjectAccess_set_Level_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "get_Counter": Call(
-            reply=ObjectAccess_get_Counter_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "set_Counter": Call(
-            request=ObjectAccess_set_Counter_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
+        "get_Gear": Call(reply=ObjectAccess_get_Gear_reply, raises=_RAISES_1),
+        "set_Gear": Call(request=ObjectAccess_set_Gear_request, raises=_RAISES_1),
+        "get_Level": Call(reply=ObjectAccess_get_Level_reply, raises=_RAISES_1),
+        "set_Level": Call(request=ObjectAccess_set_Level_request, raises=_RAISES_1),
+        "get_Counter": Call(reply=ObjectAccess_get_Counter_reply, raises=_RAISES_1),
+        "set_Counter": Call(request=ObjectAccess_set_Counter_request, raises=_RAISES_1),
         "get_Highest_sub_index_supported_2010_00": Call(
             reply=ObjectAccess_get_Highest_sub_index_supported_2010_00_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
-        "get_Raw_value": Call(
-            reply=ObjectAccess_get_Raw_value_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
+        "get_Raw_value": Call(reply=ObjectAccess_get_Raw_value_reply, raises=_RAISES_1),
         "get_Scale_factor": Call(
             reply=ObjectAccess_get_Scale_factor_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "set_Scale_factor": Call(
             request=ObjectAccess_set_Scale_factor_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Highest_sub_index_supported_2011_00": Call(
             reply=ObjectAccess_get_Highest_sub_index_supported_2011_00_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Position_48": Call(
             reply=ObjectAccess_get_Position_48_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
-        "get_Time_40": Call(
-            reply=ObjectAccess_get_Time_40_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "get_Ticks_56": Call(
-            reply=ObjectAccess_get_Ticks_56_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
+        "get_Time_40": Call(reply=ObjectAccess_get_Time_40_reply, raises=_RAISES_1),
+        "get_Ticks_56": Call(reply=ObjectAccess_get_Ticks_56_reply, raises=_RAISES_1),
         "set_Ticks_56": Call(
             request=ObjectAccess_set_Ticks_56_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
-        "get_Distance": Call(
-            reply=ObjectAccess_get_Distance_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
+        "get_Distance": Call(reply=ObjectAccess_get_Distance_reply, raises=_RAISES_1),
         "set_Distance": Call(
             request=ObjectAccess_set_Distance_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
-        "get_Offset": Call(
-            reply=ObjectAccess_get_Offset_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "set_Offset": Call(
-            request=ObjectAccess_set_Offset_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "get_Speed": Call(
-            reply=ObjectAccess_get_Speed_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "set_Speed": Call(
-            request=ObjectAccess_set_Speed_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "get_Label": Call(
-            reply=ObjectAccess_get_Label_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "set_Label": Call(
-            request=ObjectAccess_set_Label_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
+        "get_Offset": Call(reply=ObjectAccess_get_Offset_reply, raises=_RAISES_1),
+        "set_Offset": Call(request=ObjectAccess_set_Offset_request, raises=_RAISES_1),
+        "get_Speed": Call(reply=ObjectAccess_get_Speed_reply, raises=_RAISES_1),
+        "set_Speed": Call(request=ObjectAccess_set_Speed_request, raises=_RAISES_1),
+        "get_Label": Call(reply=ObjectAccess_get_Label_reply, raises=_RAISES_1),
+        "set_Label": Call(request=ObjectAccess_set_Label_request, raises=_RAISES_1),
         "get_Title_wide_": Call(
             reply=ObjectAccess_get_Title_wide__reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "set_Title_wide_": Call(
             request=ObjectAccess_set_Title_wide__request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
-        "get_Key": Call(
-            reply=ObjectAccess_get_Key_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "set_Key": Call(
-            request=ObjectAccess_set_Key_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "get_Program": Call(
-            reply=ObjectAccess_get_Program_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
-        "set_Program": Call(
-            request=ObjectAccess_set_Program_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
+        "get_Key": Call(reply=ObjectAccess_get_Key_reply, raises=_RAISES_1),
+        "set_Key": Call(request=ObjectAccess_set_Key_request, raises=_RAISES_1),
+        "get_Program": Call(reply=ObjectAccess_get_Program_reply, raises=_RAISES_1),
+        "set_Program": Call(request=ObjectAccess_set_Program_request, raises=_RAISES_1),
         "get_class_2034_00": Call(
             reply=ObjectAccess_get_class_2034_00_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "set_class_2034_00": Call(
             request=ObjectAccess_set_class_2034_00_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "get_Double_2040_00": Call(
             reply=ObjectAccess_get_Double_2040_00_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "set_Double_2040_00": Call(
             request=ObjectAccess_set_Double_2040_00_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
-        "get_Tag": Call(
-            reply=ObjectAccess_get_Tag_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
-        ),
+        "get_Tag": Call(reply=ObjectAccess_get_Tag_reply, raises=_RAISES_1),
         "get_Time_of_day": Call(
             reply=ObjectAccess_get_Time_of_day_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
         "set_Time_of_day": Call(
             request=ObjectAccess_set_Time_of_day_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+            raises=_RAISES_1,
         ),
     },
 }
