@@ -52,7 +52,7 @@ def written(bus: Callable[..., Bus]) -> Callable[..., Written]:
     """What is written to the node with these values, as (object, octets)."""
 
     def make(values: str = "", change: Callable[[str], str] = str) -> Written:
-        text = f"[node.first.values]\n{values}"
+        text = f"[device.sampler.values]\n{values}"
         return shown(start_up(bus(text, change).nodes[0]))
 
     return make

@@ -14,6 +14,7 @@ from rtgen.backends.canopen.mirror import mirrored
 from rtgen.backends.canopen.network_files import network_files
 from rtgen.backends.canopen.objects_module import objects_text
 from rtgen.backends.canopen.proxy_module import proxy_text
+from rtgen.backends.canopen.shared_files import shared_files
 from rtgen.backends.python_text import header, header_comment
 from rtgen.model import Component, Model
 from rtgen.typemap.canopen_ports import DevicePorts
@@ -49,9 +50,10 @@ class _Devices:
         self._networks = package if model.buses else ""
 
     def artifacts(self, devices: list[DevicePorts]) -> Iterator[Artifact]:
-        """The files of all devices."""
+        """The files of all devices, and what they share."""
         for ports in devices:
             yield from self._device(ports)
+        yield from shared_files(self._model, self._names, self._options, self._networks)
 
     def _device(self, ports: DevicePorts) -> Iterator[Artifact]:
         device, module = ports.device, ports.module
