@@ -1,24 +1,47 @@
-"""PDO coding: the generated codec beside the `canopen` package's own access to PDO variables.
+"""PDOs: the generated codec beside the `canopen` package, a proxy beside python-can's reader.
 
     python benchmarks/pdo.py
 
-Four INTEGER16, then eight BOOLEAN and a 24-bit integer. Rounds of both are interleaved; the median
-of a call is printed in nanoseconds, with its ratio to ours.
+First the coding of four INTEGER16, then of eight BOOLEAN and a 24-bit integer, against the
+package's access to PDO variables: the median of a call in nanoseconds, with its ratio to ours.
+
+Then frames of four INTEGER16 from another process, over python-can's interface `socketcand`: how
+many in a second a loop around `recv` takes, and how many reach a port behind the OutPort of a
+generated proxy, in the same run. Rounds are interleaved.
 """
 
 from __future__ import annotations
 
+import importlib
+import logging
+import os
+import shutil
 import statistics
+import subprocess
+import sys
+import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import can
 import canopen
 
 from rtgen.backends.canopen.pdo_codec import PdoCodec, module_text
+from rtgen.cli import run
 from rtgen.layouts.pdo import Mapped, layout
 from rtgen.model.canopen import DataType
+from rtgen.runtime import (
+    RTC_OK,
+    Component,
+    ComponentProfile,
+    RealClock,
+    ReturnCode_t,
+    System,
+)
 
 ROUNDS = 25
 SECONDS_PER_ROUND = 0.004
@@ -84,6 +107,151 @@ def seconds_per_call(task: Callable[[], object]) -> float:
     return taken / calls
 
 
+FRAMES = 20_000
+READ_ROUNDS = 7
+SETTLED = 10.0
+"""Seconds that anything may take."""
+
+
+@contextmanager
+def peer() -> Iterator[tuple[int, Callable[[int], None]]]:
+    """Another process that sends PDOs: its port, and what has it send so many."""
+    program = Path(__file__).with_name("pdo_peer.py")
+    with subprocess.Popen(
+        [sys.executable, str(program), "serve"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        told = process.stdin
+
+        def send(count: int) -> None:
+            told.write(f"{count}\n")
+            told.flush()
+
+        try:
+            yield int(process.stdout.readline()), send
+        finally:
+            process.kill()
+
+
+def bare(port: int, send: Callable[[int], None]) -> float:
+    """Frames per second of a loop around `recv`."""
+    bus = can.Bus(
+        interface="socketcand",
+        host="127.0.0.1",
+        port=port,
+        channel="can0",
+        tcp_tune=True,
+    )
+    try:
+        time.sleep(0.1)
+        send(FRAMES)
+        assert bus.recv(SETTLED) is not None
+        start = time.perf_counter()
+        for _ in range(FRAMES - 1):
+            assert bus.recv(SETTLED) is not None
+        return (FRAMES - 1) / (time.perf_counter() - start)
+    finally:
+        bus.shutdown()
+
+
+class Sink(Component):
+    """Counts the samples that come to its port."""
+
+    profile = ComponentProfile("Sink", rate=1000.0)
+
+    def __init__(self) -> None:
+        super().__init__("sink")
+        self.count = 0
+        self.first = self.last = 0.0
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        port = self.in_ports["samples"]
+        while port.is_new():
+            port.read()
+            self.last = time.perf_counter()
+            self.count += 1
+            if self.count == 1:
+                self.first = self.last
+        return RTC_OK
+
+
+def generated(folder: Path) -> type[Component]:
+    """The proxy of a device with one TPDO of four INTEGER16."""
+    shutil.copy(Path(__file__).with_name("pdo_meter.eds"), folder / "meter.eds")
+    text = '[sources]\npaths = ["meter.eds"]\n[output]\npackage = "metered"\n'
+    (folder / "rtgen.toml").write_text(text, encoding="utf-8")
+    before = Path.cwd()
+    os.chdir(folder)
+    try:
+        assert run(["generate", "--no-cache", "--quiet"]) == 0
+    finally:
+        os.chdir(before)
+    sys.path.insert(0, str(folder / "generated"))
+    proxy: type[Component] = importlib.import_module(
+        "metered.canopen.meter.proxy"
+    ).MeterProxy
+    return proxy
+
+
+def proxied(proxy: Component, port: int, send: Callable[[int], None]) -> float:
+    """Frames per second that reach a port behind the OutPort of a proxy."""
+    sink = Sink()
+    sink.add_in_port("samples", proxy.out_ports["tpdo1"].type)
+    settings = {
+        "interface": "socketcand",
+        "options": f"host=127.0.0.1,port={port},tcp_tune=true",
+        "node_id": "5",
+        "master": "1",
+    }
+    for name, value in settings.items():
+        proxy.configuration_sets.set(name, value)
+    system = System(RealClock())
+    try:
+        system.add(proxy, 1000.0)
+        system.add(sink, 1000.0)
+        long = {"dataport.buffer.length": str(FRAMES)}
+        system.connect((proxy.instance_name, "tpdo1"), ("sink", "samples"), long)
+        for name in (proxy.instance_name, "sink"):
+            system.activate(name)
+        wait(system, lambda: proxy.is_active and sink.is_active, proxy)
+        send(FRAMES)
+        wait(system, lambda: sink.count + proxy.lost + sink.lost >= FRAMES, proxy)
+        assert proxy.lost == sink.lost == 0
+        return (FRAMES - 1) / (sink.last - sink.first)
+    finally:
+        system.close()
+
+
+def wait(system: System, until: Callable[[], bool], proxy: Component) -> None:
+    """Runs the system till it is so."""
+    end = time.monotonic() + SETTLED
+    while not until():
+        if time.monotonic() > end:
+            raise SystemExit(f"it does not come to that: {proxy.reason}")
+        system.run(system.time + 5_000_000)
+
+
+def reading() -> None:
+    """Frames per second, bare and through a proxy."""
+    # python-can warns whenever a frame comes in two pieces.
+    logging.getLogger("can").setLevel(logging.ERROR)
+    with tempfile.TemporaryDirectory() as folder, peer() as (port, send):
+        type_ = generated(Path(folder))
+        rounds = [
+            (bare(port, send), proxied(type_("meter"), port, send))
+            for _ in range(READ_ROUNDS)
+        ]
+    plain, through = (statistics.median(r[side] for r in rounds) for side in (0, 1))
+    print()
+    print(f"{'':<32}{'recv [1/s]':>14}{'proxy [1/s]':>14}{'ratio':>8}")
+    name = "frames over socketcand"
+    print(f"{name:<32}{plain:>14,.0f}{through:>14,.0f}{through / plain:>8.2f}")
+
+
 def main() -> None:
     print(f"{'mapping':<32}{'':<8}{'ours [ns]':>10}{'canopen [ns]':>14}{'ratio':>8}")
     for name, (mapped, values) in MAPPINGS.items():
@@ -95,6 +263,7 @@ def main() -> None:
             )
             figures = f"{mine * 1e9:>10.0f}{other * 1e9:>14.0f}{other / mine:>8.1f}"
             print(f"{name:<32}{what:<8}{figures}")
+    reading()
 
 
 if __name__ == "__main__":
