@@ -42,7 +42,13 @@ def kind_of(device: Device) -> DeviceKind:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BusNode:
-    """A node: its kind, and the device with the values that are written to it at start-up."""
+    """A node: its kind, and the device with the values that are written to it at start-up.
+
+    Times are in seconds; without a `heartbeat_timeout` of its own it has three periods. After an
+    error the manager resets it up to `restarts` times. One that is not `mandatory` may be missing.
+    With `start` it is started when it is configured, with `lss` it may have no node-id yet.
+    `revision` and `serial` are checked if they are given.
+    """
 
     name: str
     id: int
@@ -50,6 +56,14 @@ class BusNode:
     device: Device
     values: tuple[tuple[tuple[int, int], Value], ...]
     span: Span
+    heartbeat_timeout: float | None = None
+    boot_timeout: float = 2.0
+    restarts: int = 0
+    mandatory: bool = True
+    start: bool = True
+    lss: bool = False
+    revision: int | None = None
+    serial: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,8 +79,8 @@ class Bus:
     """A network. `bit_rate` is in kbit/s; times are in seconds, 0 where there is no such message.
 
     `file` is the displayed path, `key` the one for generated text, `sha256` that of its bytes.
-
     `event` is the least time that is assumed between two event-driven PDOs that tell of none.
+    `sync_counter` is the greatest SYNC counter, 0 for none.
     """
 
     name: str
@@ -81,3 +95,4 @@ class Bus:
     kinds: tuple[DeviceKind, ...]
     nodes: tuple[BusNode, ...]
     links: tuple[PdoLink, ...]
+    sync_counter: int = 0

@@ -10,6 +10,7 @@ from rtgen.model.can_bus import Bus, BusNode
 from rtgen.model.canopen import resolved
 
 _HEARTBEAT = 0x1017
+_BOOT_TIMEOUT = 2000
 _PERIODS = 3
 """A node is lost when so many of its heartbeats are missing."""
 
@@ -28,6 +29,7 @@ def network_text(bus: Bus, header: str) -> str:
         sync=str(round(bus.sync * 1_000_000)),
         heartbeat=str(round(bus.heartbeat * 1000)),
         nodes=items(nodes) if nodes else "()",
+        sync_overflow=str(bus.sync_counter) if bus.sync_counter else "",
     )
     module = "rtgen.runtime.canopen.description"
     lines = [
@@ -43,7 +45,7 @@ def network_text(bus: Bus, header: str) -> str:
 
 
 def _node(node: BusNode) -> str:
-    period = heartbeat(node)
+    boot = round(node.boot_timeout * 1000)
     writes = [
         call(
             "Write",
@@ -62,8 +64,13 @@ def _node(node: BusNode) -> str:
         identity=items([_hex(told) for told in identity(node)]),
         configuration=items(writes),
         pdos=items([pdo_text(pdo, node.device, node.id) for pdo in node.device.pdos]),
-        heartbeat=str(period),
-        heartbeat_timeout=str(_PERIODS * period),
+        heartbeat=str(heartbeat(node)),
+        heartbeat_timeout=str(heartbeat_timeout(node)),
+        boot_timeout="" if boot == _BOOT_TIMEOUT else str(boot),
+        restarts=str(node.restarts) if node.restarts else "",
+        mandatory="" if node.mandatory else "False",
+        start="" if node.start else "False",
+        lss="True" if node.lss else "",
     )
 
 
@@ -78,12 +85,20 @@ def heartbeat(node: BusNode) -> int:
     return told if isinstance(told, int) else 0
 
 
+def heartbeat_timeout(node: BusNode) -> int:
+    """How long the manager waits for a heartbeat in ms, 0 if there is none."""
+    if node.heartbeat_timeout is None:
+        return _PERIODS * heartbeat(node)
+    return round(node.heartbeat_timeout * 1000)
+
+
 def identity(
     node: BusNode,
 ) -> tuple[int | None, int | None, int | None, int | None, int | None]:
     """What 1000h and 1018h:1 to 4 must hold; None, or 0 in the file, is not checked.
 
-    Revision and serial number are those of one node: they are checked where a DCF has them.
+    Revision and serial number are those of one node: they are checked where the bus file or a DCF
+    has them.
     """
     device = node.device
     told = device.commissioning
@@ -99,4 +114,4 @@ def identity(
     type_ = device.find(0x1000)
     number = None if type_ is None else resolved(type_.current, node.id)
     number = number if isinstance(number, int) and number else None
-    return number, vendor, product, revision, serial
+    return number, vendor, product, node.revision or revision, node.serial or serial

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rtgen.backends.canopen.literals import named
-from rtgen.backends.canopen.network_module import heartbeat, identity
+from rtgen.backends.canopen.network_module import heartbeat, heartbeat_timeout, identity
 from rtgen.layouts.can_messages import messages
 from rtgen.layouts.can_startup import StartWrite, start_up
 from rtgen.layouts.can_timing import Message, Timing, load, response_times
@@ -36,7 +36,9 @@ def _about(bus: Bus) -> Iterator[str]:
 
 def _steps(node: BusNode) -> Iterator[list[str]]:
     yield ["NMT", "82", "reset communication"]
-    yield ["wait", "", "boot-up message"]
+    yield ["wait", "", "boot-up message", f"{_milliseconds(node.boot_timeout)} ms"]
+    if node.lss:
+        yield ["LSS", "", "node-id, if it has none"]
     names = (*_IDENTITY, "1018:4 serial number")
     for name, told in zip(names, identity(node), strict=True):
         if told is not None:
@@ -49,10 +51,14 @@ def _steps(node: BusNode) -> Iterator[list[str]]:
         yield ["write", place, _what(write), write.value.hex(" ").upper()]
     if any(write.verify for write in writes):
         yield ["read", "", "what was written"]
-    yield ["NMT", "01", "start"]
-    period = heartbeat(node)
-    if period:
-        yield ["watch", "1017", "heartbeat", f"every {period} ms"]
+    if node.start:
+        yield ["NMT", "01", "start"]
+    period, patience = heartbeat(node), heartbeat_timeout(node)
+    if period and patience:
+        times = f"every {period} ms, lost after {patience} ms"
+        yield ["watch", "1017", "heartbeat", times]
+    if node.restarts:
+        yield ["reset", "", f"after errors, up to {node.restarts} times"]
 
 
 def _what(write: StartWrite) -> str:

@@ -24,6 +24,10 @@ from rtgen.typemap.canopen_names import identifier, module_name
 MANAGER = 127
 EVENT = 0.01
 
+_NODE_SETTINGS = (
+    *("heartbeat_timeout", "boot_timeout", "restarts", "mandatory", "start", "lss"),
+    *("revision", "serial"),
+)
 _MAX_BYTES = 1024 * 1024
 _OF_DIRECTION = {"tpdo": 0x1800, "rpdo": 0x1400}
 
@@ -136,6 +140,7 @@ class _Reader:
             kinds=tuple(kinds.values()),
             nodes=tuple(self._linked(nodes, links)),
             links=tuple(links),
+            sync_counter=told.get("sync_counter", 0),
         )
         self._found += check(bus, self._toml)
         return bus
@@ -213,6 +218,7 @@ class _Reader:
             device=device,
             values=tuple(sorted((common | own).items())),
             span=self._toml.span(("node", name)),
+            **{key: node[key] for key in _NODE_SETTINGS if key in node},
         )
 
     def _links(self, nodes: list[BusNode]) -> list[PdoLink]:

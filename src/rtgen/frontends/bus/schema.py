@@ -39,6 +39,7 @@ def _each(pattern: str, value: dict[str, Any], description: str) -> dict[str, An
 
 
 _SECONDS = {"type": "number", "minimum": 0, "maximum": 3600}
+_U32 = {"type": "integer", "minimum": 1, "maximum": 0xFFFFFFFF}
 _NODE_ID = {"type": "integer", "minimum": 1, "maximum": 127}
 _VALUES = _each(
     _OBJECT,
@@ -62,6 +63,12 @@ SCHEMA: dict[str, Any] = {
                 "sync": _SECONDS | {"description": "Period of SYNC in seconds."},
                 "heartbeat": _SECONDS
                 | {"description": "Period of the manager's heartbeat in seconds."},
+                "sync_counter": {
+                    "type": "integer",
+                    "minimum": 2,
+                    "maximum": 240,
+                    "description": "SYNC counts from 1 to this number; default: no counter.",
+                },
                 "event": _SECONDS
                 | {
                     "description": "Least time between two event-driven PDOs that tell of none, "
@@ -110,6 +117,45 @@ SCHEMA: dict[str, Any] = {
                     "device": {"type": "string", "pattern": _NAME},
                     "id": _NODE_ID,
                     "values": _VALUES,
+                    "heartbeat_timeout": _SECONDS
+                    | {
+                        "description": "How long the manager waits for a heartbeat, in seconds; "
+                        "default: three periods."
+                    },
+                    "boot_timeout": _SECONDS
+                    | {
+                        "description": "How long a reset may take until the boot-up message, in "
+                        "seconds; default 2."
+                    },
+                    "restarts": {
+                        "type": "integer",
+                        "minimum": 0,
+                        "maximum": 1_000_000,
+                        "description": "How often the manager resets it after an error; "
+                        "default 0.",
+                    },
+                    "mandatory": {
+                        "type": "boolean",
+                        "description": "Whether the network is in error without it; "
+                        "default true.",
+                    },
+                    "start": {
+                        "type": "boolean",
+                        "description": "Whether the manager starts it when it is configured; "
+                        "default true.",
+                    },
+                    "lss": {
+                        "type": "boolean",
+                        "description": "Whether it may have no node-id yet, so that the manager "
+                        "assigns it; default false.",
+                    },
+                    "revision": _U32
+                    | {"description": "Its revision number (1018h:3), to be checked."},
+                    "serial": _U32
+                    | {
+                        "description": "Its serial number (1018h:4), to be checked; tells it from "
+                        "others of its kind in LSS."
+                    },
                 },
                 "device",
                 "id",
