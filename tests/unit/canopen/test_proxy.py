@@ -234,6 +234,8 @@ def test_another_node_is_taken_at_the_next_activation() -> None:
         bench.with_node(node_id=6)
         bench.run(0.05)
         bench.system.configure("Drive0", "node_id", "6")
+        bench.run(0.05)
+        assert bench.state == "ACTIVE"
         bench.system.deactivate("Drive0")
         bench.until("INACTIVE")
         assert first.state is NmtState.PRE_OPERATIONAL

@@ -263,7 +263,9 @@ class NodeControl:
         period = int.from_bytes(octets, "little")
         if period or not self._master or self._link.master is not None:
             return period
-        period = self._heartbeat_timeout // (3 * MILLISECOND) or HEARTBEAT
+        period = HEARTBEAT
+        if self._heartbeat_timeout:
+            period = max(1, self._heartbeat_timeout // (3 * MILLISECOND))
         try:
             yield from self._download(_HEARTBEAT_TIME, period.to_bytes(2, "little"))
         except SdoAbort as abort:

@@ -222,13 +222,15 @@ class CanopenProxy(ProxyHooks, Component):
             return self.fail(reason_of(error))
 
     def _steps(self, request: Request) -> Steps:
-        connection = self._connect()
+        # What was begun is ended with the same node, whatever the parameters say now.
+        ending = request is Request.DEACTIVATE
+        connection = self._joined() if ending else self._connect()
         if not connection.link.up:
             raise LinkError("the bus is gone")
         if request is Request.ACTIVATE:
             connection.node.listen()
             return connection.control.activation(self._parameter_values)
-        if request is Request.DEACTIVATE:
+        if ending:
             return connection.control.deactivation()
         return connection.control.reset()
 
@@ -242,7 +244,10 @@ class CanopenProxy(ProxyHooks, Component):
     def _drop_unsent(self, connection: _Connection) -> None:
         """What comes for a PDO that the proxy does not send is counted, and told once."""
         for number, sender, why in connection.unsent:
-            dropped = sum(1 for _ in sender())
+            try:
+                dropped = sum(1 for _ in sender())
+            except PdoError:
+                dropped = 1
             if dropped:
                 self._dropped += dropped
                 if number not in self._told:
@@ -320,6 +325,7 @@ class CanopenProxy(ProxyHooks, Component):
             if self._connection.settings == settings:
                 return self._connection
             self._disconnect()
+        self._without_blocks = False
         network, placed = self._place(settings)
         bitrate = settings.bitrate or (network.bit_rate * 1000 if network else 0)
         wired = wiring(self.description, settings.node_id, network)
