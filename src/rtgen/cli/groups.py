@@ -44,6 +44,5 @@ class LazyGroup(click.Group):
     def format_commands(
         self, ctx: click.Context, formatter: click.HelpFormatter
     ) -> None:
-        if self._summaries:
-            with formatter.section("Commands"):
-                formatter.write_dl(list(self._summaries.items()))
+        with formatter.section("Commands"):
+            formatter.write_dl(list(self._summaries.items()))

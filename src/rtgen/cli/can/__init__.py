@@ -15,6 +15,7 @@ COMMANDS: dict[str, str] = {
     "scan": "Find the nodes of a bus.",
     "sdo": "Read or write an object of a node.",
     "timing": "Tell the load of a bus, and how late its messages can be.",
+    "hub": "Run a CAN bus for the processes of this machine.",
 }
 """Command to its line of help; the module `<command>_command` has a function `<command>_`."""
 

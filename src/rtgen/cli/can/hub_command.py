@@ -1,0 +1,154 @@
+"""`rtgen can hub`."""
+
+from __future__ import annotations
+
+import asyncio
+import selectors
+import signal
+import sys
+from typing import TYPE_CHECKING
+
+import click
+
+from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.diagnostics import ToolError
+from rtgen.runtime.canopen.hub import QUEUE, Hub, HubSettings
+from rtgen.runtime.canopen.hub_faults import Fault, fault_of
+from rtgen.runtime.canopen.python_can import SOCKETCAND_PORT
+
+if TYPE_CHECKING:
+    from rtgen.runtime.canopen.hub_pty import SlcanPty
+
+
+def _faults(
+    context: click.Context, option: click.Parameter, values: tuple[str, ...]
+) -> tuple[Fault, ...]:
+    try:
+        return tuple(map(fault_of, values))
+    except ValueError as error:
+        raise click.BadParameter(str(error), context, option) from error
+
+
+@click.command("hub")
+@click.option("--host", default="127.0.0.1", show_default=True, metavar="ADDRESS")
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=SOCKETCAND_PORT,
+    show_default=True,
+    help="0 takes a free one.",
+)
+@click.option(
+    "--bitrate",
+    type=click.IntRange(0, 1_000_000),
+    default=0,
+    metavar="BIT/S",
+    help="Give frames the time that they take; default: none.",
+)
+@click.option(
+    "--queue",
+    type=click.IntRange(1, 1_000_000),
+    default=QUEUE,
+    show_default=True,
+    metavar="N",
+    help="Frames that may wait for a client; who lets more wait is cut off.",
+)
+@click.option(
+    "--slcan-pty",
+    "ptys",
+    count=True,
+    help="Make a pseudo-terminal for slcan; may be given several times.",
+)
+@click.option(
+    "--slcan-channel",
+    default="can0",
+    show_default=True,
+    metavar="NAME",
+    help="The bus of the pseudo-terminals.",
+)
+@click.option(
+    "--fault",
+    "faults",
+    multiple=True,
+    callback=_faults,
+    metavar="FAULT",
+    help="loss=P[@ID], delay=MS[@ID] or bus-off=AT:FOR (seconds); ID is hex.",
+)
+@click.option(
+    "--seed", type=int, default=0, show_default=True, help="Of what faults take."
+)
+@with_console
+def hub_(
+    console: Console,
+    host: str,
+    port: int,
+    bitrate: int,
+    queue: int,
+    ptys: int,
+    slcan_channel: str,
+    faults: tuple[Fault, ...],
+    seed: int,
+) -> int:
+    """Run a CAN bus for the processes of this machine, until Ctrl-C.
+
+    python-can's interface socketcand (with tcp_tune=True) connects to it; each channel name is a
+    bus of its own. The first line printed is `listening HOST:PORT`, then `slcan PATH` for each
+    pseudo-terminal. Who is cut off, and what is refused, is told on standard error.
+    """
+    settings = HubSettings(bitrate, queue, faults, seed)
+    work = _serve(console, settings, host, port, ptys, slcan_channel)
+    # select() has a finer time-out than epoll: frames take microseconds.
+    with asyncio.Runner(
+        loop_factory=lambda: asyncio.SelectorEventLoop(selectors.SelectSelector())
+    ) as runner:
+        runner.run(work)
+    return OK
+
+
+async def _serve(
+    console: Console,
+    settings: HubSettings,
+    host: str,
+    port: int,
+    ptys: int,
+    channel: str,
+) -> None:
+    def tell(text: str) -> None:
+        # Who was cut off is a finding, which --quiet leaves.
+        sys.stderr.write(f"rtgen can hub: {text}\n")
+        sys.stderr.flush()
+
+    hub = Hub(settings, tell)
+    try:
+        name, number = await hub.listen(host, port)
+    except OSError as error:
+        raise ToolError(f"cannot listen at {host}:{port}: {error}") from error
+    lines: list[SlcanPty] = []
+    try:
+        place = f"[{name}]:{number}" if ":" in name else f"{name}:{number}"
+        write_out(f"listening {place}\n")
+        for _ in range(ptys):
+            line = _pseudo_terminal(hub, channel)
+            lines.append(line)
+            write_out(f"slcan {line.path}\n")
+        ended = asyncio.Event()
+        for reason in (signal.SIGINT, signal.SIGTERM):
+            hub.loop.add_signal_handler(reason, ended.set)
+        await ended.wait()
+    finally:
+        for line in lines:
+            line.close()
+        await hub.close()
+    for text in hub.report():
+        console.say(text)
+
+
+def _pseudo_terminal(hub: Hub, channel: str) -> SlcanPty:
+    try:
+        from rtgen.runtime.canopen.hub_pty import SlcanPty
+    except ImportError as error:
+        raise ToolError("this system has no pseudo-terminals") from error
+    bus = hub.bus(channel)
+    if bus is None:
+        raise ToolError(f"{channel!r} is no name of a channel")
+    return SlcanPty(hub, bus)

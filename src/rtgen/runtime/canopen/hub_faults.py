@@ -1,0 +1,79 @@
+"""Faults that a hub makes on purpose: frames lost or late, and a bus that is off for a while."""
+
+from __future__ import annotations
+
+import random
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from rtgen.runtime.canopen.frames import Frame
+
+_NUMBER: Final = r"([0-9]*\.?[0-9]+)"
+_FORM: Final = re.compile(
+    rf"(?:(loss|delay)={_NUMBER}(?:@([0-9A-Fa-f]{{1,8}}))?|bus-off={_NUMBER}:{_NUMBER})"
+)
+_MOST: Final = 86400.0
+"""The longest time of a fault, in seconds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """`value`: probability of a loss, a delay in s, or when the bus goes off after the start.
+
+    `identifier` limits losses and delays to its frames; `duration` in s is that of bus-off.
+    """
+
+    kind: Literal["loss", "delay", "bus-off"]
+    value: float
+    identifier: int | None = None
+    duration: float = 0.0
+
+
+def fault_of(text: str) -> Fault:
+    """The fault of `loss=P[@ID]`, `delay=MS[@ID]` or `bus-off=AT:FOR`. Raises ValueError."""
+    match = _FORM.fullmatch(text)
+    if match is None:
+        raise ValueError(
+            f"{text!r} is no fault; there are loss=P[@ID], delay=MS[@ID], bus-off=AT:FOR"
+        )
+    kind, number, identifier, at, duration = match.groups()
+    if kind is None:
+        fault = Fault("bus-off", float(at), duration=float(duration))
+    else:
+        value = float(number) if kind == "loss" else float(number) / 1000
+        fault = Fault(
+            "loss" if kind == "loss" else "delay",
+            value,
+            None if identifier is None else int(identifier, 16),
+        )
+    if kind == "loss" and fault.value > 1:
+        raise ValueError(f"{text!r}: a probability is at most 1")
+    if max(fault.value, fault.duration) > _MOST:
+        raise ValueError(f"{text!r}: a fault takes a day at most")
+    return fault
+
+
+class Faults:
+    """What becomes of frames; the same for the same seed and frames."""
+
+    def __init__(self, faults: Iterable[Fault] = (), seed: int = 0) -> None:
+        self._faults = tuple(fault for fault in faults if fault.kind != "bus-off")
+        self._random = random.Random(seed)
+
+    def delay(self, frame: Frame) -> float | None:
+        """How much later a frame arrives, in s; None if it is lost."""
+        delay = 0.0
+        for fault in self._faults:
+            if fault.identifier in (None, frame.can_id):
+                if fault.kind == "delay":
+                    delay += fault.value
+                elif self._random.random() < fault.value:
+                    return None
+        return delay
+
+
+def times_off(faults: Sequence[Fault]) -> list[tuple[float, float]]:
+    """When the bus goes off and when it returns, in s after the start."""
+    return [(f.value, f.value + f.duration) for f in faults if f.kind == "bus-off"]

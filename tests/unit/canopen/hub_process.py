@@ -1,0 +1,95 @@
+"""A hub in a process of its own."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from types import TracebackType
+
+from rtgen.runtime import RealClock
+from rtgen.runtime.canopen.link import Link
+from rtgen.runtime.canopen.links import open_link
+
+
+class HubProcess:
+    """`rtgen can hub` with options, until the end of the `with` statement."""
+
+    def __init__(self, *options: str, port: int = 0) -> None:
+        self._process = subprocess.Popen(
+            [
+                sys.executable,
+                "-m",
+                "rtgen",
+                "can",
+                "hub",
+                "--port",
+                str(port),
+                *options,
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self.stderr = ""
+        self.code: int | None = None
+        self.host, _, number = self.line().removeprefix("listening ").rpartition(":")
+        self.port = int(number)
+        self.ptys = [
+            self.line().removeprefix("slcan ")
+            for _ in range(options.count("--slcan-pty"))
+        ]
+
+    def __enter__(self) -> HubProcess:
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_val: BaseException | None,
+        exc_tb: TracebackType | None,
+    ) -> None:
+        self.end()
+
+    def line(self) -> str:
+        assert self._process.stdout is not None
+        line: str = self._process.stdout.readline()
+        return line.rstrip("\n")
+
+    def told(self) -> str:
+        """The next line on standard error."""
+        assert self._process.stderr is not None
+        line: str = self._process.stderr.readline()
+        return line.rstrip("\n")
+
+    def end(self, how: int = signal.SIGINT) -> str:
+        """Ends it; what it told on standard error since."""
+        if self._process.returncode is None:
+            os.kill(self._process.pid, how)
+            _, rest = self._process.communicate(timeout=30)
+            self.stderr = rest
+            self.code = self._process.returncode
+        return self.stderr
+
+    def options(self, more: str = "") -> str:
+        return f"host={self.host},port={self.port},tcp_tune=True{more}"
+
+    def link(self, channel: str = "can0", more: str = "") -> Link:
+        """A link of this process; `more` makes further ones."""
+        return open_link(RealClock(), "socketcand", channel, 0, self.options(more))
+
+    def connect(self) -> socket.socket:
+        """A connection that has said nothing yet."""
+        end = socket.create_connection((self.host, self.port), 20)
+        assert end.recv(256) == b"< hi >"
+        return end
+
+    def raw(self, channel: str = "can0") -> socket.socket:
+        """A connection in raw mode."""
+        end = self.connect()
+        for command in (f"< open {channel} >", "< rawmode >"):
+            end.sendall(command.encode())
+            assert end.recv(256) == b"< ok >"
+        return end
