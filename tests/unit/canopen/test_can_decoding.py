@@ -151,7 +151,7 @@ def test_factors_and_units_of_the_bus_file(fourx: KnownBus) -> None:
 
 def test_lengths(linked: KnownBus) -> None:
     short = decoded(linked, rpdo(1, 1), "0f00")
-    assert short.text == "Controlword=15 (too short: 2 of 3 octets)"
+    assert short.text.endswith("15 (enable operation) (too short: 2 of 3 octets)")
     assert [field.value for field in short.fields] == [15]
     long = decoded(linked, rpdo(1, 1), "0f000308")
     assert long.text.endswith("Modes_of_operation=3 (too long: 4 octets for 3)")
@@ -227,6 +227,44 @@ def test_fields_of_any_width(tmp_path: Path) -> None:
         "Word": "ok",
         "Real": 0.0,
     }
+
+
+@pytest.mark.parametrize(
+    ("statusword", "told"),
+    [
+        (0x0000, "not ready to switch on"),
+        (0x0250, "switch on disabled"),
+        (0x0231, "ready to switch on"),
+        (0x0233, "switched on"),
+        (0x0637, "operation enabled, target reached"),
+        (0x02B7, "operation enabled, warning"),
+        (0x0217, "quick stop active"),
+        (0x021F, "fault reaction active"),
+        (0x0218, "fault"),
+        (0x0001, ""),
+    ],
+)
+def test_the_state_of_a_drive(fourx: KnownBus, statusword: int, told: str) -> None:
+    data = statusword.to_bytes(2, "little") + b"\3"
+    field, _ = Decoder(fourx).decode(Frame(0x181, data)).fields
+    assert field.words == told
+    assert field.to_json().get("words", "") == told
+
+
+def test_the_command_to_a_drive(fourx: KnownBus) -> None:
+    told = {
+        0x80: "fault reset",
+        0x00: "disable voltage",
+        0x02: "quick stop",
+        0x06: "shutdown",
+        0x07: "switch on",
+        0x0F: "enable operation",
+        0x1F: "enable operation",
+        0x10F: "enable operation, halt",
+    }
+    for controlword, words in told.items():
+        data = controlword.to_bytes(2, "little") + b"\3"
+        assert Decoder(fourx).decode(Frame(0x201, data)).fields[0].words == words
 
 
 # SDO as a third station sees it

@@ -157,12 +157,12 @@ def test_the_table_has_a_row_for_each_identifier() -> None:
     known = known_bus(Path(LINKED), [])
     shown = shown_table(known, *TRAFFIC[:4], "181#380203", "482#00000000")
     last = shown[shown.rindex("virtual: 6 frames") :]
-    rows = [line.split() for line in last.splitlines() if "motor" in line[:40]]
-    assert ["000", "motor", "nmt"] in [[r[1], r[3], r[5]] for r in rows]
-    row = next(r for r in rows if r[1] == "181")
-    assert row[7] == "2"
-    assert row[9] == "10.0"
-    assert "Statusword=568," in row
+    rows = {
+        line.split()[0]: line.split()[1:] for line in last.splitlines() if line.strip()
+    }
+    assert rows["000"][:2] == ["motor", "nmt"]
+    assert rows["181"][:4] == ["motor", "tpdo1", "2", "10.0"]
+    assert rows["181"][4] == "Statusword=568"
     assert "Angle_reference=0" in last
 
 

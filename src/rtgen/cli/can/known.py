@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
 from typing import cast
 
+from rtgen.cli.can.drive_words import PROFILE, drive_words
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import Diagnostic, InputError, has_errors
 from rtgen.model.can_bus import Bus
@@ -32,7 +33,10 @@ MANAGER = 127
 
 @dataclass(frozen=True, slots=True)
 class KnownObject:
-    """A variable of a node. `factor` (physical value = factor * value) is None where not told."""
+    """A variable of a node. `factor` (physical value = factor * value) is None where not told.
+
+    `words` tells in words what a value means, where it is more than a number.
+    """
 
     number: Number
     name: str
@@ -42,6 +46,7 @@ class KnownObject:
     factor: float | None = None
     low: int | float | None = None
     high: int | float | None = None
+    words: Callable[[int], str] | None = None
 
     def __str__(self) -> str:
         return f"{written(self.number)} {self.name}".rstrip()
@@ -221,6 +226,7 @@ def known_node(
     names = field_names(device.variables)
     units, factors = units or {}, factors or {}
     objects = {}
+    is_drive = _profile(device) == PROFILE
     for v in device.variables:
         number = v.index, v.subindex
         objects[number] = KnownObject(
@@ -232,8 +238,16 @@ def known_node(
             factor=factors.get(number, v.factor),
             low=_limit(v.low, node_id),
             high=_limit(v.high, node_id),
+            words=drive_words(v.index) if is_drive and not v.subindex else None,
         )
     return KnownNode(id=node_id, name=name, device=device, objects=objects)
+
+
+def _profile(device: Device) -> int:
+    """The device profile that it follows, 0 if none is told."""
+    kind = device.find(0x1000)
+    current = None if kind is None else kind.current
+    return current & 0xFFFF if isinstance(current, int) else 0
 
 
 def _limit(value: Value | None, node_id: int) -> int | float | None:

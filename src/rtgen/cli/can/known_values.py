@@ -44,7 +44,16 @@ class Field:
         text = _text(thing.kind, value)
         if thing.kind == "u32" and thing.number[0] < 0x2000 and isinstance(value, int):
             text = f"0x{value:X}"
-        return f"{text} {thing.unit}" if thing.unit else text
+        if thing.unit:
+            text += f" {thing.unit}"
+        return f"{text} ({self.words})" if self.words else text
+
+    @property
+    def words(self) -> str:
+        """What the value means, where it is more than a number."""
+        if self.thing.words is None or not isinstance(self.value, int):
+            return ""
+        return self.thing.words(self.value)
 
     def __str__(self) -> str:
         return f"{self.name}={self.text}"
@@ -60,6 +69,8 @@ class Field:
             told["raw"] = json_value(self.thing.kind, self.value)
         if self.thing.unit:
             told["unit"] = self.thing.unit
+        if self.words:
+            told["words"] = self.words
         return told
 
 

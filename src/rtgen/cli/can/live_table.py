@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from rich import box
 from rich.console import Console as Terminal
 from rich.live import Live
 from rich.table import Table
@@ -64,7 +65,11 @@ class Rows:
     def table(self, title: str) -> Table:
         """The rows as they are now, by identifier."""
         left_out = f", {self.left_out} not shown" if self.left_out else ""
-        table = Table(title=f"{title}: {self.total} frames{left_out}", expand=True)
+        table = Table(
+            title=f"{title}: {self.total} frames{left_out}",
+            box=box.SIMPLE_HEAD,
+            expand=True,
+        )
         for name in ("id", "node", "kind"):
             table.add_column(name, no_wrap=True)
         for name in ("count", "ms"):

@@ -1,0 +1,57 @@
+"""Status and commands of drives in words (CiA 402: objects 6041h and 6040h of each axis)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+PROFILE: Final = 402
+"""The low word of a drive's device type."""
+
+_AXIS: Final = 0x800
+"""From the objects of one axis to those of the next."""
+_STATES: Final = (
+    (0x4F, 0x00, "not ready to switch on"),
+    (0x4F, 0x40, "switch on disabled"),
+    (0x6F, 0x21, "ready to switch on"),
+    (0x6F, 0x23, "switched on"),
+    (0x6F, 0x27, "operation enabled"),
+    (0x6F, 0x07, "quick stop active"),
+    (0x4F, 0x0F, "fault reaction active"),
+    (0x4F, 0x08, "fault"),
+)
+"""Mask, value and name of each state."""
+_COMMANDS: Final = (
+    (0x80, 0x80, "fault reset"),
+    (0x82, 0x00, "disable voltage"),
+    (0x86, 0x02, "quick stop"),
+    (0x87, 0x06, "shutdown"),
+    (0x8F, 0x07, "switch on"),
+    (0x8F, 0x0F, "enable operation"),
+)
+
+
+def drive_words(index: int) -> Callable[[int], str] | None:
+    """What tells in words the value of an object of a drive; None if it is a mere number."""
+    if not 0x6000 <= index < 0xA000:
+        return None
+    place = 0x6000 + (index - 0x6000) % _AXIS
+    return {0x6041: state_words, 0x6040: command_words}.get(place)
+
+
+def state_words(statusword: int) -> str:
+    """The state of a drive, and the bits that matter to people."""
+    words = [_named(_STATES, statusword)]
+    words += ["warning"] * bool(statusword & 1 << 7)
+    words += ["target reached"] * bool(statusword & 1 << 10)
+    return ", ".join(filter(None, words))
+
+
+def command_words(controlword: int) -> str:
+    """The command to a drive, and whether it is to halt."""
+    words = [_named(_COMMANDS, controlword), "halt" if controlword & 1 << 8 else ""]
+    return ", ".join(filter(None, words))
+
+
+def _named(table: tuple[tuple[int, int, str], ...], word: int) -> str:
+    return next((name for mask, value, name in table if word & mask == value), "")
