@@ -29,7 +29,8 @@ def messages(bus: Bus) -> list[Message]:
     """
     found = []
     if bus.sync:
-        found.append(Message("SYNC", _SYNC, 0, _nanoseconds(bus.sync)))
+        octets = 1 if bus.sync_counter else 0
+        found.append(Message("SYNC", _SYNC, octets, _nanoseconds(bus.sync)))
     if bus.heartbeat:
         found.append(_heartbeat("manager", bus.manager, bus.heartbeat))
     fed = {link.target for link in bus.links}
