@@ -11,7 +11,8 @@ from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.frames import MILLISECOND, Frame
 from rtgen.runtime.canopen.heartbeat import HeartbeatNews
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, Transition
-from rtgen.runtime.canopen.node import DeviceNode, NodeEvents
+from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.canopen.node_events import NodeEvents
 from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.sync import time_frame
 

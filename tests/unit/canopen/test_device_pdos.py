@@ -553,7 +553,7 @@ def mappings(draw: st.DrawFn) -> list[tuple[Kind | None, int]]:
     return fields
 
 
-@settings(max_examples=400)
+@settings(max_examples=400, deadline=None)
 @given(mappings(), st.data())
 def test_packing_against_a_model_of_single_bits(
     fields: list[tuple[Kind | None, int]], data: st.DataObject
@@ -578,6 +578,7 @@ def test_packing_against_a_model_of_single_bits(
     assert dict(mapping.unpack(packed + b"\xff")) == octets
 
 
+@settings(deadline=None)
 @given(st.binary(max_size=8))
 def test_unpacking_against_the_model(data: bytes) -> None:
     widths = [3, 5, 8, 13, 16, 19]

@@ -15,7 +15,8 @@ from rtgen.runtime.canopen.frames import LSS_REQUEST, LSS_RESPONSE, Frame
 from rtgen.runtime.canopen.lss import BIT_RATES, UNCONFIGURED, LssAddress
 from rtgen.runtime.canopen.lss_slave import LssSlave
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
-from rtgen.runtime.canopen.node import DeviceNode, NodeEvents
+from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.canopen.node_events import NodeEvents
 
 ADDRESS = LssAddress(0x00FFFF01, 0x4242, 0x00010002, 77)
 ALL = 0
@@ -193,7 +194,7 @@ def scan(slaves: Sequence[LssSlave]) -> tuple[int, ...] | None:
 _numbers = st.integers(0, 2**32 - 1) | st.integers(0, 3)
 
 
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(st.sets(st.tuples(*[_numbers] * 4), min_size=1, max_size=6))
 def test_fastscan_finds_every_slave(addresses: set[tuple[int, int, int, int]]) -> None:
     slaves = [slave(address=LssAddress(*a)) for a in addresses]

@@ -7,7 +7,7 @@ import struct
 from datetime import UTC, datetime
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rtgen.runtime.canopen import sdo, values
@@ -170,6 +170,7 @@ def test_zero_is_a_value(kind: Kind) -> None:
     assert decode(kind, bytes(values.size(kind) or 0)) == values.zero(kind)
 
 
+@settings(deadline=None)
 @given(
     st.sampled_from([*values.SIGNED_BITS, *values.UNSIGNED_BITS]),
     st.integers(-(2**63), 2**64 - 1),
@@ -186,6 +187,7 @@ def test_limits_of_an_object(kind: Kind, value: int, low: int, high: int) -> Non
             values.checked(kind, value, low, high)
 
 
+@settings(deadline=None)
 @given(st.sampled_from([*values.SIGNED_BITS]), st.integers(1, 64), st.data())
 def test_fields_narrower_and_wider_than_their_object(
     kind: Kind, bits: int, data: st.DataObject
@@ -206,6 +208,7 @@ def test_a_field_may_hold_more_than_its_object() -> None:
     assert values.from_bits("bool", 1, 1) is True
 
 
+@settings(deadline=None)
 @given(st.floats(width=32, allow_nan=False), st.floats(allow_nan=False))
 def test_reals(single: float, double: float) -> None:
     assert encode("r32", single) == struct.pack("<f", single)
@@ -213,6 +216,7 @@ def test_reals(single: float, double: float) -> None:
     assert decode("r64", encode("r64", double)) == double
 
 
+@settings(deadline=None)
 @given(st.text(st.characters(exclude_categories=["Cs"])))
 def test_wide_text(text: str) -> None:
     assert decode("wstring", encode("wstring", text)) == text.rstrip("\0")

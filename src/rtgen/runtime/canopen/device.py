@@ -19,7 +19,8 @@ from rtgen.runtime.canopen.link import Link, LinkError
 from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.lss import UNCONFIGURED
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, Transition
-from rtgen.runtime.canopen.node import USER_SOFTWARE, DeviceNode, NodeEvents
+from rtgen.runtime.canopen.node import USER_SOFTWARE, DeviceNode
+from rtgen.runtime.canopen.node_events import NodeEvents
 from rtgen.runtime.component import Component
 from rtgen.runtime.connectors import DataConnector
 from rtgen.runtime.data_ports import InPort, OutPort

@@ -1,4 +1,4 @@
-"""SYNC at a device: when one has come, and those that it produces (CiA 301, 7.2.5)."""
+"""SYNC and TIME at a device: what has come, and SYNCs that it produces (CiA 301, 7.2.5, 7.2.6)."""
 
 from __future__ import annotations
 
@@ -7,14 +7,20 @@ from typing import Final
 from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.emergency_producer import EmergencyProducer
-from rtgen.runtime.canopen.frames import SYNC, CobId, Frame, restricted
+from rtgen.runtime.canopen.frames import SYNC, TIME, CobId, Frame, restricted
 from rtgen.runtime.canopen.od import DeviceDictionary
 from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.sync import MAX_SYNC_OVERFLOW, SyncProducer, sync_counter
+from rtgen.runtime.canopen.sync import (
+    MAX_SYNC_OVERFLOW,
+    SyncProducer,
+    decode_time,
+    sync_counter,
+)
 
 COB_ID_SYNC: Final = (0x1005, 0)
 SYNC_PERIOD: Final = (0x1006, 0)
 SYNC_OVERFLOW: Final = (0x1019, 0)
+COB_ID_TIME: Final = (0x1012, 0)
 SYNC_LENGTH: Final = 0x8240
 
 _MICROSECOND: Final = 1000
@@ -88,4 +94,34 @@ class DeviceSync:
         if self._dictionary.number(SYNC_PERIOD):
             raise SdoAbort(sdo.DEVICE_STATE)
         if value == 1 or int(value) > MAX_SYNC_OVERFLOW:
+            raise SdoAbort(sdo.VALUE_INVALID)
+
+
+class DeviceTime:
+    """The consumer that 1012h may make of a device."""
+
+    def __init__(self, dictionary: DeviceDictionary) -> None:
+        self._dictionary = dictionary
+        dictionary.guard((COB_ID_TIME[0],), self._check)
+
+    @property
+    def identifiers(self) -> frozenset[int]:
+        """The CAN identifier, if the device takes TIME."""
+        cob_id = self._cob_id
+        return frozenset((cob_id.can_id,) if cob_id.bit31 else ())
+
+    def moment(self, frame: Frame) -> int | None:
+        """What a frame tells, in ns of UTC since 1970; None if it is no TIME for this device."""
+        cob_id = self._cob_id
+        if not cob_id.bit31 or not cob_id.carries(frame):
+            return None
+        return decode_time(Frame(TIME, frame.data, frame.remote))
+
+    @property
+    def _cob_id(self) -> CobId:
+        return CobId(self._dictionary.number(COB_ID_TIME))
+
+    def _check(self, number: ObjectNumber, value: ObjectValue) -> None:
+        new = CobId(int(value))
+        if not new.extended and restricted(new.can_id):
             raise SdoAbort(sdo.VALUE_INVALID)

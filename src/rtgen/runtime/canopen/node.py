@@ -7,17 +7,15 @@ object dictionary, hooks and `NodeEvents`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from typing import Final, TypeAlias
 
-from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import (
     DeviceDescription,
     ObjectNumber,
     ObjectValue,
 )
 from rtgen.runtime.canopen.device_pdos import DevicePdos, IsEvent
-from rtgen.runtime.canopen.device_sync import DeviceSync
+from rtgen.runtime.canopen.device_sync import DeviceSync, DeviceTime
 from rtgen.runtime.canopen.emergency import ErrorRegister
 from rtgen.runtime.canopen.emergency_producer import (
     COB_ID,
@@ -32,10 +30,7 @@ from rtgen.runtime.canopen.frames import (
     NMT,
     SDO_REQUEST,
     SDO_RESPONSE,
-    TIME,
-    CobId,
     Frame,
-    restricted,
 )
 from rtgen.runtime.canopen.heartbeat import (
     HeartbeatEvent,
@@ -53,6 +48,7 @@ from rtgen.runtime.canopen.nmt import (
     Transition,
     command_frame,
 )
+from rtgen.runtime.canopen.node_events import NodeEvents
 from rtgen.runtime.canopen.od import (
     COMMUNICATION,
     DeviceDictionary,
@@ -60,11 +56,8 @@ from rtgen.runtime.canopen.od import (
     WriteHook,
 )
 from rtgen.runtime.canopen.parameter_store import ParameterStore
-from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.sdo_server import SdoServer
-from rtgen.runtime.canopen.sync import decode_time
 
-COB_ID_TIME: Final = (0x1012, 0)
 HEARTBEAT_TIME: Final = (0x1017, 0)
 IDENTITY: Final = 0x1018
 ERROR_BEHAVIOUR: Final = (0x1029, 1)
@@ -79,29 +72,6 @@ _ALL: Final = range(0x10000)
 
 Handler: TypeAlias = Callable[[Frame], None]
 """What a node does with a frame."""
-
-
-@dataclass
-class NodeEvents:
-    """What a node tells its application, in calls from the link.
-
-    `moved`: a transition of its NMT state. `loaded`: the objects of these indices have their
-    defaults again. `received`: the values of an RPDO are in the object dictionary. `heard`: news
-    of a node that it watches. `time`: a TIME message, in ns of UTC. `collided`: another node has
-    its node-id, or sends one of its identifiers. `bit_rate`: LSS activates a bit rate, in kbit/s,
-    after a delay in ms. `stopping`: see `NmtSlave`. `ready` says whether the node may boot at once
-    after a reset; if not, its owner calls `boot`.
-    """
-
-    moved: Callable[[Transition], None] = lambda transition: None
-    loaded: Callable[[range], None] = lambda indices: None
-    received: Callable[[int], None] = lambda number: None
-    heard: Callable[[int, HeartbeatEvent], None] = lambda node_id, event: None
-    time: Callable[[int], None] = lambda moment: None
-    collided: Callable[[int], None] = lambda can_id: None
-    bit_rate: Callable[[int, int], None] = lambda bit_rate, delay: None
-    stopping: Callable[[], bool] = lambda: True
-    ready: Callable[[], bool] = lambda: True
 
 
 class DeviceNode:
@@ -137,7 +107,7 @@ class DeviceNode:
         self.lss = LssSlave(self._address, node_id, self._activate_bit_rate)
         self._consumers = HeartbeatConsumers(self.dictionary, self.errors, self._heard)
         self._sync = DeviceSync(self.dictionary, self.errors)
-        self.dictionary.guard((COB_ID_TIME[0],), _check_time_id)
+        self._time = DeviceTime(self.dictionary)
         self._nmt: NmtSlave | None = None
         self._server = SdoServer(1, self.dictionary)
         self._producer = HeartbeatProducer(1)
@@ -439,9 +409,8 @@ class DeviceNode:
         add(self._sync.cob_id.can_id, self._synchronise)
         for can_id in self._consumers.identifiers:
             add(can_id, self._take_heartbeat)
-        time = CobId(self.dictionary.number(COB_ID_TIME))
-        if time.bit31:
-            add(time.can_id, self._take_time)
+        for can_id in self._time.identifiers:
+            add(can_id, self._take_time)
         for can_id in self.pdos.identifiers:
             add(can_id, self._serve_pdo)
         return found
@@ -485,11 +454,8 @@ class DeviceNode:
             self._out += self.pdos.sync(counter, self._now)
 
     def _take_time(self, frame: Frame) -> None:
-        cob_id = CobId(self.dictionary.number(COB_ID_TIME))
-        if not cob_id.carries(frame) or not self._allows(Service.TIME):
-            return
-        moment = decode_time(Frame(TIME, frame.data, frame.remote))
-        if moment is not None:
+        moment = self._time.moment(frame)
+        if moment is not None and self._allows(Service.TIME):
             self.events.time(moment)
 
     def _communication_error(self) -> None:
@@ -584,9 +550,3 @@ class DeviceNode:
         if due is not None and self._allows(Service.SYNC):
             deadline = due if deadline is None else min(due, deadline)
         return deadline
-
-
-def _check_time_id(number: ObjectNumber, value: ObjectValue) -> None:
-    new = CobId(int(value))
-    if not new.extended and restricted(new.can_id):
-        raise SdoAbort(sdo.VALUE_INVALID)
