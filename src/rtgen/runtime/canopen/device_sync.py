@@ -91,7 +91,8 @@ class DeviceSync:
             raise SdoAbort(sdo.VALUE_INVALID)
 
     def _check_overflow(self, number: ObjectNumber, value: ObjectValue) -> None:
-        if self._dictionary.number(SYNC_PERIOD):
+        changes = value != self._dictionary.number(SYNC_OVERFLOW)
+        if changes and self._dictionary.number(SYNC_PERIOD):
             raise SdoAbort(sdo.DEVICE_STATE)
         if value == 1 or int(value) > MAX_SYNC_OVERFLOW:
             raise SdoAbort(sdo.VALUE_INVALID)
