@@ -19,7 +19,8 @@ from rtgen.runtime.canopen.frames import Frame
 from rtgen.runtime.canopen.links import simulated_bus
 from rtgen.runtime.canopen.managed_node import NodePhase
 from rtgen.runtime.canopen.manager_station import ManagerStation
-from rtgen.runtime.canopen.node import DeviceNode, NodeEvents
+from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.canopen.node_events import NodeEvents
 
 MS = 1_000_000
 SECOND = 1000 * MS

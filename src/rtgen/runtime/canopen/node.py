@@ -144,8 +144,9 @@ class DeviceNode:
             return self._taken()
         if self._identifiers is None:
             self._identifiers = self.identifiers
-        for handler in self._handlers.get(frame.can_id, ()):
-            handler(frame)
+        if self.state is not NmtState.INITIALISING or frame.can_id == LSS_REQUEST:
+            for handler in self._handlers.get(frame.can_id, ()):
+                handler(frame)
         return self._taken()
 
     def poll(self, now: int) -> Iterable[Frame]:
@@ -397,7 +398,7 @@ class DeviceNode:
 
         if self.description.lss:
             add(LSS_REQUEST, self._configure_layers)
-        if self._nmt is None or self.state is NmtState.INITIALISING:
+        if self._nmt is None:
             return found
         node_id = self.node_id
         # What nobody else sends.
