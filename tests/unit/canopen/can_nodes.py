@@ -11,6 +11,7 @@ from typing import Any
 from rtgen.backends.canopen.objects_module import objects_text
 from rtgen.frontends import eds
 from rtgen.runtime.canopen.description import DeviceDescription
+from rtgen.runtime.canopen.link import Link
 from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.node import DeviceNode
 from rtgen.runtime.clocks import RealClock
@@ -33,10 +34,17 @@ def description(name: str) -> DeviceDescription:
 
 @contextmanager
 def nodes(
-    channel: str, names: Mapping[int, str], serial: int = 0
+    channel: str | Link, names: Mapping[int, str], serial: int = 0
 ) -> Iterator[dict[int, DeviceNode]]:
-    """Slaves by node-id, booted; above 200 they have none, and serial numbers that follow."""
-    link = open_link(RealClock(), "virtual", channel)
+    """Slaves by node-id, booted, on a virtual channel or a link.
+
+    Above 200 they have no node-id; serial numbers follow each other.
+    """
+    link = (
+        open_link(RealClock(), "virtual", channel)
+        if isinstance(channel, str)
+        else channel
+    )
     made = {}
     for place, (node_id, name) in enumerate(names.items()):
         node = DeviceNode(

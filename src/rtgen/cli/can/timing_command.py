@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import click
 
+from rtgen.backends.canopen.reports import timing_text
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
 from rtgen.layouts.can_messages import messages
 from rtgen.layouts.can_timing import Timing, load, response_times
@@ -37,22 +39,20 @@ def timing_(console: Console, file: Path, bit_rate: str | None, as_json: bool) -
     console.findings(result.diagnostics, result.sources)
     if result.bus is None:
         return BAD_INPUT
-    rate = int(bit_rate) if bit_rate else result.bus.bit_rate
-    found = messages(result.bus)
-    share = load(found, rate)
-    timings = list(response_times(found, rate))
+    bus = replace(result.bus, bit_rate=int(bit_rate or result.bus.bit_rate))
+    found = messages(bus)
+    timings = list(response_times(found, bus.bit_rate))
     if as_json:
         told = {
-            "bus": result.bus.name,
-            "bit_rate": rate,
-            "load": share,
+            "bus": bus.name,
+            "bit_rate": bus.bit_rate,
+            "load": load(found, bus.bit_rate),
             "messages": [_json(timing) for timing in timings],
         }
         write_out(f"{json.dumps(told)}\n")
     else:
-        write_out(f"load {100 * share:.1f} % of {rate} kbit/s\n")
-        _table(timings)
-    return NO if any(_is_late(t) or t.response is None for t in timings) else OK
+        write_out(timing_text(bus, ()).lstrip("\n"))
+    return NO if any(t.response is None or _is_late(t) for t in timings) else OK
 
 
 def _is_late(timing: Timing) -> bool:
@@ -71,22 +71,3 @@ def _json(timing: Timing) -> dict[str, object]:
         "frame_ns": timing.transmission,
         "response_ns": timing.response,
     }
-
-
-def _table(timings: list[Timing]) -> None:
-    width = max((len(t.message.name) for t in timings), default=0)
-    head = f"{'id':>8}  {'message':<{width}}  octets  period [ms]  frame [us]"
-    write_out(f"{head}  worst response [us]\n")
-    for timing in timings:
-        message = timing.message
-        digits = 8 if message.extended else 3
-        response = "no bound"
-        if timing.response is not None:
-            response = f"{timing.response / 1000:.0f}"
-        if _is_late(timing):
-            response += " > period"
-        write_out(
-            f"{f'{message.identifier:0{digits}X}':>8}  {message.name:<{width}}  "
-            f"{message.octets:>6}  {message.period / 1e6:>11.3f}  "
-            f"{timing.transmission / 1000:>10.0f}  {response:>19}\n"
-        )
