@@ -28,7 +28,7 @@ from rtgen.runtime.canopen.description import DeviceDescription, ObjectNumber
 from rtgen.runtime.canopen.device import CanopenDevice
 from rtgen.runtime.canopen.frames import MILLISECOND, Frame
 from rtgen.runtime.canopen.hooks import Getter, Incoming, Outgoing, Setter
-from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.links import simulated_bus
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, command_frame
 
 BOOT_UP = Frame(0x700 + NODE_ID, b"\0")
@@ -144,9 +144,10 @@ class Setup:
     """A device in a system, and a listener on its bus that also plays the master."""
 
     def __init__(self, device: Slave | None = None) -> None:
-        self.system = System(SimulatedClock())
+        clock = SimulatedClock()
+        self.system = System(clock)
         self.device = device or Slave()
-        self.link = open_link(self.system.clock)
+        self.link = self.bus = simulated_bus(clock.network)
         self.listener = Listener()
         self.link.attach(self.listener)
         self.system.add(self.device, 100.0)
@@ -169,7 +170,7 @@ class Setup:
 
     @property
     def states(self) -> tuple[LifeCycleState, NmtState]:
-        return self.system.state("slave"), self.device.node.state
+        return self.system.state(self.device.instance_name), self.device.node.state
 
     def calls(self) -> list[str]:
         """The callbacks since the last question."""
@@ -412,3 +413,96 @@ def test_objects_are_there_before_the_bus() -> None:
     device = Slave()
     device.set_object((0x6041, 0), 1)
     assert device.get_object((0x6041, 0)) == 1
+
+
+def test_inports_of_the_behaviour_are_left_alone() -> None:
+    class Measuring(Slave):
+        def __init__(self) -> None:
+            super().__init__()
+            self.voltage = self.add_in_port("voltage", rtc.TimedDouble)
+
+    device = Measuring()
+    Setup(device)
+    assert not device.voltage.connectors
+    assert device.control.connectors
+
+
+def test_a_device_stops_by_itself_when_its_manager_is_lost(setup: Setup) -> None:
+    with setup.device.bus_lock:
+        setup.device.node.dictionary.put(
+            (0x1016, 1), (127 << 16 | 50).to_bytes(4, "little")
+        )
+        setup.device.node.set(0x1029, 1, 2)
+    setup.run()
+    setup.command(NmtCommand.START)
+    setup.send(0x77F, "05")
+    assert setup.states == (ACTIVE_STATE, NmtState.OPERATIONAL)
+    frames = setup.run(100)
+    assert [frame.data[:2].hex() for frame in frames] == ["3081"]
+    assert setup.states == (ERROR_STATE, NmtState.STOPPED)
+    assert setup.device.reason == "node 127 is lost: it has no heartbeat"
+
+
+def test_bus_off_and_return(setup: Setup) -> None:
+    setup.command(NmtCommand.START)
+    setup.calls()
+    setup.bus.cut(setup.device.node)
+    setup.run()
+    assert setup.states == (INACTIVE_STATE, NmtState.PRE_OPERATIONAL)
+    assert setup.calls() == ["on_deactivated"]
+    setup.device.set_object((0x6041, 0), 1)
+    setup.bus.mend(setup.device.node)
+    frames = setup.run()
+    assert [frame.data[:2].hex() for frame in frames] == ["4081"]
+    setup.command(NmtCommand.START)
+    assert setup.states == (ACTIVE_STATE, NmtState.OPERATIONAL)
+
+
+def test_what_is_set_while_the_bus_is_off_is_no_error(setup: Setup) -> None:
+    setup.device.node.dictionary.put((0x1029, 1), b"\1")
+    setup.command(NmtCommand.START)
+    setup.bus.cut(setup.device.node)
+    setup.device.set_object((0x6041, 0), 1)
+    setup.run()
+    assert setup.states == (ACTIVE_STATE, NmtState.OPERATIONAL)
+
+
+def test_two_devices_with_one_id_tell_it(caplog: pytest.LogCaptureFixture) -> None:
+    setup = Setup()
+    setup.system.add(Slave("other"), 100.0)
+    frames = setup.run()
+    assert [frame.data[:2].hex() for frame in frames if frame.can_id == EMERGENCY] == [
+        "5081",
+        "5081",
+    ]
+    assert "another node has the node-id 5" in caplog.text
+
+
+def test_a_node_id_comes_by_lss() -> None:
+    device = Slave()
+    device.config.node_id = 255
+    device.node.serial_number = 3
+    setup = Setup(device)
+    assert setup.listener.heard == []
+    setup.send(0x7E5, "0401000000000000")
+    setup.send(0x7E5, "1105000000000000")
+    assert BOOT_UP in setup.send(0x7E5, "0400000000000000")
+    setup.command(NmtCommand.START)
+    assert setup.states == (ACTIVE_STATE, NmtState.OPERATIONAL)
+
+
+def test_a_bus_that_cannot_be_opened_keeps_the_device_out() -> None:
+    device = Slave()
+    device.config.bitrate = 500_000
+    setup = Setup(Slave("first"))
+    setup.bus.bit_rate = 125_000
+    with pytest.raises(InitializationError, match="125000 bit/s"):
+        setup.system.add(device, 100.0)
+
+
+def test_a_behaviour_that_cannot_be_initialized_leaves_the_bus() -> None:
+    device = Slave()
+    device.answers["on_initialize"] = RTC_ERROR
+    with pytest.raises(InitializationError):
+        System(SimulatedClock()).add(device, 100.0)
+    assert not device.control.connectors

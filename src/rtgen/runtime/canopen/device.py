@@ -90,12 +90,8 @@ class CanopenDevice(DeviceHooks, Component):
 
     def set_object(self, number: ObjectNumber, value: ObjectValue) -> None:
         """See `DeviceHooks`."""
-        link = self._link
-        if link is None:
+        with self.bus_lock:
             self.node.dictionary.set(number, value)
-        else:
-            with link.lock:
-                self.node.dictionary.set(number, value)
 
     # Life
 
@@ -158,7 +154,8 @@ class CanopenDevice(DeviceHooks, Component):
     def _connect_ports(self) -> None:
         self._incoming_by_number = self._incoming()
         bus = f"{self.instance_name}.bus"
-        for name, in_port in self.in_ports.items():
+        for name in self._fed_ports():
+            in_port = self.in_ports[name]
             source = self._inlets[name] = OutPort(name, in_port.type, bus)
             self._connect(name, source, in_port)
         self._outlets = []
@@ -168,6 +165,12 @@ class CanopenDevice(DeviceHooks, Component):
             target._protect(self._clock.guard())
             self._connect(name, out_port, target)
             self._outlets.append((name, target, outgoing))
+
+    def _fed_ports(self) -> list[str]:
+        """The InPorts that RPDOs go to: a behaviour may have others."""
+        get = self.node.dictionary.get
+        made = (incoming(get, 0) for incoming in self._incoming_by_number.values())
+        return list(dict.fromkeys(name for samples in made for name, _ in samples))
 
     def _connect(self, name: str, source: OutPort[Any], target: InPort[Any]) -> None:
         connector = DataConnector(
