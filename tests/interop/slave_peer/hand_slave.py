@@ -106,12 +106,16 @@ class Slave:
     def run(self) -> None:
         self.reset()
         while True:
-            due = [when for when in (self.next_beat, self.next_pdo) if when is not None]
-            wait = min([0.2, *(when - time.monotonic() for when in due)])
-            message = self.bus.recv(max(0.0, wait))
-            if message is not None and not message.is_error_frame:
-                self.take(message)
-            self.tick()
+            self.step()
+
+    def step(self) -> None:
+        """Takes a frame if one comes, and does what is due."""
+        due = [when for when in (self.next_beat, self.next_pdo) if when is not None]
+        wait = min([0.05, *(when - time.monotonic() for when in due)])
+        message = self.bus.recv(max(0.0, wait))
+        if message is not None and not message.is_error_frame:
+            self.take(message)
+        self.tick()
 
     def tick(self) -> None:
         now = time.monotonic()
