@@ -44,7 +44,7 @@ def field_names(variables: Iterable[Variable]) -> dict[tuple[int, int], str]:
         number: (
             name
             if counts[name.lower()] == 1 and not _is_keyword(name)
-            else _numbered(name, number)
+            else numbered(name, number)
         )
         for number, name in numbers.items()
     }
@@ -53,13 +53,14 @@ def field_names(variables: Iterable[Variable]) -> dict[tuple[int, int], str]:
         number: (
             name
             if counts[name.lower()] == 1 or name != numbers[number]
-            else _numbered(name, number)
+            else numbered(name, number)
         )
         for number, name in names.items()
     }
 
 
-def _numbered(name: str, number: tuple[int, int]) -> str:
+def numbered(name: str, number: tuple[int, int]) -> str:
+    """The name with the number of its object: `Input_6401_01`."""
     index, subindex = number
     return f"{name}_{index:04X}_{subindex:02X}"
 

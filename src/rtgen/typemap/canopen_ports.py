@@ -6,7 +6,7 @@ One place for what the IDL text, the codecs and the conversions of a device have
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rtgen.layouts.pdo import Mapped, PdoLayout, PdoLayoutError, layout
 from rtgen.model import NamedType, Primitive, PrimitiveType, ScopedName, Type
@@ -21,12 +21,18 @@ from rtgen.model.canopen import (
     Variable,
 )
 from rtgen.typemap.canopen_idl import row
-from rtgen.typemap.canopen_names import field_names
+from rtgen.typemap.canopen_names import field_names, numbered
 
 STAMP = "tm"
 """The first member of every sample: when it was taken or came, of type `RTC::Time`."""
 
 _DOUBLE = PrimitiveType(Primitive.DOUBLE)
+OWN_PARAMETERS = (
+    *("interface", "channel", "bitrate", "options", "node_id", "network"),
+    *("master", "heartbeat_timeout", "boot_timeout"),
+)
+"""The configuration parameters of every proxy; a device has those up to `network`."""
+
 NUMERIC = frozenset((*SIGNED, *UNSIGNED, DataType.REAL32, DataType.REAL64))
 """The types of numbers."""
 _PLAIN_PARAMETERS = (
@@ -140,9 +146,19 @@ class DevicePorts:
 
     @property
     def parameters(self) -> tuple[Quantity, ...]:
-        """The objects that become configuration parameters, in the order of the bus file."""
-        found = (self.device.find(*number) for number in self.kind.parameters)
-        return tuple(self.quantity(variable) for variable in found if variable)
+        """The objects that become configuration parameters, in the order of the bus file.
+
+        One that is called as a parameter of every proxy bears its number.
+        """
+        found = []
+        for number in self.kind.parameters:
+            variable = self.device.find(*number)
+            if variable is not None:
+                quantity = self.quantity(variable)
+                if quantity.name.lower() in OWN_PARAMETERS:
+                    quantity = replace(quantity, name=numbered(quantity.name, number))
+                found.append(quantity)
+        return tuple(found)
 
     def of(self, direction: PdoDirection) -> tuple[PdoSample, ...]:
         """The PDOs of a direction."""
