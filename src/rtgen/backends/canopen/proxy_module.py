@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rtgen.backends import Options
 from rtgen.backends.canopen.component_module import ComponentModule
@@ -179,7 +179,7 @@ class _ProxyModule(ComponentModule):
             yield f"        self.{self.port(PdoDirection.TPDO, sample.name)}.write({made})"
             return
         targets = self._targets(sample)
-        yield f"        {', '.join(targets)}{',' * (len(targets) == 1)} = {decode}(data)"
+        yield f"        {_unpacked(targets)} = {decode}(data)"
         values = [
             self.decoded(q, v) for q, v in zip(sample.fields, targets, strict=True)
         ]
@@ -201,9 +201,8 @@ class _ProxyModule(ComponentModule):
         yield f"    def _send_{sample.name}(self) -> Iterator[bytes]:"
         if self.ports.per_object:
             targets = self._targets(sample)
-            comma = "," * (len(targets) == 1)
             rounds = f"self._{sample.name}.rounds()"
-            yield f"        for {', '.join(targets)}{comma} in {rounds}:"
+            yield f"        for {_unpacked(targets)} in {rounds}:"
         else:
             self.use(_SAMPLES, "unread")
             port = self.port(PdoDirection.RPDO, sample.name)
@@ -296,3 +295,8 @@ class _ProxyModule(ComponentModule):
         if self.is_time(quantity):
             return self.time
         return python_type(quantity.variable.data_type)
+
+
+def _unpacked(targets: Sequence[str]) -> str:
+    """The targets of an assignment from a tuple."""
+    return ", ".join(targets) if len(targets) > 1 else f"({targets[0]},)"
