@@ -506,3 +506,17 @@ def test_a_behaviour_that_cannot_be_initialized_leaves_the_bus() -> None:
     with pytest.raises(InitializationError):
         System(SimulatedClock()).add(device, 100.0)
     assert not device.control.connectors
+
+
+def test_events_that_were_overwritten_in_the_inhibit_time_are_counted(
+    setup: Setup,
+) -> None:
+    with setup.device.bus_lock:
+        setup.device.node.dictionary.put((0x1800, 3), b"\xe8\3")
+    setup.command(NmtCommand.START)
+    for value in range(1, 4):
+        setup.device.set_object((0x6064, 0), value)
+        setup.run(10)
+    assert setup.system.observable("slave.overwritten") == (2,)
+    assert setup.device.lost == 0
+    assert [frame.data[2] for frame in setup.run(100)] == [3]

@@ -72,6 +72,7 @@ class CanopenDevice(DeviceHooks, Component):
         self._inlets: dict[str, OutPort[Any]] = {}
         self._outlets: list[tuple[str, InPort[Any], Outgoing]] = []
         self._connectors: list[DataConnector[Any]] = []
+        self.observables["overwritten"] = lambda: (self.node.pdos.overwritten,)
         self._was: LifeCycleState = INACTIVE_STATE
         self._resetting = False
         self._ending = False
@@ -123,9 +124,8 @@ class CanopenDevice(DeviceHooks, Component):
 
     @property
     def lost(self) -> int:
-        """Samples lost at its ports; also values that were overwritten in an inhibit time."""
-        outlets = sum(port.lost for _, port, _ in self._outlets)
-        return super().lost + outlets + self.node.pdos.overwritten
+        """Samples that were lost at its ports, on the way to the bus, too."""
+        return super().lost + sum(port.lost for _, port, _ in self._outlets)
 
     def _join_bus(self) -> Link:
         config = self.config
