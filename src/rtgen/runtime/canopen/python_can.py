@@ -111,16 +111,8 @@ class OpenBus:
         """Sends a frame; False if the interface has no room. Raises LinkError."""
         import can
 
-        message = can.Message(
-            arbitration_id=frame.can_id,
-            data=None if frame.remote else frame.data,
-            is_extended_id=frame.extended,
-            is_remote_frame=frame.remote,
-            is_rx=False,
-            check=False,
-        )
         try:
-            self.bus.send(message, timeout=_PATIENCE)
+            self.bus.send(message_of(frame), timeout=_PATIENCE)
         except (can.CanError, OSError, ValueError) as error:
             if _is_full(error):
                 return False
@@ -239,6 +231,20 @@ def frame_of(message: can.Message) -> Frame | None:
         )
     except ValueError:
         return None
+
+
+def message_of(frame: Frame) -> can.Message:
+    """The message of a frame that is sent."""
+    import can
+
+    return can.Message(
+        arbitration_id=frame.can_id,
+        data=None if frame.remote else frame.data,
+        is_extended_id=frame.extended,
+        is_remote_frame=frame.remote,
+        is_rx=False,
+        check=False,
+    )
 
 
 def _ask(address: BusAddress, hub: tuple[str, int]) -> None:
