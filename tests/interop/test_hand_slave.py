@@ -32,6 +32,9 @@ from rtgen.runtime import (
 )
 from rtgen.runtime.canopen.sdo import SdoAbort
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "canopen"))
+from hub_process import HubProcess
+
 FOLDER = Path(__file__).with_name("slave_peer")
 CHANNELS = count()
 NODE = 5
@@ -60,19 +63,21 @@ def of(module: str, name: str) -> Any:
 class Bench:
     """A system with a proxy, and a manager unless the proxy is the master, and the slave."""
 
-    def __init__(self, *, manager: bool) -> None:
+    def __init__(self, *, manager: bool, hub: HubProcess | None = None) -> None:
         self.channel = f"hand{next(CHANNELS)}"
-        self.bus = can.Bus(interface="virtual", channel=self.channel)
-        self.slave = of("hand_slave", "Slave")(self.bus, NODE)
         self.system = System(RealClock())
         self.proxy = of("hand.canopen.hand_slave.proxy", "HandSlaveProxy")("Proxy0")
         self.manager = of("hand.canopen.manager", "CanopenManager")("Manager0")
         parameters = self.proxy.configuration_sets
-        parameters.set("channel", self.channel)
+        for component in (self.proxy, self.manager):
+            component.configuration_sets.set("channel", self.channel)
+            if hub is not None:
+                options = f"host={hub.host},port={hub.port},tcp_tune=true"
+                component.configuration_sets.set("interface", "socketcand")
+                component.configuration_sets.set("options", options)
         parameters.set("node_id", str(NODE))
         parameters.set("network", "hand" if manager else "")
         parameters.set("master", "0" if manager else "1")
-        self.manager.configuration_sets.set("channel", self.channel)
         self.source = Component("Source0")
         self.targets = self.source.add_out_port("out", self.proxy.rpdo1.type)
         self.system.add(self.proxy, 200.0)
@@ -82,25 +87,57 @@ class Bench:
         self.system.connect(("Source0", "out"), ("Proxy0", "rpdo1"))
         self.samples: list[Any] = []
         self.system.add_listener(self._note)
-        self._ended = threading.Event()
-        self._thread = threading.Thread(target=self._serve)
-        self._thread.start()
+        if hub is None:
+            self._begin_thread()
+        else:
+            self._begin_process(hub)
+
+    def _begin_thread(self) -> None:
+        bus = can.Bus(interface="virtual", channel=self.channel)
+        self.slave = of("hand_slave", "Slave")(bus, NODE)
+        ended = threading.Event()
+
+        def serve() -> None:
+            self.slave.reset()
+            while not ended.is_set():
+                self.slave.step()
+            bus.shutdown()
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+
+        def end() -> None:
+            ended.set()
+            thread.join()
+
+        self.end_slave = end
+
+    def _begin_process(self, hub: HubProcess) -> None:
+        options = (f"host={hub.host}", f"port={hub.port}", "tcp_tune=true")
+        process = subprocess.Popen(
+            [
+                *(sys.executable, str(FOLDER / "hand_slave.py"), str(NODE)),
+                *("socketcand", self.channel, *options),
+            ],
+            stdout=subprocess.PIPE,
+        )
+        assert process.stdout is not None
+        with process.stdout as told:
+            assert told.readline() == b"ready\n"
+
+        def end() -> None:
+            process.kill()
+            process.wait()
+
+        self.end_slave = end
 
     def _note(self, record: object) -> None:
         if isinstance(record, SampleRecord) and record.port == "tpdo1":
             self.samples.append(record.value)
 
-    def _serve(self) -> None:
-        slave = self.slave
-        slave.reset()
-        while not self._ended.is_set():
-            slave.step()
-
     def close(self) -> None:
         self.system.close()
-        self._ended.set()
-        self._thread.join()
-        self.bus.shutdown()
+        self.end_slave()
 
     def wait(self, condition: Callable[[], bool]) -> None:
         limit = self.system.time + 20 * SECOND
@@ -233,6 +270,34 @@ def test_a_proxy_that_is_the_master() -> None:
         bench.until(ACTIVE_STATE)
     finally:
         bench.close()
+
+
+def test_in_another_process_over_a_hub() -> None:
+    with HubProcess() as hub:
+        bench = Bench(manager=True, hub=hub)
+        try:
+            activated(bench)
+            bench.wait(lambda: len(bench.samples) >= 20)
+            counters = [sample.Counter for sample in bench.samples]
+            assert counters == list(range(counters[0], counters[0] + len(counters)))
+            sample = bench.proxy.rpdo1.type()
+            sample.Target, sample.Mode = -123456, 3
+            bench.targets.write(sample)
+            bench.wait(lambda: bench.samples[-1].Position == -123456)
+            assert bench.call("get_Mode") == 3
+            data = bytes(range(256)) * 20
+            bench.call("set_Data", data)
+            assert bench.call("get_Data") == data
+            bench.call("set_Emergency", 0x8130)
+            bench.until(ERROR_STATE)
+            assert "8130h heartbeat or guarding lost" in bench.proxy.reason
+            bench.system.reset("Proxy0")
+            bench.until(ACTIVE_STATE)
+            bench.end_slave()
+            bench.until(ERROR_STATE)
+            bench.until(ERROR_STATE, "Manager0")
+        finally:
+            bench.close()
 
 
 def test_it_needs_nothing_but_python_can() -> None:
