@@ -94,7 +94,9 @@ def _variable(section: str, thing: Thing) -> str:
 
 
 def _record(index: str, name: str, things: Sequence[Thing]) -> str:
-    text = f"[{index}]\nParameterName={name}\nObjectType=9\nSubNumber={len(things) + 1}\n"
+    text = (
+        f"[{index}]\nParameterName={name}\nObjectType=9\nSubNumber={len(things) + 1}\n"
+    )
     count = Thing("Number of entries", 0x05, "rw", False, str(len(things)))
     for place, thing in enumerate((count, *things)):
         text += _variable(f"{index}sub{place:X}", thing)

@@ -480,3 +480,16 @@ def test_stored_communication_parameters_take_effect_at_reset_communication() ->
     bench.write(0x1017, 0, 0)
     bench.command(NmtCommand.RESET_COMMUNICATION)
     assert bench.node.get(0x1017) == 100
+
+
+def test_errors_of_the_application_outlive_reset_communication() -> None:
+    bench = Bench()
+    bench.start()
+    bench.node.add_error(0x2310)
+    bench.give(0x80, bytes(2))
+    assert bench.node.get(0x1001) == 0x13
+    bench.command(NmtCommand.RESET_COMMUNICATION)
+    assert bench.node.get(0x1001) == 0x03
+    assert bench.read(0x1003) == b"\0"
+    bench.command(NmtCommand.RESET_NODE)
+    assert bench.node.get(0x1001) == 0

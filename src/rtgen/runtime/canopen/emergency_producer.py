@@ -22,6 +22,8 @@ MAX_WAITING: Final = 16
 MAX_ERRORS: Final = 64
 """How many errors may be there at a time."""
 
+_TRANSIENT: Final = (0x6, 0x8)
+"""Classes of errors that reset communication ends."""
 _NO_DATA: Final = 0x08000024
 _BITS: Final = {
     0x2: ErrorRegister.CURRENT,
@@ -81,9 +83,11 @@ class EmergencyProducer:
         self._cob_id = None if cob_id.bit31 else cob_id
         self._inhibit = self._dictionary.number((INHIBIT_TIME, 0)) * INHIBIT_UNIT
 
-    def reset(self) -> None:
-        """The device begins anew, without errors."""
-        self._present.clear()
+    def reset(self, *, whole: bool) -> None:
+        """The device begins anew; unless `whole`, errors stay but those of protocols and software."""
+        for key in list(self._present):
+            if whole or key[0] >> 12 in _TRANSIENT:
+                del self._present[key]
         self._waiting.clear()
         self._not_before = 0
         self._note_register()

@@ -309,7 +309,7 @@ class DeviceNode:
         self.pdos.load(self.node_id)
         self.store.apply(indices)
         self._configure_all()
-        self.errors.reset()
+        self.errors.reset(whole=indices == _ALL)
         self.events.loaded(indices)
 
     def _preset(self, number: ObjectNumber, value: int) -> None:
