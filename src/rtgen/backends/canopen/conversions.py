@@ -69,7 +69,7 @@ def to_object(quantity: Quantity, value: str) -> str:
     if quantity.factor is not None:
         return _unscaled(quantity, value)
     if quantity.variable.data_type in _SECONDS:
-        return f"{value}.sec * {_SECOND} + {value}.nsec"
+        return f"_pdo.nanoseconds({value})"
     return value
 
 
@@ -81,5 +81,5 @@ def stamp(time: str) -> str:
 def _unscaled(quantity: Quantity, value: str) -> str:
     factor = number_literal(quantity.factor or 1.0)
     if quantity.variable.data_type in _REALS:
-        return f"{value} / {factor}"
+        return f"_pdo.quotient({value}, {factor})"
     return f"_pdo.unscaled({string_literal(quantity.name)}, {value}, {factor})"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from rtgen.backends import Options
 from rtgen.backends.canopen.component_module import ComponentModule
@@ -178,8 +178,9 @@ class _ProxyModule(ComponentModule):
             made = self.sample(sample, [f"*{decode}(data)"])
             yield f"        self.{self.port(PdoDirection.TPDO, sample.name)}.write({made})"
             return
-        targets = self._targets(sample)
-        yield f"        {_unpacked(targets)} = {decode}(data)"
+        targets = [f"v{place}" for place in range(len(sample.fields))]
+        together = ", ".join(targets) if len(targets) > 1 else f"({targets[0]},)"
+        yield f"        {together} = {decode}(data)"
         values = [
             self.decoded(q, v) for q, v in zip(sample.fields, targets, strict=True)
         ]
@@ -200,9 +201,11 @@ class _ProxyModule(ComponentModule):
         yield ""
         yield f"    def _send_{sample.name}(self) -> Iterator[bytes]:"
         if self.ports.per_object:
-            targets = self._targets(sample)
-            rounds = f"self._{sample.name}.rounds()"
-            yield f"        for {_unpacked(targets)} in {rounds}:"
+            targets = [f"values[{place}]" for place in range(len(sample.fields))]
+            yield f"        for values in self._{sample.name}.rounds():"
+            if all(map(is_plain, sample.fields)):
+                yield f"            yield {encode}(*values)"
+                return
         else:
             self.use(_SAMPLES, "unread")
             port = self.port(PdoDirection.RPDO, sample.name)
@@ -211,10 +214,6 @@ class _ProxyModule(ComponentModule):
             yield f"        for sample in unread(self.{port}):"
         values = [to_codec(q, v) for q, v in zip(sample.fields, targets, strict=True)]
         yield f"            yield {call(encode, *values)}"
-
-    @staticmethod
-    def _targets(sample: PdoSample) -> list[str]:
-        return [f"v{place}" for place in range(len(sample.fields))]
 
     # The SDO service.
 
@@ -295,8 +294,3 @@ class _ProxyModule(ComponentModule):
         if self.is_time(quantity):
             return self.time
         return python_type(quantity.variable.data_type)
-
-
-def _unpacked(targets: Sequence[str]) -> str:
-    """The targets of an assignment from a tuple."""
-    return ", ".join(targets) if len(targets) > 1 else f"({targets[0]},)"

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from struct import Struct
-from typing import cast
+from typing import TYPE_CHECKING, cast
+
+if TYPE_CHECKING:
+    from rtgen.runtime.component import Time
 
 _F32, _U32 = Struct("<f"), Struct("<I")
 _F64, _U64 = Struct("<d"), Struct("<Q")
@@ -79,6 +82,16 @@ def unscaled(name: str, value: float, factor: float) -> int:
         return round(value / factor)
     except (OverflowError, ValueError, TypeError):
         raise PdoError(f"{name} is {value!r}, no number") from None
+
+
+def quotient(value: float, factor: float) -> float:
+    """The number whose product with the factor is a physical value."""
+    return value / factor
+
+
+def nanoseconds(time: Time) -> int:
+    """A time as the object dictionary has it."""
+    return time.sec * 1_000_000_000 + time.nsec
 
 
 def seconds(raw: int) -> tuple[int, int]:

@@ -86,5 +86,5 @@ def _outgoing_tpdo3(sample: Any, set_: Setter) -> None:
 
 
 def _outgoing_tpdo4(sample: Any, set_: Setter) -> None:
-    set_((0x2042, 0), sample.Time_of_day.sec * 1_000_000_000 + sample.Time_of_day.nsec)
+    set_((0x2042, 0), _pdo.nanoseconds(sample.Time_of_day))
     set_((0x1001, 0), sample.Error_register)

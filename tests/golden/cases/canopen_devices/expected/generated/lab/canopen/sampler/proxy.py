@@ -297,4 +297,4 @@ class _ObjectAccess(sampler.ObjectAccess):
         return rtc.Time(*divmod(self._access.get(0x2042, 0), 1_000_000_000))
 
     def set_Time_of_day(self, value: rtc.Time) -> None:
-        self._access.set(0x2042, 0, value.sec * 1_000_000_000 + value.nsec)
+        self._access.set(0x2042, 0, _pdo.nanoseconds(value))

@@ -127,7 +127,7 @@ def _outgoing_Tag(sample: Any, set_: Setter) -> None:
 
 
 def _outgoing_Time_of_day(sample: Any, set_: Setter) -> None:
-    set_((0x2042, 0), sample.data.sec * 1_000_000_000 + sample.data.nsec)
+    set_((0x2042, 0), _pdo.nanoseconds(sample.data))
 
 
 def _outgoing_Error_register(sample: Any, set_: Setter) -> None:

@@ -109,12 +109,12 @@ class SamplerPiecesProxy(SamplerPiecesProxyBase):
         )
 
     def _send_rpdo1(self) -> Iterator[bytes]:
-        for v0, v1, v2, v3 in self._rpdo1.rounds():
-            yield encode_rpdo1(v0, v1, v2, v3)
+        for values in self._rpdo1.rounds():
+            yield encode_rpdo1(*values)
 
     def _send_rpdo2(self) -> Iterator[bytes]:
-        for v0, v1 in self._rpdo2.rounds():
-            yield encode_rpdo2(v0, _pdo.unscaled("Distance", v1, 0.25))
+        for values in self._rpdo2.rounds():
+            yield encode_rpdo2(values[0], _pdo.unscaled("Distance", values[1], 0.25))
 
 
 class _ObjectAccess(samplerpieces.ObjectAccess):
@@ -312,4 +312,4 @@ class _ObjectAccess(samplerpieces.ObjectAccess):
         return rtc.Time(*divmod(self._access.get(0x2042, 0), 1_000_000_000))
 
     def set_Time_of_day(self, value: rtc.Time) -> None:
-        self._access.set(0x2042, 0, value.sec * 1_000_000_000 + value.nsec)
+        self._access.set(0x2042, 0, _pdo.nanoseconds(value))
