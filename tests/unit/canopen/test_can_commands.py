@@ -340,10 +340,10 @@ def test_plot_of_a_record(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> 
     }
     column = rows[0].index("palette.Angle_reference")
     assert [(r[0], r[column]) for r in rows[1:] if r[column]] == [
-        (f"{(place + 1) / 100:.6f}", f"{100.0 * place}") for place in range(5)
+        (f"{(place + 1) / 100:.6f}", f"{100 * place}") for place in range(5)
     ]
     column = rows[0].index("motor.Target_position")
-    assert [r[column] for r in rows[1:] if r[column]][-1] == "400.0"
+    assert [r[column] for r in rows[1:] if r[column]][-1] == "400"
     assert outputs[1].read_text().startswith("<?xml")
     assert outputs[2].read_bytes().startswith(b"\x89PNG")
     assert "palette.Angle_reference: 5 values" in capfd.readouterr().err

@@ -8,7 +8,7 @@ import click
 
 from rtgen.cli.can.live import frames, opened
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes, with_span
-from rtgen.cli.can.printing import JsonLines, Lines, MessageDecoder, Wanted
+from rtgen.cli.can.printing import MessageDecoder, Printer, Wanted
 from rtgen.cli.common import OK, Console, with_console, write_out
 
 
@@ -46,19 +46,17 @@ def monitor_(
     each frame. It ends at Ctrl-C, or as --for and --count say.
     """
     known = described.known()
-    wanted, decoder = Wanted(known, nodes, kinds), MessageDecoder(known)
+    wanted = Wanted(known, nodes, kinds)
     with opened(access.on(known)) as bus, frames(bus, seconds, count) as coming:
         if as_json or plain or not sys.stdout.isatty():
-            lines = JsonLines() if as_json else Lines()
+            printer = Printer(known, wanted, as_json=as_json, write=write_out)
             for message in coming:
                 if message is not None:
-                    told = decoder.decode(message)
-                    if wanted(told):
-                        write_out(f"{lines.line(message, told)}\n")
+                    printer.take(message)
         else:
             from rtgen.cli.can.live_table import show
 
-            show(coming, decoder, wanted, bus.bus.channel_info)
+            show(coming, MessageDecoder(known), wanted, bus.bus.channel_info)
     if coming.lost:
         console.say(f"{coming.lost} frames came too fast and are missing")
     return OK

@@ -104,5 +104,5 @@ def _collect(
         for field in (*told.fields, *told.taken):
             series = found.get((field.node, field.thing.number))
             value = field.physical
-            if series is not None and isinstance(value, (bool, int, float)):
-                series.add(message.timestamp - start, float(value))
+            if series is not None and isinstance(value, (int, float)):
+                series.add(message.timestamp - start, +value)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, TypeAlias
 
 from rtgen.cli.can.decoding import Decoded, Decoder
 from rtgen.cli.can.known import KnownBus
@@ -12,6 +13,9 @@ from rtgen.runtime.canopen.python_can import frame_of
 
 if TYPE_CHECKING:
     from can import Message
+
+
+Write: TypeAlias = Callable[[str], object]
 
 
 class MessageDecoder:
@@ -52,32 +56,44 @@ def identifier(message: Message) -> str:
     return f"{message.arbitration_id:0{digits}X}"
 
 
-class Lines:
-    """Lines of text; times are in seconds since the first frame."""
+class Printer:
+    """Prints frames as they come: lines of text, or of JSON.
 
-    def __init__(self) -> None:
+    Times in text are in seconds since the first frame, those in JSON as the bus or the record has
+    them.
+    """
+
+    def __init__(
+        self, known: KnownBus, wanted: Wanted, *, as_json: bool, write: Write
+    ) -> None:
+        self._decoder = MessageDecoder(known)
+        self._wanted = wanted
+        self._line = _json_line if as_json else self._text_line
+        self._write = write
         self._start: float | None = None
 
-    def line(self, message: Message, told: Decoded) -> str:
-        """Time, identifier, data, and the words."""
+    def take(self, message: Message) -> None:
+        """Prints a frame, if it is wanted."""
         if self._start is None:
             self._start = message.timestamp
+        told = self._decoder.decode(message)
+        if self._wanted(told):
+            self._write(f"{self._line(message, told)}\n")
+
+    def _text_line(self, message: Message, told: Decoded) -> str:
+        assert self._start is not None
         moment = message.timestamp - self._start
         data = "remote" if message.is_remote_frame else message.data.hex(" ")
         return f"{moment:11.6f}  {identifier(message):>8}  {data:<23}  {told}".rstrip()
 
 
-class JsonLines:
-    """Lines of JSON; times are as the bus or the record has them."""
-
-    def line(self, message: Message, told: Decoded) -> str:
-        """The frame, and what it says."""
-        frame: dict[str, Json] = {
-            "time": round(message.timestamp, 6),
-            "id": identifier(message),
-        }
-        if message.is_remote_frame:
-            frame["remote"] = True
-        else:
-            frame["data"] = message.data.hex()
-        return json.dumps(frame | told.to_json())
+def _json_line(message: Message, told: Decoded) -> str:
+    frame: dict[str, Json] = {
+        "time": round(message.timestamp, 6),
+        "id": identifier(message),
+    }
+    if message.is_remote_frame:
+        frame["remote"] = True
+    else:
+        frame["data"] = message.data.hex()
+    return json.dumps(frame | told.to_json())

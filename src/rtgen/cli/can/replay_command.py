@@ -12,7 +12,7 @@ import click
 from rtgen.cli.can import logs
 from rtgen.cli.can.live import drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
-from rtgen.cli.can.printing import JsonLines, Lines, MessageDecoder, Wanted
+from rtgen.cli.can.printing import Printer, Wanted
 from rtgen.cli.common import OK, Console, with_console, write_out
 from rtgen.runtime.canopen.python_can import frame_of
 
@@ -70,7 +70,9 @@ def replay_(
     known = described.known()
     if decode:
         wanted = Wanted(known, nodes, kinds)
-        _print(logs.read(file), MessageDecoder(known), wanted, as_json=as_json)
+        printer = Printer(known, wanted, as_json=as_json, write=write_out)
+        for message in logs.read(file):
+            printer.take(message)
         return OK
     if as_json or nodes or kinds:
         raise click.UsageError("--json, --node and --kind go with --decode")
@@ -86,16 +88,6 @@ def replay_(
     missing = f"; {left_out} are no frames of classical CAN" if left_out else ""
     console.say(f"{sent} frames of {file} sent{missing}")
     return OK
-
-
-def _print(
-    found: Iterator[Message], decoder: MessageDecoder, wanted: Wanted, *, as_json: bool
-) -> None:
-    lines = JsonLines() if as_json else Lines()
-    for message in found:
-        told = decoder.decode(message)
-        if wanted(told):
-            write_out(f"{lines.line(message, told)}\n")
 
 
 def _in_time(

@@ -22,14 +22,14 @@ class Series:
         self.label = label
         self.unit = unit
         self.times: list[float] = []
-        self.values: list[float] = []
+        self.values: list[int | float] = []
 
     @property
     def title(self) -> str:
         """The label with the unit."""
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
-    def add(self, time: float, value: float) -> None:
+    def add(self, time: float, value: int | float) -> None:
         """Takes a value."""
         self.times.append(time)
         self.values.append(value)
