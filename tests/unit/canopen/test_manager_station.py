@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from random import Random
 
 import pytest
 from slaves import IDENTITY, MS, Slave
@@ -368,6 +369,21 @@ def test_jitter_within_the_time_out_is_no_error() -> None:
     assert bench.node().reason == ""
 
 
+def test_heartbeats_that_were_held_up_are_not_those_of_two_nodes() -> None:
+    bench = booted()
+    held: list[Frame] = []
+
+    def hold(frame: Frame, now: int) -> Iterable[tuple[int, Frame]]:
+        late = 280 - now // MS % 280 if frame.can_id == 0x705 else 0
+        held.extend([frame] * (late > 0))
+        return [(late * MS, frame)]
+
+    bench.bus.disturbance = hold
+    bench.run(30)
+    assert len(held) > 200
+    assert bench.phases()[-1] is NodePhase.RUNNING
+
+
 def test_a_node_without_heartbeat_falls_to_a_time_out() -> None:
     bench = Bench(described(configuration=()))
     bench.slave()
@@ -628,3 +644,50 @@ def test_126_nodes_are_looked_at_only_when_they_are_due() -> None:
     assert {node.phase for node in bench.manager.nodes.values()} == {NodePhase.RUNNING}
     # 126 heartbeats each 0.1 s, and a time-out of 0.3 s: a look for each node and time-out.
     assert polls <= 126 * 3 / 0.3 * 1.5
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_whatever_happens_a_reset_brings_the_network_back(seed: int) -> None:
+    random = Random(seed)
+    nodes = [described(number, restarts=number % 3) for number in (5, 6, 7)]
+    bench = booted(*nodes, sync=20_000, heartbeat=50)
+    identifiers = (0x77F, 0x7E4, 0x80, *(0x80 + n for n in range(5, 8)))
+    identifiers += tuple(base + n for base in (0x580, 0x700) for n in range(5, 8))
+
+    def frame() -> None:
+        data = random.choice((random.randbytes(random.randrange(9)), b"\0", b"\x7f"))
+        bench.bus.send([Frame(random.choice(identifiers), data)])
+
+    def switch_off() -> None:
+        random.choice(list(bench.slaves.values())).dead = True
+
+    def switch_on(slave: Slave) -> None:
+        slave.dead = False
+        slave.power_on(bench.bus.now())
+        bench.bus.refresh(slave)
+
+    def request() -> None:
+        command = random.choice(list(NmtCommand))
+        bench.manager.request(command, random.choice((0, 5, 6, 7, 8)))
+
+    for _ in range(150):
+        event = random.randrange(10)
+        if event < 5 and bench.bus.up:
+            frame()
+        elif event == 5:
+            switch_off()
+        elif event == 6:
+            switch_on(random.choice(list(bench.slaves.values())))
+        elif event == 7:
+            bench.bus.cut() if bench.bus.up else bench.bus.mend()
+        else:
+            request()
+        bench.run(random.choice((0.001, 0.02, 0.3, 2.5)))
+    bench.bus.mend()
+    for slave in bench.slaves.values():
+        switch_on(slave)
+    bench.manager.request(RESET_NODE, 0)
+    bench.run(30)
+    assert {node.phase for node in bench.manager.nodes.values()} == {NodePhase.RUNNING}
+    states = {slave.nmt.state for slave in bench.slaves.values()}
+    assert states == {NmtState.OPERATIONAL}

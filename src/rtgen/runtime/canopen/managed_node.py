@@ -76,8 +76,9 @@ _FOREIGN_ANSWERS: Final = 3
 """SDO answers that nobody asked for, in one set-up, that tell of a second node (or client)."""
 _FOREIGN: Final = "SDO answers come that were not asked for"
 _BEATS: Final = 16
-_BEAT_PERIODS: Final = 10
-"""So many heartbeats within so many of their periods are more than one node sends."""
+"""Heartbeats that are counted at least, before they are found to be too many."""
+_EXCESS: Final = 5, 3
+"""More than 5 heartbeats in 3 periods, all along, are not one node's; jitter is short."""
 
 
 class Channel(Protocol):
@@ -414,11 +415,13 @@ class ManagedNode:
         if self._beats == 0:
             self._first_beat = now
         self._beats += 1
-        if self._beats < _BEATS:
-            return False
-        self._beats = 0
         period = self.description.heartbeat * MILLISECOND
-        return now - self._first_beat <= _BEAT_PERIODS * period
+        # Beats that were held up come at once, up to a time-out's worth of them or two.
+        if not period or self._beats < max(_BEATS, 6 * self._timeout // period):
+            return False
+        beats, self._beats = self._beats, 0
+        many, periods = _EXCESS
+        return many * (now - self._first_beat) < periods * beats * period
 
     def _answers_too_many(self) -> bool:
         return self._channel.unexpected >= self._answers_before + _FOREIGN_ANSWERS
