@@ -84,7 +84,7 @@ class EmergencyProducer:
         self._inhibit = self._dictionary.number((INHIBIT_TIME, 0)) * INHIBIT_UNIT
 
     def reset(self, *, whole: bool) -> None:
-        """The device begins anew; unless `whole`, errors stay but those of protocols and software."""
+        """The device begins anew; unless `whole`, only errors of protocols and software go."""
         for key in list(self._present):
             if whole or key[0] >> 12 in _TRANSIENT:
                 del self._present[key]
