@@ -264,6 +264,16 @@ def test_objects_are_read_and_written_by_their_types() -> None:
             proxy.write_object(0x6083, 0, -1)
 
 
+def test_values_of_another_length() -> None:
+    """Some servers send 4 octets whatever the type; fewer than the type has are no value."""
+    with active() as bench:
+        bench.node.objects.values[0x1001, 0] = b"\x11\0\0\0"
+        assert bench.proxy.read_object(0x1001) == 0x11
+        bench.node.objects.values[0x6064, 0] = b"\1\2"
+        with pytest.raises(SdoAbort, match="06070013h length too low"):
+            bench.proxy.read_object(0x6064)
+
+
 def test_large_objects_go_in_blocks() -> None:
     value = bytes(range(256)) * 40
     with active() as bench:

@@ -382,10 +382,15 @@ def test_without_a_master_here_another_one_may_start_the_node() -> None:
         bench.until("ACTIVE")
 
 
-def test_a_node_that_has_no_heartbeat_is_started_all_the_same() -> None:
+@pytest.mark.parametrize(
+    ("way", "code"), [("write", sdo.READ_ONLY), ("read", sdo.NO_OBJECT)]
+)
+def test_a_node_that_has_no_heartbeat_is_started_all_the_same(
+    way: str, code: int
+) -> None:
     with Bench() as bench:
         objects = Objects()
-        objects.aborts["write", (0x1017, 0)] = sdo.READ_ONLY
+        objects.aborts[way, (0x1017, 0)] = code
         bench.with_node(objects=objects)
         bench.run(0.05)
         bench.activate()

@@ -226,9 +226,7 @@ class NodeControl:
 
     def _await_answer(self) -> Steps:
         """Till the node answers, or the boot time-out is over."""
-        link, node = self._link, self._node
-        if node.state is NmtState.STOPPED:
-            raise NodeError(f"{self} is stopped")
+        link = self._link
         limit = link.now() + self._boot_timeout
         while True:
             try:
