@@ -11,7 +11,7 @@ import struct
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from rtgen.layouts.can_values import octets
+from rtgen.layouts.can_values import CanValueError, octets
 from rtgen.model.can_bus import BusNode
 from rtgen.model.canopen import (
     INVALID,
@@ -143,7 +143,11 @@ class _StartUp:
         told = resolved(variable.current, self._id) if value is None else value
         assert told is not None
         verify = variable.access.readable and variable.index not in _STORE
-        return StartWrite(variable, octets(variable.data_type, told), why, verify)
+        try:
+            written = octets(variable.data_type, told)
+        except CanValueError as error:
+            raise CanValueError(f"{variable.name}: {error}") from None
+        return StartWrite(variable, written, why, verify)
 
 
 def _index(pdo: Pdo) -> int:

@@ -32,7 +32,8 @@ def octets(data_type: int, value: Value) -> bytes:
             size = (BITS[code] + 7) // 8
             return value.to_bytes(size, "little", signed=code in SIGNED)
     except UnicodeEncodeError as error:
-        message = f"{value!r} has a character that is not of {error.encoding}"
+        encoding = "Latin-1" if error.encoding == "latin-1" else "UTF-16"
+        message = f"{value!r} has a character that is not of {encoding}"
         raise CanValueError(message) from None
     except (KeyError, ValueError, OverflowError, struct.error):
         pass

@@ -1,0 +1,140 @@
+"""The files of a network: descriptions of nodes, start-up and timing as reports."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from rtgen.backends import Options
+from rtgen.backends.canopen.eds_text import eds_text
+from rtgen.backends.canopen.network_files import configured, network_files
+from rtgen.diagnostics import has_errors
+from rtgen.frontends import eds
+from rtgen.frontends.bus import load
+from rtgen.layouts.can_messages import messages
+from rtgen.layouts.can_startup import concise_dcf, start_up
+from rtgen.layouts.can_timing import response_times
+from rtgen.model.can_bus import Bus
+from rtgen.model.canopen import Device
+
+CASE = Path(__file__).parents[2] / "golden/cases/canopen_devices/input/specs"
+OPTIONS = Options(package="lab", skeleton_package="mylab", version="0")
+KEEPER = """[1F22]
+ParameterName=Concise DCF
+ObjectType=0x8
+SubNumber=3
+[1F22sub0]
+ParameterName=Highest sub-index supported
+DataType=0x0005
+AccessType=const
+DefaultValue=4
+[1F22sub3]
+ParameterName=Concise DCF 3
+DataType=0x000F
+AccessType=rw
+[1F22sub4]
+ParameterName=Concise DCF 4
+DataType=0x000F
+AccessType=rw
+[2001]"""
+
+
+@pytest.fixture
+def bus(tmp_path: Path) -> Bus:
+    """The network of the golden case; its devices can keep configurations of others."""
+    for path in CASE.iterdir():
+        text = path.read_text(encoding="utf-8").replace("[2001]", KEEPER)
+        (tmp_path / path.name).write_text(text, encoding="utf-8")
+    result = load(tmp_path / "bench.toml", root=tmp_path)
+    assert not has_errors(result.diagnostics)
+    assert result.bus is not None
+    return result.bus
+
+
+def text_of(bus: Bus, name: str) -> str:
+    artifacts, findings = network_files([bus], OPTIONS)
+    assert not findings
+    [artifact] = [a for a in artifacts if a.path.endswith(f"networks/{name}")]
+    return artifact.text
+
+
+def read(text: str, folder: Path) -> Device:
+    path = folder / "node.dcf"
+    path.write_text(text, encoding="utf-8")
+    return eds.load([path], root=folder).model.devices[0]
+
+
+def test_a_dcf_has_the_place_and_the_values_of_its_node(
+    bus: Bus, tmp_path: Path
+) -> None:
+    device = read(text_of(bus, "bench/first.dcf"), tmp_path)
+    told = device.commissioning
+    assert told is not None
+    assert (told.node_id, told.node_name, told.bit_rate, told.network_name) == (
+        *(3, "first", 500),
+        "bench",
+    )
+    assert device.file_info.last_eds == "sampler.eds"
+    for index, subindex, value in ((0x1017, 0, 50), (0x2030, 0, "left bench")):
+        variable = device.find(index, subindex)
+        assert variable is not None
+        assert variable.value == value
+    assert device.further == (("Maker", (("Colour", "green"),)),)
+
+
+def test_a_configuration_from_a_dcf_is_that_of_the_bus_file(
+    bus: Bus, tmp_path: Path
+) -> None:
+    """Whoever writes what a DCF has, in that order, has configured the node."""
+    for node in bus.nodes:
+        device = read(text_of(bus, f"bench/{node.name}.dcf"), tmp_path)
+        wanted = {
+            (w.variable.index, w.variable.subindex): w.value for w in start_up(node)
+        }
+        for (index, subindex), value in wanted.items():
+            variable = device.find(index, subindex)
+            assert variable is not None
+            assert variable.value is not None, (hex(index), value)
+
+
+def test_others_configurations_are_kept_as_concise_dcf(
+    bus: Bus, tmp_path: Path
+) -> None:
+    first, second = bus.nodes
+    device = read(eds_text(configured(bus, first)), tmp_path)
+    kept = {v.subindex: v.value for v in device.variables if v.index == 0x1F22}
+    assert kept == {0: None, 3: None, 4: concise_dcf(start_up(second))}
+    device = read(eds_text(configured(bus, second)), tmp_path)
+    kept = {v.subindex: v.value for v in device.variables if v.index == 0x1F22}
+    assert kept == {0: None, 3: concise_dcf(start_up(first)), 4: None}
+
+
+def test_the_report_on_start_up_has_every_write_in_order(bus: Bus) -> None:
+    text = text_of(bus, "bench_start_up.txt")
+    found = re.findall(r"write +([0-9A-F:]+) .*?  ((?:[0-9A-F]{2} ?)+)$", text, re.M)
+    wanted = []
+    for node in bus.nodes:
+        for write in start_up(node):
+            subindex = write.variable.subindex
+            place = f"{write.variable.index:04X}" + (
+                f":{subindex:X}" if subindex else ""
+            )
+            wanted.append((place, write.value.hex(" ").upper()))
+    assert found == wanted
+
+
+def test_the_report_on_timing_has_every_message(bus: Bus) -> None:
+    text = text_of(bus, "bench_timing.txt")
+    timings = list(response_times(messages(bus), bus.bit_rate))
+    rows = re.findall(r"^([0-9A-F]{3})h +(\S.*?)  +\d .* ([\d.]+)$", text, re.M)
+    assert rows == [
+        (
+            f"{t.message.identifier:03X}",
+            t.message.name,
+            f"{(t.response or 0) / 1000:g}",
+        )
+        for t in timings
+    ]
+    assert "no bound" not in text
