@@ -440,6 +440,18 @@ def test_two_nodes_of_the_same_id_that_beat() -> None:
         )
 
 
+def test_two_nodes_of_the_same_id_that_answer() -> None:
+    with Bench() as bench:
+        bench.with_node()
+        bench.with_node()
+        bench.run(0.05)
+        bench.system.activate("Drive0")
+        bench.until("ERROR")
+        assert bench.reason == (
+            "node 5 answers twice: there are two of them, or another SDO client"
+        )
+
+
 def test_a_bus_that_cannot_be_opened() -> None:
     from rtgen.runtime.canopen.links import open_link
 

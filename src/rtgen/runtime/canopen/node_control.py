@@ -29,6 +29,8 @@ HEARTBEAT: Final = 100
 """The heartbeat period in ms that a node without any gets from a proxy that is the master."""
 _PATIENCE: Final = 1000 * MILLISECOND
 """How long a state is awaited at least."""
+_FOREIGN_ANSWERS: Final = 2
+"""SDO answers that nobody asked for; at least so many, and nearly as many as others."""
 _HEARTBEAT_TIME: Final = (0x1017, 0)
 _IDENTITY: Final = (
     ((0x1000, 0), "device type"),
@@ -81,6 +83,7 @@ class NodeControl:
         self._period = default if isinstance(default, int) else 0
         self._silent = False
         self._supervised = -1
+        self._transfers = 0
         self._boots = 0
         self.running = False
         """Whether the node was brought to operational."""
@@ -167,7 +170,9 @@ class NodeControl:
         if link.master is not None:
             yield from self._await_manager()
             self._boots = self._node.boots
-        elif self._master:
+        channel = link.sdo(self._node.node_id)
+        self._transfers, foreign = 0, -channel.unexpected
+        if link.master is None and self._master:
             yield from self._set_up()
         yield from self._supervise()
         for number, value in parameters().items():
@@ -175,6 +180,11 @@ class NodeControl:
             octets = values.encode(kind, value)
             yield from self._download(number, octets)
             self.written[number] = value
+        foreign += channel.unexpected
+        if foreign >= max(_FOREIGN_ANSWERS, self._transfers - 1):
+            raise NodeError(
+                f"{self} answers twice: there are two of them, or another SDO client"
+            )
         yield from self._go(NmtCommand.START, NmtState.OPERATIONAL)
 
     def _await_master(self, wanted: NmtState | None) -> Steps:
@@ -294,6 +304,7 @@ class NodeControl:
             yield f"{self} to be {_STATES[wanted]}"
 
     def _upload(self, number: ObjectNumber) -> Generator[str, None, bytes]:
+        self._transfers += 1
         outcomes: list[Outcome] = []
         channel = self._link.sdo(self._node.node_id)
         channel.submit_upload(*number, outcomes.append)
@@ -302,6 +313,7 @@ class NodeControl:
         return _told(outcomes[0], f"{self}: {_text(number)} cannot be read")
 
     def _download(self, number: ObjectNumber, octets: bytes) -> Steps:
+        self._transfers += 1
         outcomes: list[Outcome] = []
         channel = self._link.sdo(self._node.node_id)
         channel.submit_download(*number, octets, outcomes.append)
