@@ -51,7 +51,8 @@ def eds(
     ]
     optional = [f"0x{index + step:04X}" for index, _ in pdos for step in (0, 0x200)]
     mandatory = ["0x1000", "0x1001", "0x1018"]
-    text = "[DeviceInfo]\nVendorName=rtgen\nProductName=Odd\nGranularity=1\n"
+    text = "[FileInfo]\nFileName=made.eds\nEDSVersion=4.0\n"
+    text += "[DeviceInfo]\nVendorName=rtgen\nProductName=Odd\nGranularity=1\n"
     text += f"NrOfRXPDO={len(rpdos or {})}\nNrOfTXPDO={len(tpdos or {})}\n"
     text += "[DummyUsage]\n"
     text += "".join(f"Dummy000{code}=1\n" for code in range(1, 8))

@@ -32,10 +32,12 @@ def kinds_of(
     known = {_file(kind.device) for kind in of_buses}
     beside = [kind_of(d) for d in devices if _file(d) not in known]
     for kind in (*of_buses, *beside):
+        taken = _taken(kind)
+        if taken is not None:
+            findings.append(taken)
+            continue
         other = found.setdefault(kind.module.lower(), kind)
-        if other is kind:
-            findings += _taken(kind)
-        elif _settings(other) != _settings(kind):
+        if _settings(other) != _settings(kind):
             findings.append(
                 SAME_MODULE.at(
                     kind.span,
@@ -106,10 +108,11 @@ def _settings(kind: DeviceKind) -> tuple[object, ...]:
     )
 
 
-def _taken(kind: DeviceKind) -> Iterator[Diagnostic]:
-    if kind.module.lower() in _TAKEN or folder_of(kind) in _TAKEN:
-        yield TAKEN_MODULE.at(
-            kind.span,
-            f"a device cannot be called {kind.module}",
-            hint="rename the file, or give it a `name` in the bus file",
-        )
+def _taken(kind: DeviceKind) -> Diagnostic | None:
+    if kind.module.lower() not in _TAKEN and folder_of(kind) not in _TAKEN:
+        return None
+    return TAKEN_MODULE.at(
+        kind.span,
+        f"a device cannot be called {kind.module}",
+        hint="rename the file, or give it a `name` in the bus file",
+    )

@@ -1,0 +1,274 @@
+"""The IDL of devices: in what is included, in the model of a project, and what it cannot be."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from eds_files import Thing, eds, entry
+
+from rtgen.cli import run
+from rtgen.compiler import Compilation, compile_project, read
+from rtgen.model import Component, Interface, NamedType, Struct
+from rtgen.model.components import ConfigurationParameter
+from rtgen.project import load
+
+THINGS = (
+    Thing("Speed", 0x04, default="1500"),
+    Thing("Torque", 0x02, "ro"),
+    Thing("Label", 0x09, mappable=False, default="bench"),
+    Thing("Blob", 0x0F, mappable=False, default=""),
+    Thing("Count", 0x15),
+)
+DRIVE = eds(
+    THINGS,
+    {1: [entry(0x2000, 32), entry(0x2001, 8)], 2: [entry(0x2004, 64)]},
+    {1: [entry(0x2000, 32)]},
+)
+BUS = """
+[bus]
+bit_rate = 500
+[device.drive]
+eds = "drive.eds"
+{settings}
+[node.left]
+device = "drive"
+id = 3
+[node.right]
+device = "drive"
+id = 4
+"""
+Make = Callable[..., Compilation]
+
+
+@pytest.fixture
+def make(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Make:
+    """Compiles a project of these files."""
+
+    def compiled(**files: str) -> Compilation:
+        here = tmp_path / "specs"
+        here.mkdir()
+        (tmp_path / "rtgen.toml").write_text(
+            '[sources]\npaths = ["specs"]\n[output]\npackage = "robots"\n'
+        )
+        for name, text in files.items():
+            stem, _, suffix = name.rpartition("_")
+            (here / f"{stem}.{suffix}").write_text(text, encoding="utf-8")
+        monkeypatch.chdir(tmp_path)
+        return compile_project(load())
+
+    return compiled
+
+
+def codes(made: Compilation) -> list[str]:
+    """The codes but those about what a made file has not: keys that are only for readers."""
+    return [d.code for d in made.diagnostics if d.code != "EDS0201"]
+
+
+def declared(name: str) -> object:
+    """A declaration of the project around the working folder."""
+    model = read(load(), lowered=True).model
+    return model.find(tuple(name.split("::")))
+
+
+def parameters(name: str) -> dict[str, ConfigurationParameter]:
+    found = declared(name)
+    assert isinstance(found, Component)
+    return {p.name: p for p in found.configuration}
+
+
+def ports(name: str) -> list[tuple[str, str, str]]:
+    found = declared(name)
+    assert isinstance(found, Component)
+    return [(p.kind.value, p.name, str(p.type)) for p in found.ports]
+
+
+def test_module_of_a_device(make: Make) -> None:
+    assert not make(drive_eds=DRIVE).failed
+    tpdo = declared("Drive::Tpdo1")
+    assert isinstance(tpdo, Struct)
+    assert [(m.name, str(m.type)) for m in tpdo.members] == [
+        ("tm", "RTC::Time"),
+        ("Speed", "long"),
+        ("Torque", "short"),
+    ]
+    service = declared("Drive::ObjectAccess")
+    assert isinstance(service, Interface)
+    assert service.bases == (("CANopen", "ObjectDictionary"),)
+    operations = {o.name: o for o in service.operations}
+    assert "set_Torque" not in operations
+    assert str(operations["get_Torque"].returns) == "short"
+    assert str(operations["set_Label"].parameters[0].type) == "string"
+    assert operations["get_Blob"].returns == NamedType(("CANopen", "Octets"))
+    assert operations["get_Speed"].raises == (
+        ("CANopen", "SdoAbort"),
+        ("CANopen", "BusGone"),
+    )
+
+
+def test_components_of_a_device(make: Make) -> None:
+    assert not make(drive_eds=DRIVE).failed
+    of_pdos = [
+        ("outport", "tpdo1", "Drive::Tpdo1"),
+        ("outport", "tpdo2", "Drive::Tpdo2"),
+        ("inport", "rpdo1", "Drive::Rpdo1"),
+    ]
+    assert ports("DriveDevice") == of_pdos
+    assert ports("DriveProxy") == [*of_pdos, ("provider", "sdo", "Drive::ObjectAccess")]
+    told = {name: p.default for name, p in parameters("DriveProxy").items()}
+    assert told == {
+        "interface": "virtual",
+        "channel": "can0",
+        "bitrate": 0,
+        "options": "",
+        "node_id": 1,
+        "network": "",
+        "master": False,
+        "heartbeat_timeout": 0,
+        "boot_timeout": 2000,
+    }
+    assert parameters("DriveDevice")["node_id"].maximum == 255
+
+
+SETTINGS = """
+ports = "object"
+parameters = ["2000", "2001"]
+[device.drive.factors]
+"2000" = -0.5
+[device.drive.units]
+"2000" = "rad/s"
+"""
+
+
+def test_a_bus_file_says_how_components_are(make: Make) -> None:
+    text = BUS.replace("{settings}", SETTINGS)
+    drive = DRIVE.replace("AccessType=ro\nDefaultValue=0\nPDOM", "AccessType=rw\nPDOM")
+    drive = drive.replace("DefaultValue=1500\n", "DefaultValue=1500\nHighLimit=2000\n")
+    made = make(drive_eds=drive, bus_toml=text)
+    assert codes(made) == ["EDS0804"]
+    assert ports("DriveDevice") == [
+        ("outport", "Speed_out", "RTC::TimedDouble"),
+        ("outport", "Torque", "RTC::TimedShort"),
+        ("outport", "Count", "Drive::TimedLongLong"),
+        ("inport", "Speed_in", "RTC::TimedDouble"),
+    ]
+    found = parameters("DriveProxy")
+    assert (found["network"].default, found["node_id"].default) == ("bus", 3)
+    speed, torque = found["Speed"], found["Torque"]
+    assert (str(speed.type), speed.default, speed.unit) == ("double", -750.0, "rad/s")
+    assert (speed.minimum, speed.maximum) == (-1000.0, None)
+    assert (torque.default, torque.minimum, torque.maximum) == (None, -128, 127)
+    assert parameters("CanopenManager")["network"].default == "bus"
+
+
+def test_a_definition_uses_the_types_of_a_device(make: Make) -> None:
+    text = """
+    #include "Drive.idl"
+    component Wheel {
+        consumes Drive::Tpdo1 feedback;
+        uses Drive::ObjectAccess objects;
+    };
+    """
+    assert not make(drive_eds=DRIVE, wheel_idl=text).failed
+    assert ports("Wheel") == [
+        ("inport", "feedback", "Drive::Tpdo1"),
+        ("consumer", "objects", "Drive::ObjectAccess"),
+    ]
+
+
+def test_inspect_has_what_is_included(
+    make: Make, capfd: pytest.CaptureFixture[str]
+) -> None:
+    make(drive_eds=DRIVE, wheel_idl='#include "Drive.idl"\n')
+    assert run(["inspect", "--no-cache", "specs"]) == 0
+    told = capfd.readouterr().out
+    assert "struct Drive::Tpdo1" in told
+    assert "component" not in told
+    assert "device Drive" in told
+
+
+def test_a_misspelt_include_of_a_device(make: Make) -> None:
+    made = make(drive_eds=DRIVE, wheel_idl='#include "Drvie.idl"\n')
+    [found] = [d for d in made.diagnostics if d.code == "IDL0010"]
+    assert "Drive.idl" in str(found.hint)
+
+
+def test_rtc_types_of_the_project(make: Make) -> None:
+    """A project's own file is taken; it is not copied beside the devices'."""
+    own = (Path(__file__).parents[3] / "specs/idl/BasicDataType.idl").read_text()
+    made = make(drive_eds=DRIVE, BasicDataType_idl=own)
+    paths = {a.path for a in made.artifacts}
+    assert "robots/canopen/Canopen.idl" in paths
+    assert "robots/canopen/BasicDataType.idl" not in paths
+    [types] = [a for a in made.artifacts if a.path == "robots/_idl/basic_data_type.py"]
+    assert types.origin == ("specs/BasicDataType.idl",)
+
+
+def test_no_manager_without_a_network(make: Make) -> None:
+    made = make(drive_eds=DRIVE)
+    assert not any("manager" in a.path.lower() for a in made.artifacts)
+
+
+def test_node_id_of_the_command_line(
+    make: Make, capfd: pytest.CaptureFixture[str]
+) -> None:
+    make(drive_eds=DRIVE)
+    assert run(["generate", "--no-cache", "--node-id", "9", "--diff"]) == 0
+    assert "node_id: int = 9" in capfd.readouterr().out
+
+
+def test_a_description_in_sources_and_bus_file_is_one_device(make: Make) -> None:
+    made = make(drive_eds=DRIVE, bus_toml=BUS.replace("{settings}", 'name = "Wheel"'))
+    assert not made.failed
+    folders = {a.path.split("/")[2] for a in made.artifacts if "/canopen/" in a.path}
+    assert "wheel" in folders
+    assert "drive" not in folders
+
+
+TWICE = BUS.replace("{settings}", '[device.other]\neds = "drive.eds"\n{settings}')
+
+
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        ("", []),
+        ('ports = "object"', ["EDS0800"]),
+        ('name = "drive"\nports = "object"', ["EDS0800"]),
+        ('name = "Other"\nports = "object"', []),
+        ('[device.other.values]\n"1600:0" = 0', ["EDS0800"]),
+    ],
+)
+def test_two_kinds_of_one_name(make: Make, settings: str, expected: list[str]) -> None:
+    made = make(drive_eds=DRIVE, bus_toml=TWICE.replace("{settings}", settings))
+    assert codes(made) == expected
+
+
+@pytest.mark.parametrize("name", ["Components", "canopen", "RTC", "Networks", "corba"])
+def test_names_that_a_device_cannot_have(make: Make, name: str) -> None:
+    made = make(drive_eds=DRIVE, bus_toml=BUS.replace("{settings}", f'name = "{name}"'))
+    assert codes(made) == ["EDS0801"]
+
+
+@pytest.mark.parametrize("number", ["2001", "2003", "1018:1"])
+def test_objects_that_cannot_be_parameters(make: Make, number: str) -> None:
+    text = BUS.replace("{settings}", f'parameters = ["{number}"]')
+    assert codes(make(drive_eds=DRIVE, bus_toml=text)) == ["EDS0803"]
+
+
+def test_two_files_of_one_stem(make: Make, tmp_path: Path) -> None:
+    other = eds([Thing("Other")])
+    assert "EDS0800" in codes(make(drive_eds=DRIVE, DRIVE_dcf=other))
+
+
+def test_a_broken_bus_file_and_a_broken_device(make: Make) -> None:
+    made = make(drive_eds="[1000]\n", bus_toml="[bus]\nbit_rate = 7\n")
+    assert made.failed
+    assert {"EDS0701"} < set(codes(made))
+    assert made.artifacts == ()
+
+
+def test_other_toml_files_are_no_bus_files(make: Make) -> None:
+    made = make(drive_eds=DRIVE, timeline_toml='[[step]]\nname = "[bus]"\n')
+    assert not made.failed
+    assert made.inputs.keys() & {"specs/timeline.toml"} == set()
