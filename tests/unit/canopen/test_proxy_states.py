@@ -339,6 +339,14 @@ def test_a_node_that_reboots_while_it_is_activated_is_set_up_again() -> None:
         assert (0x6083, 0) in [number for number, _ in writes]
 
 
+def test_a_node_that_boots_again_and_again() -> None:
+    with ready() as bench:
+        bench.system.every(15 * MS, lambda: bench.node.beat(NmtState.INITIALISING))
+        bench.system.activate("Drive0")
+        bench.until("ERROR")
+        assert bench.reason == "node 5 boots again and again"
+
+
 def test_a_node_that_does_not_obey() -> None:
     with ready() as bench:
         bench.node.obeys = False

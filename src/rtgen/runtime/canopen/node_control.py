@@ -29,6 +29,8 @@ HEARTBEAT: Final = 100
 """The heartbeat period in ms that a node without any gets from a proxy that is the master."""
 _PATIENCE: Final = 1000 * MILLISECOND
 """How long a state is awaited at least."""
+_ATTEMPTS: Final = 5
+"""How often a node may boot while it is activated."""
 _FOREIGN_ANSWERS: Final = 2
 """SDO answers that nobody asked for; at least so many, and nearly as many as others."""
 _HEARTBEAT_TIME: Final = (0x1017, 0)
@@ -110,7 +112,7 @@ class NodeControl:
         self, parameters: Callable[[], Mapping[ObjectNumber, ObjectValue]]
     ) -> Steps:
         """To operational, with the parameters written; what a reboot undoes is done again."""
-        while True:
+        for _ in range(_ATTEMPTS):
             self._boots = self._node.boots
             try:
                 yield from self._start(parameters)
@@ -120,6 +122,7 @@ class NodeControl:
             else:
                 if self._node.boots == self._boots:
                     return
+        raise NodeError(f"{self} boots again and again")
 
     def deactivation(self) -> Steps:
         """To pre-operational."""
