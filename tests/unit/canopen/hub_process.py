@@ -64,6 +64,10 @@ class HubProcess:
         line: str = self._process.stderr.readline()
         return line.rstrip("\n")
 
+    def tell(self, number: int) -> None:
+        """Sends it a signal."""
+        os.kill(self._process.pid, number)
+
     def end(self, how: int = signal.SIGINT) -> str:
         """Ends it; what it told on standard error since."""
         if self._process.returncode is None:

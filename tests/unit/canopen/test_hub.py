@@ -17,13 +17,25 @@ from contextlib import suppress
 import can
 import pytest
 from hub_process import HubProcess
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from stations import Recorder
 
 from rtgen.cli import run
+from rtgen.runtime import RealClock
 from rtgen.runtime.canopen.arbitration import transmission_time
 from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.hub import Carried, HubBus, HubSettings, Port
+from rtgen.runtime.canopen.hub import (
+    Carried,
+    Hub,
+    HubBus,
+    HubSettings,
+    Port,
+    SocketcandPort,
+)
 from rtgen.runtime.canopen.link import Link, LinkError
+from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.real_link import RealLink
 
 SECOND = 1_000_000_000
 
@@ -185,6 +197,85 @@ def test_a_bus_that_is_off_carries_nothing() -> None:
         assert bus.lost == 3
 
     asyncio.run(work())
+
+
+class FakeTransport(asyncio.Transport):
+    def __init__(self) -> None:
+        super().__init__()
+        self.written = b""
+        self.aborted = False
+        self.reading = True
+        self.options: list[tuple[int, int, int]] = []
+
+    def get_extra_info(self, name: str, default: object = None) -> object:
+        return self if name == "socket" else ("127.0.0.1", 1)
+
+    def setsockopt(self, level: int, option: int, value: int) -> None:
+        self.options.append((level, option, value))
+
+    def set_write_buffer_limits(
+        self, high: int | None = None, low: int | None = None
+    ) -> None:
+        assert high == 0
+
+    def write(self, data: bytes | bytearray | memoryview) -> None:
+        self.written += data
+
+    def pause_reading(self) -> None:
+        self.reading = False
+
+    def resume_reading(self) -> None:
+        self.reading = True
+
+    def abort(self) -> None:
+        self.aborted = True
+
+
+PIECES = st.lists(
+    st.one_of(
+        st.sampled_from(
+            [b"< open can0 >", b"< rawmode >", b"< send 123 1 a >", b"< send 7 0 >"]
+        ),
+        st.sampled_from([b"<", b">", b" send ", b"12345678 ", b"\xff", b"9" * 300]),
+        st.binary(max_size=20),
+    ),
+    max_size=40,
+)
+
+
+@given(PIECES)
+@settings(deadline=None)
+def test_whatever_a_client_sends_others_get_frames_only(pieces: list[bytes]) -> None:
+    async def work() -> tuple[bytes, HubBus, bytes]:
+        hub = Hub(HubSettings(queue=4), lambda text: None)
+        rude, polite = SocketcandPort(hub), SocketcandPort(hub)
+        ends = FakeTransport(), FakeTransport()
+        for port, end in zip((rude, polite), ends, strict=True):
+            port.connection_made(end)
+            assert (socket.IPPROTO_TCP, socket.TCP_NODELAY, 1) in end.options
+        polite.data_received(b"< open can0 >< rawmode >")
+        polite._release()
+        for piece in pieces:
+            if ends[0].reading and not ends[0].aborted:
+                rude.data_received(piece)
+            await asyncio.sleep(0)
+        for _ in range(100):
+            await asyncio.sleep(0)
+        if not ends[0].aborted:
+            assert ends[0].reading
+        assert rude._elements.waiting < 256
+        bus = hub.buses["can0"]
+        for port in (rude, polite):
+            port.connection_lost(None)
+        return ends[1].written, bus, ends[0].written
+
+    polite, bus, rude = asyncio.run(work())
+    answers = b"< hi >< ok >< ok >"
+    assert polite.startswith(answers)
+    frames = re.findall(rb"< frame (?:123 \S+ 0A|007 \S+ ) >", polite)
+    assert polite[len(answers) :] == b"".join(frames)
+    assert len(frames) == bus.carried
+    assert b"frame" not in rude
 
 
 # The program.
@@ -441,6 +532,43 @@ def test_a_hub_that_ends_and_comes_back() -> None:
             end.sendall(b"< send 3 0 >")
             until(link, lambda: station.ids == [3])
         link.detach(station)
+
+
+def test_a_link_over_slcan_and_the_end_of_its_line() -> None:
+    with HubProcess("--slcan-pty") as hub:
+        link = hub.link()
+        line = open_link(RealClock(), "slcan", hub.ptys[0], 0, "sleep_after_open=0")
+        a, b = Recorder(), Recorder(answer=lambda frame: [Frame(2, frame.data)])
+        link.attach(a)
+        line.attach(b)
+        link.send([Frame(1, b"12345678")], a)
+        until(link, lambda: a.frames == [Frame(2, b"12345678")])
+        assert b.frames == [Frame(1, b"12345678")]
+        hub.end(signal.SIGKILL)
+        until(line, lambda: b.changes == [False])
+        until(link, lambda: a.changes == [False])
+    line.detach(b)
+    link.detach(a)
+
+
+def test_a_hub_that_stands_still_stops_nobody() -> None:
+    with HubProcess() as hub:
+        link = hub.link()
+        station = Recorder()
+        link.attach(station)
+        assert isinstance(link, RealLink)
+        hub.tell(signal.SIGSTOP)
+        for _ in range(5000):
+            link.send([Frame(1, bytes(8))] * 100, station)
+            if link.lost:
+                break
+        assert link.lost
+        station.deadline = link.now()
+        link.refresh(station)
+        until(link, lambda: bool(station.polls))
+        link.detach(station)
+        assert link.closed
+        hub.tell(signal.SIGCONT)
 
 
 def test_bus_off_and_other_faults() -> None:

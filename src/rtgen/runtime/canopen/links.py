@@ -57,10 +57,12 @@ def simulated_bus(
 class _Registry:
     """The links of this process in real time, and for how many callers each is kept.
 
-    Its lock is taken with that of a link held, never the other way.
+    `_lock` may be taken with the lock of a link held, never the other way, and not for long:
+    buses are opened without it.
     """
 
     def __init__(self) -> None:
+        self._opening = threading.Lock()
         self._lock = threading.Lock()
         self._links: dict[object, RealLink] = {}
         self._kept: dict[object, int] = {}
@@ -73,19 +75,28 @@ class _Registry:
 
         address = bus_address(interface, channel, bitrate, options)
         key = address.key
+        with self._opening:
+            link = self._known(key, bitrate)
+            if link is None:
+                link = RealLink(
+                    address, lambda: self._attached(key), lambda: self._may_close(key)
+                )
+                with self._lock:
+                    self._links[key], self._kept[key] = link, 1
+        return link
+
+    def _known(self, key: object, bitrate: int) -> RealLink | None:
         with self._lock:
             link = self._links.get(key)
             if link is None or link.closed:
-                link = self._links[key] = RealLink(
-                    address, lambda: self._attached(key), lambda: self._may_close(key)
-                )
-            elif bitrate and link.address.bitrate not in (0, bitrate):
+                return None
+            if bitrate and link.address.bitrate not in (0, bitrate):
                 raise LinkError(
                     f"{link.bus} is open at {link.address.bitrate} bit/s, "
                     f"and not at {bitrate} bit/s"
                 )
-            self._kept[key] = self._kept.get(key, 0) + 1
-        return link
+            self._kept[key] += 1
+            return link
 
     def _attached(self, key: object) -> None:
         with self._lock:

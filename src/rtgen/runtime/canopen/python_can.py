@@ -223,11 +223,13 @@ def frame_of(message: can.Message) -> Frame | None:
     """The frame of a message; None for what is no frame of classical CAN."""
     if message.is_error_frame or message.is_fd or message.dlc > MAX_DATA:
         return None
-    if message.is_remote_frame:
-        return Frame(message.arbitration_id, b"", True, message.is_extended_id)
+    data = b"" if message.is_remote_frame else bytes(message.data)
     try:
         return Frame(
-            message.arbitration_id, bytes(message.data), False, message.is_extended_id
+            message.arbitration_id,
+            data,
+            message.is_remote_frame,
+            message.is_extended_id,
         )
     except ValueError:
         return None
