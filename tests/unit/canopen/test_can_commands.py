@@ -24,6 +24,9 @@ from can_nodes import SPECS, nodes
 from device_bench import DEVICE, NODE_ID, number_of
 
 from rtgen.cli import run
+from rtgen.cli.can.frame_texts import frame_of_text
+from rtgen.cli.can.known import known_bus
+from rtgen.cli.common import Refusal
 from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.nmt import NmtCommand
 from rtgen.runtime.canopen.node import DeviceNode
@@ -31,6 +34,7 @@ from rtgen.runtime.clocks import RealClock
 
 LINKED = str(SPECS / "pdo_linking.toml")
 FOURX = str(SPECS / "fourx.toml")
+FOUR = known_bus(SPECS / "fourx.toml", [])
 PAIR = {1: "motor_core_unit", 2: "f_palette"}
 DRIVE = ["--eds", f"1={SPECS / 'epos_drive.eds'}"]
 
@@ -66,9 +70,10 @@ def shown(text: str) -> str:
     ],
 )
 def test_frames_as_people_write_them(frame: str, sent: str) -> None:
-    with bus("forms") as peer:
-        assert command("forms", "send", frame, "--bus", FOURX) == 0
-        assert texts(received(peer, 1)) == [sent]
+    made = frame_of_text(frame, FOUR)
+    digits = 8 if made.extended else 3
+    data = "R" if made.remote else made.data.hex()
+    assert f"{made.can_id:0{digits}X}#{data}" == sent
 
 
 @pytest.mark.parametrize(
@@ -91,11 +96,19 @@ def test_frames_as_people_write_them(frame: str, sent: str) -> None:
         ("9.rpdo1 Controlword=1", "9 is not described"),
     ],
 )
-def test_frames_that_are_none(
-    frame: str, told: str, capfd: pytest.CaptureFixture[str]
-) -> None:
-    assert command("none", "send", frame, "--bus", FOURX) == 2
-    assert told in shown(capfd.readouterr().err)
+def test_frames_that_are_none(frame: str, told: str) -> None:
+    with pytest.raises(Refusal) as caught:
+        frame_of_text(frame, FOUR)
+    assert told in caught.value.message
+
+
+def test_a_frame_by_name(capfd: pytest.CaptureFixture[str]) -> None:
+    with bus("names") as peer:
+        send = ["send", "--bus", FOURX]
+        assert command("names", *send, "rear_right.rpdo3 Target_velocity=-1.5") == 0
+        assert texts(received(peer, 1)) == ["404#24faffff"]
+        assert command("names", *send, "rear.rpdo3 Target_velocity=-1.5") == 2
+    assert "did you mean rear_right?" in shown(capfd.readouterr().err)
 
 
 def test_again_and_again() -> None:
@@ -194,6 +207,10 @@ def test_sdo_of_a_node_that_nobody_described(
         assert out(capfd) == "01 ff ff 00"
         assert command(*base, "1018:1", "--no-look", "--type", "u32") == 0
         assert out(capfd) == "0xFFFF01"
+        write = ["stranger", "sdo", "write", "9", "1017", "--no-look"]
+        assert command(*write, "5") == 2
+        assert "or tell its --type" in shown(capfd.readouterr().err)
+        assert command(*write, "0500", "--type", "u16") == 0
         assert command(*base, "Vendor_ID", "--no-look") == 2
         assert "give --bus or --eds" in shown(capfd.readouterr().err)
 

@@ -115,6 +115,7 @@ def test_the_end_of_the_hub_is_told(tmp_path: Path) -> None:
         assert recorder.stderr is not None
         assert "recording" in recorder.stderr.readline()
         assert run(["can", "send", "181#01", *access(hub)]) == 0
+        assert run(["can", "send", "181#R", *access(hub)]) == 3
         hub.end(signal.SIGKILL)
         _, told = recorder.communicate(timeout=PATIENCE)
     assert recorder.returncode == 3

@@ -124,7 +124,7 @@ def test_replay_on_a_bus(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> N
             assert texts(found) == [t[:4].upper() + t[4:] for t in TRAFFIC]
             err = capfd.readouterr().err
             assert "10 frames of" in err
-            assert "1 are no frames of classical CAN" in err
+            assert "1 cannot be sent" in err
         assert peer.recv(0) is None
 
 
@@ -180,6 +180,10 @@ def test_the_table_has_a_row_for_each_identifier() -> None:
         (["monitor", "--eds", "300=a.eds"], 2, "no node-id"),
         (["monitor", "--bus", "missing.toml"], 2, "EDS0700"),
         (["monitor", "--eds", "1=missing.eds"], 2, "missing.eds"),
+        (["monitor", "--bus", "a.eds"], 2, "--eds NODE-ID=FILE"),
+        (["monitor", "--eds", "1=a.toml"], 2, "looks like a bus file"),
+        (["monitor", "--node", "left"], 2, "give its node-id, or --bus"),
+        (["monitor", "--kind", "pdo"], 2, "no frame is of kind 'pdo'"),
         (["record", "a.txt"], 2, ".blf (Vector BLF)"),
         (["replay", "missing.log", "--decode"], 3, "cannot read missing.log"),
         (["replay", "missing.txt"], 2, "the suffix tells"),

@@ -12,7 +12,7 @@ from typing import cast
 
 from rtgen.cli.can.drive_words import PROFILE, drive_words
 from rtgen.cli.common import Refusal
-from rtgen.diagnostics import Diagnostic, InputError, has_errors
+from rtgen.diagnostics import Diagnostic, InputError, Severity, has_errors
 from rtgen.model.can_bus import Bus
 from rtgen.model.canopen import (
     Access,
@@ -131,7 +131,9 @@ class KnownBus:
         except ValueError:
             names = [node.name for node in self.nodes.values()]
             close = get_close_matches(text, names, n=1)
-            known = f"known: {', '.join(names)}" if names else "give its node-id"
+            known = (
+                f"known: {', '.join(names)}" if names else "give its node-id, or --bus"
+            )
             hint = f"did you mean {close[0]}?" if close else known
             raise Refusal(f"there is no node {text!r}; {hint}") from None
         if not 1 <= node_id <= 127:
@@ -150,7 +152,7 @@ class KnownBus:
                 raise Refusal(f"nothing is known of the objects of {name}")
             return [(node, node.object(thing))]
         found = []
-        missing = Refusal(f"no node is known that could have {text!r}")
+        missing = Refusal(f"no node is known that has {text!r}: give --bus or --eds")
         for node in self.nodes.values():
             try:
                 found.append((node, node.object(text)))
@@ -186,6 +188,7 @@ def known_bus(
     found: list[Diagnostic] = []
     nodes: dict[int, KnownNode] = {}
     bus = None
+    _check_suffixes(bus_file, descriptions)
     if bus_file is not None:
         from rtgen.frontends import bus as front_end
 
@@ -208,10 +211,21 @@ def known_bus(
         if device is not None:
             described.append(device)
     if has_errors(found):
-        raise InputError(found)
+        raise InputError(d for d in found if d.severity is Severity.ERROR)
     for node_id, name, device in _named(described):
         nodes[node_id] = known_node(node_id, name, device)
     return KnownBus(nodes=dict(sorted(nodes.items())), bus=bus)
+
+
+def _check_suffixes(
+    bus_file: Path | None, descriptions: Sequence[tuple[int | None, Path]]
+) -> None:
+    """Raises Refusal where one kind of file stands in the place of the other."""
+    if bus_file is not None and bus_file.suffix.lower() in (".eds", ".dcf"):
+        raise Refusal(f"--bus {bus_file}: that describes one node: --eds NODE-ID=FILE")
+    for _, path in descriptions:
+        if path.suffix.lower() == ".toml":
+            raise Refusal(f"--eds {path}: that looks like a bus file: --bus FILE")
 
 
 def known_node(

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 TICK: Final = 0.2
 """Seconds after which an iteration goes on without a frame."""
 
-_NOTIFIER: Final = 0.1
+_NOTIFIER: Final = 0.05
 """Seconds that the notifier waits for a frame, and so that it takes to stop."""
 _MAX_WAITING: Final = 1 << 18
 """Frames that may wait for the command."""
@@ -196,8 +196,15 @@ def until_interrupted() -> Iterator[None]:
         yield
 
 
+def can_carry(bus: OpenBus, frame: Frame) -> bool:
+    """Whether the interface can send the frame: socketcand's protocol has no remote frames."""
+    return not frame.remote or type(bus.bus).__name__ != "SocketCanDaemonBus"
+
+
 def send(bus: OpenBus, frame: Frame) -> None:
-    """Sends a frame; waits if the interface has no room. Raises ToolError if the bus is gone."""
+    """Sends a frame; waits if the interface has no room. Raises ToolError if it cannot be sent."""
+    if not can_carry(bus, frame):
+        raise ToolError("python-can's interface socketcand sends no remote frames")
     for _ in range(_ATTEMPTS):
         try:
             if bus.send(frame):

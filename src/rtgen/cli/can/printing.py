@@ -8,12 +8,19 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from rtgen.cli.can.decoding import Decoded, Decoder
 from rtgen.cli.can.known import KnownBus
+from rtgen.cli.common import Refusal
 from rtgen.cli.rpc.values import Json
 from rtgen.runtime.canopen.python_can import frame_of
 
 if TYPE_CHECKING:
     from can import Message
 
+
+KINDS = (
+    "nmt", "heartbeat", "guarding", "emcy", "sync", "time", "tpdo", "rpdo", "sdo", "lss",
+    "failsafe", "frame", "error frame", "no classical frame",
+)  # fmt: skip
+"""The kinds of frames; PDOs have their number behind."""
 
 Write: TypeAlias = Callable[[str], object]
 
@@ -42,6 +49,13 @@ class Wanted:
     ) -> None:
         self._nodes = frozenset(known.node(text) for text in nodes)
         self._kinds = tuple(kind.lower() for kind in kinds)
+        for kind in self._kinds:
+            if not any(
+                known_kind.startswith(kind.rstrip("0123456789")) for known_kind in KINDS
+            ):
+                raise Refusal(
+                    f"no frame is of kind {kind!r}; kinds are {', '.join(KINDS)}"
+                )
 
     def __call__(self, told: Decoded) -> bool:
         """Whether a frame is; a command to all nodes is one to each of them."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtgen.cli.can import logs
-from rtgen.cli.can.live import drained, opened, send, until_interrupted
+from rtgen.cli.can.live import can_carry, drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.printing import Printer, Wanted
 from rtgen.cli.common import OK, Console, with_console, write_out
@@ -65,7 +65,8 @@ def replay_(
     """Send the frames of a record to a bus, or print them in words.
 
     FILE is a record: .log (candump), .asc or .blf (Vector). What --decode prints of a frame is what
-    `monitor` prints when it comes from the bus. Error frames and those of CAN FD are not sent.
+    `monitor` prints when it comes from the bus. Error frames and those of CAN FD are not sent, nor
+    are remote frames over socketcand.
     """
     known = described.known()
     if decode:
@@ -81,11 +82,12 @@ def replay_(
     with opened(access.on(known)) as bus, drained(bus), until_interrupted():
         for message in _in_time(found, speed, at_once=at_once):
             frame = frame_of(message)
-            if frame is not None:
+            if frame is None or not can_carry(bus, frame):
+                left_out += 1
+            else:
                 send(bus, frame)
-            sent += frame is not None
-            left_out += frame is None
-    missing = f"; {left_out} are no frames of classical CAN" if left_out else ""
+                sent += 1
+    missing = f"; {left_out} cannot be sent" if left_out else ""
     console.say(f"{sent} frames of {file} sent{missing}")
     return OK
 

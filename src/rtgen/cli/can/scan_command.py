@@ -136,6 +136,8 @@ def _json(line: _Line) -> dict[str, object]:
 
 
 def _print(lines: list[_Line], strangers: list[LssAddress]) -> None:
+    if not lines and not strangers:
+        return
     rows = [("id", "node", "state", "device", "")]
     rows += [(f"{x.node}", x.name, x.state, x.device, x.verdict) for x in lines]
     for address in strangers:

@@ -24,7 +24,9 @@ def parsed_value(thing: KnownObject, text: str) -> ObjectValue:
     except (ValueError, OverflowError) as error:
         if isinstance(error, ObjectValueError):
             raise Refusal(f"{thing}: {error}") from error
-        raise Refusal(f"{thing}: {text!r} is no {_called(thing.kind)}") from error
+        hint = "" if thing.name else ", or tell its --type"
+        told = f"{text!r} is no {_called(thing.kind)}{hint}"
+        raise Refusal(f"{thing}: {told}") from error
 
 
 def _number(text: str, factor: float) -> float:
@@ -33,7 +35,7 @@ def _number(text: str, factor: float) -> float:
 
 def _parsed(kind: Kind, text: str) -> ObjectValue:
     if limits(kind) is not None:
-        return int(text, 0)
+        return _integer(text)
     match kind:
         case "bool":
             if text.lower() not in _BOOLEANS:
@@ -50,6 +52,14 @@ def _parsed(kind: Kind, text: str) -> ObjectValue:
         case "time_difference":
             return round(float(text) * 1000) * (_SECOND // 1000)
     return text
+
+
+def _integer(text: str) -> int:
+    """The number, also with zeros before it."""
+    try:
+        return int(text, 0)
+    except ValueError:
+        return int(text)
 
 
 def _called(kind: Kind) -> str:
