@@ -17,6 +17,13 @@ FULL_SCALE: Final = 5.0
 
 _BITS: Final = ("1_to_8", "9_to_16")
 
+INPUTS: Final = (
+    *(f"Digital_inputs_{place}" for place in _BITS),
+    *(f"Analogue_input_{number}" for number in range(1, ANALOGUE_INPUTS + 1)),
+    "Angle_reference",
+)
+"""The names of the objects that may go out in TPDOs."""
+
 
 class Trigger(IntFlag):
     """When an analogue input makes an event (6421h)."""

@@ -1,0 +1,68 @@
+"""What the drives of the reference build have in common as CANopen devices."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from refnav.drive_402 import Drive
+from rtgen.runtime import SECOND
+from rtgen.runtime.canopen.description import ObjectValue
+from rtgen.runtime.canopen.device import CanopenDevice
+
+_CONTROLWORD: Final = 0x6040, 0
+
+
+class DriveRunner:
+    """Lets a drive go with its device: it brakes when the node leaves operational.
+
+    What it is in the meantime, without callbacks, is caught up with.
+    """
+
+    def __init__(
+        self, device: CanopenDevice, made: Callable[[Callable[[int], None]], Drive]
+    ) -> None:
+        self._device = device
+        self._alarmed = 0
+        self._ran = device.now()
+        self.drive = made(self._alarm)
+        self.drive.remote = False
+        with device.bus_lock:
+            device.node.on_write(*_CONTROLWORD, self._commanded)
+
+    def start(self) -> None:
+        """The node is operational."""
+        self.run()
+        self.drive.remote = True
+
+    def run(self) -> None:
+        """Lets the time since the last call pass."""
+        for port in self._device.in_ports.values():
+            # Its objects have what came.
+            port.read_newest()
+        now = self._device.now()
+        self.drive.run((now - self._ran) / SECOND)
+        self._ran = now
+
+    def leave(self) -> None:
+        """The node is operational no more."""
+        self.run()
+        self.drive.leave()
+
+    def restart(self) -> None:
+        """The node was reset."""
+        self.run()
+        self.drive.restart()
+
+    def _commanded(self, value: ObjectValue) -> None:
+        self.drive.take(int(value))
+
+    def _alarm(self, code: int) -> None:
+        """A fault is told as an emergency, and that it has gone."""
+        node = self._device.node
+        with self._device.bus_lock:
+            if self._alarmed:
+                node.remove_error(self._alarmed)
+            if code:
+                node.add_error(code)
+        self._alarmed = code

@@ -1,0 +1,50 @@
+"""FPaletteDevice: the f-palette board, simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from refnav.io_401 import INPUTS, Board
+from refrobots import rtc
+from refrobots.canopen.f_palette.objects import FPaletteObjects
+from refrobots.components.f_palette_device import FPaletteDeviceBase
+from rtgen.runtime import RTC_OK, ReturnCode_t
+
+
+class FPaletteDevice(FPaletteDeviceBase):
+    """The board, with a further InPort `voltage` for what is connected to analogue input 1.
+
+    Its observables are `inputs` and `outputs`, the voltages there [V].
+    """
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Switch the board on."""
+        self._board = board = Board(self.objects)
+        self._voltage = self.add_in_port("voltage", rtc.TimedDouble)
+        with self.bus_lock:
+            for name in INPUTS:
+                index, subindex = getattr(FPaletteObjects, name).number
+                self.node.on_change(index, subindex, self._is_event(name))
+        self.observables["inputs"] = lambda: board.voltages
+        self.observables["outputs"] = lambda: board.output_voltages
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Let the outputs take their error values."""
+        self._board.leave()
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Let the outputs take their error values."""
+        self._board.leave()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Read the inputs, drive the outputs."""
+        if self._voltage.is_new() and (sample := self._voltage.read_newest()):
+            self._board.voltages[0] = sample.data
+        self._board.step()
+        return RTC_OK
+
+    def _is_event(self, name: str) -> Callable[[bytes | None, bytes], bool]:
+        return lambda before, after: self._board.tells(name, first=before is None)
