@@ -18,6 +18,7 @@ from rtgen.model.canopen import (
     Value,
     Variable,
 )
+from rtgen.typemap.canopen_texts import line, type_name
 from rtgen.typemap.canopen_values import kind, object_value, python_type
 
 _IDENTITY = 0x1018
@@ -219,16 +220,12 @@ def _entries(device: Device, names: Mapping[tuple[int, int], str]) -> Iterator[s
         arguments = f"0x{variable.index:04X}" + (
             f", {variable.subindex}" if variable.subindex else ""
         )
-        type_ = python_type(variable.data_type)
-        yield fit(f"{names[place]} = _{type_}({arguments})", 4)
-        unit = f" [{variable.unit}]" if variable.unit else ""
+        alias = f"_{python_type(variable.data_type)}"
+        yield fit(f"{names[place]} = {alias}({arguments})", 4)
+        type_ = type_name(variable.data_type)
+        unit = f" [{line(variable.unit)}]" if variable.unit else ""
         yield docstring(
-            f"{named(*place)} {variable.name}{unit}: {_type(variable)}, "
+            f"{named(*place)} {line(variable.name)}{unit}: {type_}, "
             f"{variable.access}.",
             4,
         ).rstrip("\n")
-
-
-def _type(variable: Variable) -> str:
-    code = variable.data_type
-    return code.name if isinstance(code, DataType) else f"type {code:04X}h"
