@@ -129,10 +129,10 @@ class _ProxyModule(ComponentModule):
         ]
 
     def _initial(self, quantity: Quantity) -> str:
-        """What a member has before the first sample: the default of the object."""
+        """What a member has before the first sample: the value of the object."""
         variable = quantity.variable
-        value = object_value(variable.data_type, variable.default)
-        if isinstance(variable.default, NodeRelative):
+        value = object_value(variable.data_type, variable.current)
+        if isinstance(variable.current, NodeRelative):
             value = None
         if quantity.factor is not None:
             told = value if isinstance(value, int | float) else 0
