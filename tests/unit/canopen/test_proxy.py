@@ -14,8 +14,7 @@ from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.frames import Frame
 from rtgen.runtime.canopen.link import LinkError
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
-from rtgen.runtime.canopen.node_control import NodeControl
-from rtgen.runtime.canopen.proxied_node import QUEUE, ProxiedNode
+from rtgen.runtime.canopen.proxied_node import QUEUE
 from rtgen.runtime.canopen.sdo import SdoAbort
 
 
@@ -39,12 +38,6 @@ def test_parameters_are_written_at_activation() -> None:
             ((0x1017, 0), struct.pack("<H", 100)),
             ((0x6083, 0), struct.pack("<I", 7)),
         ]
-
-
-def of(bench: Bench) -> tuple[ProxiedNode, NodeControl]:
-    connection = bench.proxy._connection
-    assert connection is not None
-    return connection.node, connection.control
 
 
 class Source(Component):
@@ -131,8 +124,7 @@ def test_pdos_too_short_are_ignored_and_of_too_long_ones_the_first_octets_taken(
             bench.node.send(Frame(0x180 + NODE, data))
         bench.run(0.02)
         assert bench.values() == [2, 3]
-        node, _ = of(bench)
-        assert (node.too_short, node.too_long) == (3, 1)
+        assert bench.system.observable("Drive0.malformed") == (3.0, 1.0)
         assert bench.state == "ACTIVE"
 
 

@@ -86,6 +86,7 @@ class CanopenProxy(ProxyHooks, Component):
         self._told: set[int] = set()
         self._without_blocks = False
         self.configuration_sets.on_change = self._parameters_changed
+        self.observables["malformed"] = self._malformed
 
     # Callbacks
 
@@ -207,6 +208,13 @@ class CanopenProxy(ProxyHooks, Component):
         connection = self._connection
         dropped = 0 if connection is None else connection.node.dropped
         return super().lost + self._dropped + dropped
+
+    def _malformed(self) -> tuple[float, float]:
+        """PDOs of the device that were too short, and too long, since it joined the bus."""
+        connection = self._connection
+        if connection is None:
+            return 0.0, 0.0
+        return float(connection.node.too_short), float(connection.node.too_long)
 
     def _gate(self, request: Request) -> ReturnCode_t | None:
         try:
