@@ -1,0 +1,172 @@
+"""CANopen systems in real time, over `rtgen can hub`, with their devices in other processes."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from math import hypot
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pipeline import NAVIGATION, at_end, goal, profile
+
+from refnav.geometry import Pose, wrap
+from rtgen.cli import run
+from rtgen.cli.assembly import assemble
+from rtgen.cli.factories import Factories
+from rtgen.project import load
+from rtgen.runtime import (
+    ACTIVE_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    SECOND,
+    RealClock,
+    System,
+)
+from rtgen.timeline import assignment
+
+CANOPEN = NAVIGATION.parent / "canopen"
+BUS = CANOPEN / "pdo_linking.toml"
+PATIENCE = 60 * SECOND
+
+pytestmark = pytest.mark.slow
+
+
+@contextmanager
+def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
+    """A command of rtgen in a process; killed at the end if it has not ended."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "rtgen", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+
+def ended(process: subprocess.Popen[str]) -> tuple[str, str]:
+    """What a process says when it is ended by Ctrl-C."""
+    process.send_signal(signal.SIGINT)
+    told = process.communicate(timeout=30)
+    assert process.returncode == 0, told
+    return told
+
+
+@pytest.fixture
+def port() -> Iterator[int]:
+    """The port of a hub."""
+    with started("can", "hub", "--port", "0") as hub:
+        assert hub.stdout is not None
+        yield int(hub.stdout.readline().rpartition(":")[2])
+        ended(hub)
+
+
+def joined(port: int, *instances: str) -> list[str]:
+    """The settings with which components are on the hub's bus."""
+    options = f"host=127.0.0.1,port={port},tcp_tune=True"
+    values = {"interface": "socketcand", "options": options}
+    return [
+        f"{name}.{key}={text}" for name in instances for key, text in values.items()
+    ]
+
+
+def options(settings: Sequence[str]) -> list[str]:
+    return [part for setting in settings for part in ("--set", setting)]
+
+
+def until(system: System, condition: Any) -> None:
+    assert system.run(system.time + PATIENCE, condition)
+
+
+def test_drives_in_another_process_one_falls_silent_and_the_run_goes_on(
+    port: int,
+) -> None:
+    drives = joined(port, "LeftDrive0", "RightDrive0")
+    file = str(CANOPEN / "rh3_drives.xml")
+    system = profile(CANOPEN / "rh3_pc.xml")
+    settings = joined(port, "LeftWheel0", "RightWheel0", "CanopenManager0")
+    values = [assignment(text, system) for text in [*settings, *goal(0.5, 0.0, 0.0)]]
+    with (
+        started("run", file, "--clock", "real", *options(drives)) as process,
+        assemble(system, Factories(load()), RealClock(), values, []) as running,
+    ):
+        until(running, lambda s: s.observable("RefHardRh3Canopen0.truth")[0] > 0.1)
+        running.configure("LeftWheel0", "Producer_heartbeat_time", "0")
+        until(running, lambda s: s.state("LeftWheel0") is ERROR_STATE)
+        assert "no heartbeat" in running.statistics("LeftWheel0").reason
+        until(running, lambda s: not any(s.observable("RefHardRh3Canopen0.wheels")))
+        assert running.observable("RefHardRh3Canopen0.truth")[0] < 0.45
+        running.configure("LeftWheel0", "Producer_heartbeat_time", "100")
+        running.reset("LeftWheel0")
+        until(running, lambda s: s.state("LeftWheel0") is not ERROR_STATE)
+        if running.state("LeftWheel0") is INACTIVE_STATE:
+            running.activate("LeftWheel0")
+        until(running, lambda s: s.state("LeftWheel0") is ACTIVE_STATE)
+        until(running, at_end)
+        end = Pose(*running.observable("RefHardRh3Canopen0.truth"))
+        ended(process)
+    assert hypot(end.x - 0.5, end.y) < 0.05
+    assert abs(wrap(end.theta)) < 0.03
+
+
+def values(lines: Sequence[str]) -> list[Any]:
+    """What decoded frames say, without the times."""
+    found = [json.loads(line) for line in lines]
+    return [{k: v for k, v in line.items() if k != "time"} for line in found]
+
+
+def test_a_record_of_pdo_linking_is_whole_and_replays(
+    port: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    record = tmp_path / "run.log"
+    on = ["--interface", "socketcand", "--option", f"port={port}", "--channel"]
+    names = "PaletteBoard0", "MotorUnit0", "Palette0", "Motor0", "CanopenManager0"
+    turning = ["Potentiometer0.frequency=0.3", "Potentiometer0.amplitude=1.25"]
+    settings = [*joined(port, *names), *turning]
+    with started("can", "record", str(record), *on, "can0") as recorder:
+        assert recorder.stderr is not None
+        assert "recording" in recorder.stderr.readline()
+        file = str(CANOPEN / "pdo_linking.xml")
+        command = ["run", file, "--clock", "real", "--until", "4", *options(settings)]
+        assert run(command) == 0
+        ended(recorder)
+    told = ["--json", "--bus", str(BUS)]
+    capfd.readouterr()
+    assert run(["can", "replay", str(record), "--decode", *told]) == 0
+    recorded = values(capfd.readouterr().out.splitlines())
+    # The frames that the nodes send when nobody else does; the motor follows.
+    references = [
+        line["values"][0]["value"]
+        for line in recorded
+        if (line.get("name"), line["kind"]) == ("palette", "tpdo4")
+    ]
+    places = [
+        line["values"][0]["value"]
+        for line in recorded
+        if (line.get("name"), line["kind"]) == ("motor", "tpdo2")
+    ]
+    assert max(references) == pytest.approx(45_000, abs=2000)
+    assert min(references) == pytest.approx(-45_000, abs=2000)
+    assert max(places) > 30_000
+    assert min(places) < -30_000
+    assert not [line for line in recorded if line["kind"].startswith("rpdo")]
+    # The same again, from another channel.
+    again = tmp_path / "again.log"
+    with started("can", "record", str(again), *on, "can1") as recorder:
+        assert recorder.stderr is not None
+        assert "recording" in recorder.stderr.readline()
+        assert run(["can", "replay", str(record), *on, "can1"]) == 0
+        ended(recorder)
+    capfd.readouterr()
+    assert run(["can", "replay", str(again), "--decode", *told]) == 0
+    assert values(capfd.readouterr().out.splitlines()) == recorded
