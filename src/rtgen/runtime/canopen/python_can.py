@@ -100,12 +100,26 @@ class OpenBus:
 
     def receive(self, timeout: float) -> can.Message | None:
         """The next message, None if none comes in that many seconds. Raises LinkError."""
+        found = self.receive_some(timeout, 1)
+        return found[0] if found else None
+
+    def receive_some(self, timeout: float, most: int) -> list[can.Message]:
+        """As `receive`; also what is there behind the first message, up to so many."""
         import can
 
+        found: list[can.Message] = []
         try:
-            return self._receive(timeout)
+            message = self._receive(timeout)
+            while message is not None:
+                found.append(message)
+                if len(found) >= most:
+                    break
+                message = self.bus.recv(0)
+                self._more = message is not None
         except (can.CanError, OSError, ValueError, LookupError) as error:
-            raise LinkError(f"{self._address}: {_reason(error)}") from error
+            if not found:
+                raise LinkError(f"{self._address}: {_reason(error)}") from error
+        return found
 
     def send(self, frame: Frame) -> bool:
         """Sends a frame; False if the interface has no room. Raises LinkError."""

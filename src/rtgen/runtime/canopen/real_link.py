@@ -20,6 +20,8 @@ SECOND: Final = 1_000_000_000
 
 _QUEUE: Final = 4096
 """Frames that may wait for the bus."""
+_BATCH: Final = 64
+"""Frames that are received before stations get them."""
 _LOCAL_BURST: Final = 16384
 """Frames that stations of this process may exchange in answer to one."""
 _LOOK: Final = 0.05
@@ -220,26 +222,36 @@ class RealLink(SharedLink):
                 self._open_again(bus, error)
 
     def _receive_from(self, bus: OpenBus) -> None:
-        message = bus.receive(_LOOK)
+        messages = bus.receive_some(_LOOK, _BATCH)
         if self._failure is not None:
             raise self._failure
-        if message is None:
-            if not self._up and bus.has_returned:
+        if not messages and not self._up and bus.has_returned:
+            self._turn_all(True)
+        frames: list[Frame] = []
+        for message in messages:
+            if message.is_error_frame:
+                self._take(frames)
+                frames.clear()
+                off = bus.went_off(message)
+                if off is not None:
+                    self._turn_all(not off)
+            elif (frame := frame_of(message)) is None:
+                self.ignored += 1
+            else:
+                frames.append(frame)
+        self._take(frames)
+
+    def _take(self, frames: list[Frame]) -> None:
+        """Gives the stations what was received."""
+        if not frames or not self._enter():
+            return
+        try:
+            if not self._up:
                 self._turn_all(True)
-        elif message.is_error_frame:
-            off = bus.went_off(message)
-            if off is not None:
-                self._turn_all(not off)
-        elif (frame := frame_of(message)) is None:
-            self.ignored += 1
-        elif self._enter():
-            try:
-                if not self._up:
-                    self._turn_all(True)
-                self._local.append((frame, None))
-                self._deliver()
-            finally:
-                self._lock.release()
+            self._local += [(frame, None) for frame in frames]
+            self._deliver()
+        finally:
+            self._lock.release()
 
     def _open_again(self, bus: OpenBus, error: LinkError) -> None:
         log.warning("%s; it is tried again", error)
