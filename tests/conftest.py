@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import settings
+
+# How long an example takes is the machine's matter.
+settings.register_profile("rtgen", deadline=None)
+settings.load_profile("rtgen")
 
 RANDOM = {"fuzz", "test_random_types_omniorb.py"}
 """Folders and files of tests with thousands of drawn inputs."""
