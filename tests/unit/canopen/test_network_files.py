@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from rtgen.backends import Options
 from rtgen.backends.canopen.eds_text import eds_text
 from rtgen.backends.canopen.network_files import configured, network_files
+from rtgen.backends.canopen.objects_module import is_remapped, objects_text
 from rtgen.diagnostics import has_errors
 from rtgen.frontends import eds
 from rtgen.frontends.bus import load
@@ -18,6 +20,7 @@ from rtgen.layouts.can_startup import concise_dcf, start_up
 from rtgen.layouts.can_timing import response_times
 from rtgen.model.can_bus import Bus
 from rtgen.model.canopen import Device
+from rtgen.typemap.canopen_names import field_names
 
 CASE = Path(__file__).parents[2] / "golden/cases/canopen_devices/input/specs"
 OPTIONS = Options(package="lab", skeleton_package="mylab", version="0")
@@ -44,10 +47,15 @@ AccessType=rw
 @pytest.fixture
 def bus(tmp_path: Path) -> Bus:
     """The network of the golden case; its devices can keep configurations of others."""
+    return changed(tmp_path, "[2001]", KEEPER)
+
+
+def changed(folder: Path, old: str, new: str) -> Bus:
+    """The network of the golden case with another text in its files."""
     for path in CASE.iterdir():
-        text = path.read_text(encoding="utf-8").replace("[2001]", KEEPER)
-        (tmp_path / path.name).write_text(text, encoding="utf-8")
-    result = load(tmp_path / "bench.toml", root=tmp_path)
+        text = path.read_text(encoding="utf-8").replace(old, new)
+        (folder / path.name).write_text(text, encoding="utf-8")
+    result = load(folder / "bench.toml", root=folder)
     assert not has_errors(result.diagnostics)
     assert result.bus is not None
     return result.bus
@@ -138,3 +146,16 @@ def test_the_report_on_timing_has_every_message(bus: Bus) -> None:
         for t in timings
     ]
     assert "no bound" not in text
+
+
+def test_values_of_a_kind_remap_its_pdos(tmp_path: Path) -> None:
+    values = '[device.sensor.values]\n"1A02:0" = 1\n'
+    made = changed(tmp_path, "[device.sensor.values]\n", values)
+    tables: dict[str, Any] = {}
+    device = made.kinds[0].device
+    exec(objects_text("Sampler", device, field_names(device.variables), ""), tables)
+    entries = ((0x2011, 1, 48), (0x2041, 0, 16))
+    assert tables["DESCRIPTION"].pdo("tpdo", 3).mapping == entries
+    [pdo] = [p for p in tables["REMAPPED"] if (p.direction, p.number) == ("tpdo", 3)]
+    assert pdo.mapping == entries[:1]
+    assert not is_remapped(made.kinds[1].device)

@@ -23,11 +23,23 @@ _TAKEN = frozenset(
         *("DESCRIPTION", "Gathering", "Getter", "Incoming", "Inlet", "Outgoing"),
         *("ObjectNumber", "ObjectValue", "Receiver", "Sender", "Setter", "unread"),
         *("_pdo", "codecs", "data", "dict", "divmod", "get", "instance_name", "int"),
-        *("bytes", "now", "port", "sample", "self", "set_", "str", "super", "tuple"),
+        *(
+            "REMAPPED",
+            "replace",
+            "bytes",
+            "now",
+            "port",
+            "sample",
+            "self",
+            "set_",
+            "str",
+            "super",
+            "tuple",
+        ),
         *("value", "values"),
     }
 )
-STANDARD = ("collections.abc", "typing")
+STANDARD = ("collections.abc", "dataclasses", "typing")
 """The modules of the standard library that are imported from."""
 
 

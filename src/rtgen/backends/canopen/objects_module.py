@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from rtgen.backends.canopen.literals import call, items, literal, named, number
@@ -21,6 +21,9 @@ from rtgen.model.canopen import (
 from rtgen.typemap.canopen_texts import line, type_name
 from rtgen.typemap.canopen_values import kind, object_value, python_type
 
+REMAPPED = "REMAPPED"
+"""The name of the PDOs that have another mapping than the device has by itself."""
+
 _IDENTITY = 0x1018
 _MAPPING = 0x200
 _EVENT_DRIVEN = 255
@@ -35,6 +38,7 @@ def objects_text(
     module: str, device: Device, names: Mapping[tuple[int, int], str], header: str
 ) -> str:
     """The module. `names` are the fields of the variables by index and sub-index."""
+    remapped = device.pdos if is_remapped(device) else ()
     device = as_delivered(device)
     used = ["DeviceDescription"]
     used += ["ObjectDescription"] * any(device.variables)
@@ -48,6 +52,7 @@ def objects_text(
         "from rtgen.runtime.canopen.objects import Entry, Objects",
         "",
         fit(f"DESCRIPTION = {_description(module, device, names)}"),
+        *_remapped(remapped, device),
         "",
         *_aliases(device),
         "",
@@ -83,6 +88,21 @@ def _description(
         ),
         dummies=items([f"0x{code:04X}" for code in device.dummies]),
     )
+
+
+def is_remapped(device: Device) -> bool:
+    """Whether the values of its kind give it another mapping than it has by itself."""
+    return device.commissioning is None and any(
+        pdo.entries != pdo.default_entries for pdo in device.pdos
+    )
+
+
+def _remapped(pdos: Sequence[Pdo], device: Device) -> Iterator[str]:
+    if pdos:
+        texts = [pdo_text(pdo, device) for pdo in pdos]
+        yield ""
+        yield fit(f"{REMAPPED} = {items(texts)}")
+        yield '"""The PDOs with the mapping that the values of the kind give them."""'
 
 
 def as_delivered(device: Device) -> Device:

@@ -9,6 +9,7 @@ from rtgen.backends.canopen.component_module import ComponentModule
 from rtgen.backends.canopen.conversions import is_plain, to_codec, to_object
 from rtgen.backends.canopen.kinds import SERVICE
 from rtgen.backends.canopen.literals import call, items, literal, number
+from rtgen.backends.canopen.objects_module import REMAPPED, is_remapped
 from rtgen.backends.python_text import docstring, number_literal, string_literal
 from rtgen.model import VOID, Component, Interface, Model, PortKind
 from rtgen.model.canopen import NodeRelative, PdoDirection
@@ -59,6 +60,7 @@ class _ProxyModule(ComponentModule):
         self._name = name
         self._received = ports.of(PdoDirection.TPDO)
         self._sent = ports.of(PdoDirection.RPDO)
+        self._is_remapped = is_remapped(ports.device)
         self._codecs: list[str] = []
 
     def proxy(self, header: str, networks: str) -> str:
@@ -68,7 +70,7 @@ class _ProxyModule(ComponentModule):
             f"class {self._name}({self._name}Base):",
             docstring(self.component.doc, 4).rstrip("\n"),
             "",
-            "    description = DESCRIPTION",
+            f"    description = {self._description()}",
             *([f"    networks = {string_literal(networks)}"] if networks else []),
             *self._constructor(service is not None),
             *self._table("_receivers", "Receiver", "_receive", self._received),
@@ -81,9 +83,10 @@ class _ProxyModule(ComponentModule):
             body += self._send(sample)
         if service is not None:
             body += self._servant(service)
+        tables = ["DESCRIPTION", *([REMAPPED] if self._is_remapped else [])]
         relative = [
             f"from ...components.{module_name(self._name)} import {self._name}Base",
-            "from .objects import DESCRIPTION",
+            f"from .objects import {', '.join(tables)}",
         ]
         if self._codecs:
             relative.append(f"from .codecs import {', '.join(sorted(self._codecs))}")
@@ -91,6 +94,13 @@ class _ProxyModule(ComponentModule):
         return self.text(header, title, "\n".join(body) + "\n", relative)
 
     # The class.
+
+    def _description(self) -> str:
+        """The device as the codecs take it, also where no network tells of its PDOs."""
+        if not self._is_remapped:
+            return "DESCRIPTION"
+        replace = self.use("dataclasses", "replace")
+        return f"{replace}(DESCRIPTION, pdos={REMAPPED})"
 
     def _constructor(self, service: bool) -> Iterator[str]:
         gathered = self._sent if self.ports.per_object else ()
