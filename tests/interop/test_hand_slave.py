@@ -255,6 +255,35 @@ def test_a_slave_that_boots_again_is_set_up_again(bench: Bench) -> None:
     bench.until(ACTIVE_STATE)
 
 
+def test_the_service_of_the_manager(bench: Bench) -> None:
+    activated(bench)
+    manager = bench.manager.manager
+
+    def state() -> Any:
+        (state,) = manager.call("states", ())
+        return state
+
+    running = state()
+    assert (running.id, running.name, running.restarts) == (NODE, "hand", 0)
+    assert (running.phase.name, running.nmt.name) == ("NODE_RUNNING", "NMT_OPERATIONAL")
+    assert bench.manager.now() - running.tm.sec * SECOND - running.tm.nsec > 0
+    manager.call("enter_pre_operational", (NODE,))
+    bench.wait(lambda: state().nmt.name == "NMT_PRE_OPERATIONAL")
+    assert state().phase.name == "NODE_HALTED"
+    manager.call("start", (0,))
+    bench.wait(lambda: state().phase.name == "NODE_RUNNING")
+    manager.call("stop", (NODE,))
+    bench.wait(lambda: state().nmt.name == "NMT_STOPPED")
+    manager.call("reset_communication", (NODE,))
+    bench.wait(lambda: state().nmt.name == "NMT_PRE_OPERATIONAL")
+    manager.call("reset_node", (NODE,))
+    bench.wait(lambda: state().phase.name in ("NODE_READY", "NODE_RUNNING"))
+    refused = of("hand.canopen", "Refused")
+    with pytest.raises(refused) as told:
+        manager.call("start", (6,))
+    assert told.value.reason == "the network hand has no node 6"
+
+
 def test_a_proxy_that_is_the_master() -> None:
     bench = Bench(manager=False)
     try:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +11,7 @@ import pytest
 from slaves import MS, Slave
 
 from refrobots.rtc import TimedLong
+from rtgen.resources import idl_file
 from rtgen.runtime import (
     ACTIVE_STATE,
     ERROR_STATE,
@@ -230,3 +232,10 @@ def test_one_manager_for_each_bus(bench: Bench) -> None:
     bench.run(0.1)
     assert other.reason == "there is another NMT master on this bus"
     assert bench.bus.master is bench.manager.station
+
+
+def test_the_phases_are_those_of_the_shared_idl() -> None:
+    text = idl_file("Canopen.idl").read_text(encoding="utf-8")
+    body = text.partition("enum NodePhase {")[2].partition("}")[0]
+    names = re.findall(r"NODE_(\w+),? ///<", body)
+    assert names == [phase.name for phase in NodePhase]
