@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator, Mapping
 
 from rtgen.diagnostics import Diagnostic, in_order
-from rtgen.lint import data, python, style, usage
+from rtgen.lint import data, devices, python, style, usage
 from rtgen.lint.context import Context
 from rtgen.lint.rules import ON_DEMAND
 from rtgen.model import Model
@@ -22,6 +22,9 @@ _CHECKS: tuple[Callable[[Context], Iterator[Diagnostic]], ...] = (
     data.unbounded,
     data.missing_enumerators,
     python.names,
+    devices.heartbeats,
+    devices.identities,
+    devices.names,
 )
 
 

@@ -174,6 +174,61 @@ struct Message { string from; };        // from_ in Python
 """,
 )
 
+NO_HEARTBEAT = Rule(
+    "LINT0012",
+    "device without heartbeat",
+    Severity.WARNING,
+    """
+The description of a CANopen device has no object 1017h (producer heartbeat time). A manager or a
+proxy then hears of the node only at its boot-up, and does not notice when it is gone: node guarding
+is not supported, and CiA 301 advises against it.
+
+```ini
+[1017]
+ParameterName=Producer heartbeat time
+ObjectType=0x7
+DataType=0x0006
+AccessType=rw
+DefaultValue=1000
+```
+""",
+)
+
+NO_VENDOR = Rule(
+    "LINT0013",
+    "device that does not tell its vendor",
+    Severity.WARNING,
+    """
+Neither `[DeviceInfo]` nor object 1018h sub-index 1 tells a vendor number, or it is 0. A manager
+compares it with the node's before it configures the node; without it, any device with that node-id
+is taken for the right one.
+
+```ini
+[DeviceInfo]
+VendorNumber=0x0000009A
+```
+""",
+)
+
+SAME_NAME = Rule(
+    "LINT0014",
+    "objects of one name",
+    Severity.NOTE,
+    """
+Several objects of a CANopen device have the same name, or names that differ in case or special
+characters only. In IDL, in Python and in commands each of them then bears its index and sub-index:
+
+```ini
+[6401sub1]
+ParameterName=Input                     ; Input_6401_01
+[6401sub2]
+ParameterName=Input                     ; Input_6401_02
+```
+
+Objects below 2000h, where that is usual, are left out.
+""",
+)
+
 RULES: tuple[Rule, ...] = (
     UNUSED_INCLUDE,
     UNUSED_TYPEDEF,
@@ -186,6 +241,9 @@ RULES: tuple[Rule, ...] = (
     UNBOUNDED,
     MISSING_ENUMERATORS,
     PYTHON_NAME,
+    NO_HEARTBEAT,
+    NO_VENDOR,
+    SAME_NAME,
 )
 
 ON_DEMAND: tuple[Rule, ...] = (UNDOCUMENTED, UNBOUNDED)

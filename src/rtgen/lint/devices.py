@@ -1,0 +1,69 @@
+"""What the descriptions of CANopen devices lack that a network is better off with."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+
+from rtgen.diagnostics import Diagnostic, Related
+from rtgen.lint import rules
+from rtgen.lint.context import Context
+from rtgen.model.canopen import Device, Variable
+from rtgen.typemap.canopen_names import identifier
+
+_HEARTBEAT = 0x1017
+_IDENTITY = 0x1018
+_VENDOR = 1
+_FIRST_OF_DEVICE = 0x2000
+"""Lower indices are the communication profile, whose names repeat by their nature."""
+
+
+def heartbeats(context: Context) -> Iterator[Diagnostic]:
+    """Devices that have no heartbeat, so that nobody notices when they die."""
+    for device in context.model.devices:
+        if device.find(_HEARTBEAT) is None:
+            yield rules.NO_HEARTBEAT.at(
+                device.span,
+                f"{device.name} has no heartbeat (object 1017h)",
+                hint="without it no manager and no proxy notices that a node is gone",
+            )
+
+
+def identities(context: Context) -> Iterator[Diagnostic]:
+    """Devices that do not tell who made them, so that any other can take their place."""
+    for device in context.model.devices:
+        vendor = device.find(_IDENTITY, _VENDOR)
+        told = device.vendor_id or (None if vendor is None else vendor.current)
+        if not told:
+            yield rules.NO_VENDOR.at(
+                device.span if vendor is None else vendor.span,
+                f"{device.name} tells no vendor (1018h sub-index 1)",
+                hint="so a manager cannot know whether it is the right device",
+            )
+
+
+def names(context: Context) -> Iterator[Diagnostic]:
+    """Objects of the application with one name: their fields bear their numbers."""
+    for device in context.model.devices:
+        for alike in _alike(device):
+            first, *others = alike
+            numbers = ", ".join(f"{v.index:04X}:{v.subindex:X}" for v in others)
+            yield rules.SAME_NAME.at(
+                first.span,
+                f"{first.name} is also the name of {numbers}",
+                related=[Related(others[0].span, "and here")],
+                hint="the fields and commands of each of them have its number behind",
+            )
+
+
+def _alike(device: Device) -> list[list[Variable]]:
+    found: defaultdict[str, list[Variable]] = defaultdict(list)
+    for variable in device.variables:
+        if variable.index >= _FIRST_OF_DEVICE and not _is_count(device, variable):
+            found[identifier(variable.name).lower()].append(variable)
+    return [alike for alike in found.values() if len(alike) > 1]
+
+
+def _is_count(device: Device, variable: Variable) -> bool:
+    """Whether it is the sub-index 0 of an object that has more."""
+    return not variable.subindex and device.find(variable.index, 1) is not None
