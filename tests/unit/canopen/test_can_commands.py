@@ -281,6 +281,26 @@ def test_sdo_of_files_by_blocks(
     assert "3000 octets" in capfd.readouterr().err
 
 
+def test_a_node_without_block_transfer_gets_segments(tmp_path: Path) -> None:
+    canopen = pytest.importorskip("canopen", reason="the canopen package is missing")
+    source, target = tmp_path / "in.bin", tmp_path / "out.bin"
+    source.write_bytes(bytes(range(200)))
+    network = canopen.Network()
+    network.connect(interface="virtual", channel="segments")
+    try:
+        objects = canopen.ObjectDictionary()
+        variable = canopen.objectdictionary.ODVariable("Text", 0x2000)
+        variable.data_type = canopen.objectdictionary.DOMAIN
+        objects.add_object(variable)
+        network.add_node(canopen.LocalNode(5, objects))
+        for action, path in (("write", source), ("read", target)):
+            words = ["sdo", action, "5", "2000", "--no-look", "--file", str(path)]
+            assert command("segments", *words) == 0
+    finally:
+        network.disconnect()
+    assert target.read_bytes() == source.read_bytes()
+
+
 # scan
 
 
