@@ -154,6 +154,7 @@ def test_what_is_left_out_is_told(made: Compilation) -> None:
     }
 
 
+@pytest.mark.slow
 def test_everything_is_in_blacks_form(made: Compilation) -> None:
     mode = black.Mode()
     for artifact in made.artifacts:
@@ -217,6 +218,7 @@ def test_omniidl_reads_the_idl(folder: Path, made: Compilation) -> None:
         assert (done.returncode, done.stderr) == (0, b""), file.name
 
 
+@pytest.mark.slow
 def test_the_order_of_files_does_not_matter(folder: Path, made: Compilation) -> None:
     """Each file is as it was when the sources are read the other way round."""
     with pytest.MonkeyPatch.context() as patch:
