@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import isfinite
 
 from rtgen.layouts.pdo import Mapped, PdoLayout, PdoLayoutError, layout
 from rtgen.model import NamedType, Primitive, PrimitiveType, ScopedName, Type
@@ -139,7 +140,8 @@ class DevicePorts:
         """A variable with the factor and the unit of the bus file, else those of the EDS."""
         number = variable.index, variable.subindex
         factor = self._factors.get(number, variable.factor)
-        if factor in (0, 1) or variable.data_type not in NUMERIC:
+        usable = factor is not None and isfinite(factor) and factor not in (0, 1)
+        if not usable or variable.data_type not in NUMERIC:
             factor = None
         unit = self._units.get(number, variable.unit)
         return Quantity(self.names[number], variable, factor, unit)

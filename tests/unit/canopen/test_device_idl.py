@@ -162,6 +162,13 @@ def test_a_bus_file_says_how_components_are(make: Make) -> None:
     assert parameters("CanopenManager")["network"].default == "bus"
 
 
+def test_a_factor_out_of_this_world(make: Make) -> None:
+    settings = SETTINGS.replace("-0.5", "1e308").replace(', "2001"', "")
+    made = make(drive_eds=DRIVE, bus_toml=BUS.replace("{settings}", settings))
+    assert codes(made) == []
+    assert parameters("DriveProxy")["Speed"].default is None
+
+
 def test_a_definition_uses_the_types_of_a_device(make: Make) -> None:
     text = """
     #include "Drive.idl"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from math import isfinite
 from typing import Any
 
 from rtgen.backends.canopen.kinds import SERVICE, file_name, folder_of
@@ -281,7 +282,8 @@ def _shown(quantity: Quantity, value: Value | None) -> ConstantValue | None:
         return bool(value)
     if isinstance(value, int | float):
         if quantity.factor is not None:
-            return float(value * quantity.factor)
+            shown = float(value * quantity.factor)
+            return shown if isfinite(shown) else None
         real = quantity.variable.data_type in (DataType.REAL32, DataType.REAL64)
         return float(value) if real else int(value)
     return value if isinstance(value, str) else None
@@ -301,6 +303,6 @@ def _limits(
         bound = value if isinstance(value, int | float) else own
         if bound is not None and quantity.factor is not None:
             bound *= quantity.factor
-        bounds.append(bound)
+        bounds.append(bound if bound is None or isfinite(bound) else None)
     low, high = bounds
     return (high, low) if (quantity.factor or 1) < 0 else (low, high)
