@@ -400,7 +400,10 @@ class Drive:
         objects.Current_actual_value = _short(
             axis.current / objects.Motor_rated_current * 1e6
         )
-        objects.DC_link_circuit_voltage = round(axis.voltage * 1000.0)
+        low, high = axis.motor.supply
+        # What is beyond the range of the drive's own meter shows as its end.
+        voltage = min(max(axis.voltage, low), high)
+        objects.DC_link_circuit_voltage = round(voltage * 1000.0)
         objects.Modes_of_operation_display = self._mode
         status = self.machine.state.bits | self._bits
         status |= Status.VOLTAGE_ENABLED * (axis.voltage > 0.0)

@@ -9,6 +9,7 @@ from refrobots import rtc
 from refrobots.canopen.f_palette.objects import FPaletteObjects
 from refrobots.components.f_palette_device import FPaletteDeviceBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime.canopen.description import ObjectNumber
 
 
 class FPaletteDevice(FPaletteDeviceBase):
@@ -21,9 +22,11 @@ class FPaletteDevice(FPaletteDeviceBase):
         """Switch the board on."""
         self._board = board = Board(self.objects)
         self._voltage = self.add_in_port("voltage", rtc.TimedDouble)
+        self._numbers: dict[str, ObjectNumber] = {}
         with self.bus_lock:
             for name in INPUTS:
                 index, subindex = getattr(FPaletteObjects, name).number
+                self._numbers[name] = index, subindex
                 self.node.on_change(index, subindex, self._is_event(name))
         self.observables["inputs"] = lambda: board.voltages
         self.observables["outputs"] = lambda: board.output_voltages
@@ -44,7 +47,11 @@ class FPaletteDevice(FPaletteDeviceBase):
         if self._voltage.is_new() and (sample := self._voltage.read_newest()):
             self._board.voltages[0] = sample.data
         self._board.step()
+        with self.bus_lock:
+            for name in self._board.events:
+                self.node.trigger(*self._numbers[name])
         return RTC_OK
 
     def _is_event(self, name: str) -> Callable[[bytes | None, bytes], bool]:
-        return lambda before, after: self._board.tells(name, first=before is None)
+        """A change alone is none: the board says when there is one."""
+        return lambda before, after: before is None and self._board.tells_first(name)

@@ -40,8 +40,7 @@ class Board:
 
     `digital` are the levels at the inputs, a byte for each eight of them, `voltages` those at the
     analogue inputs [V]; `levels` and `output_voltages` are what the outputs give. `events` are the
-    names of the objects whose last change is to be told; a name is there before the object has
-    its new value.
+    names of the objects that made an event in the last step.
     """
 
     def __init__(self, objects: Any) -> None:
@@ -63,10 +62,8 @@ class Board:
         self._refer()
         self._drive()
 
-    def tells(self, name: str, *, first: bool) -> bool:
-        """Whether an input's change is to be told, or its `first` value."""
-        if not first:
-            return name in self.events
+    def tells_first(self, name: str) -> bool:
+        """Whether an input's value is to be told when the board becomes operational."""
         if name.startswith("Analogue"):
             return bool(self._objects.Analogue_input_global_interrupt_enable)
         if name.startswith("Digital"):

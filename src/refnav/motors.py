@@ -34,7 +34,7 @@ BEEGO_WHEEL: Final = Motor(
     friction=1e-6,
     torque_constant=0.034,
     speed_constant=500.0 * _RPM,
-    supply=(11.0, 24.5),
+    supply=(11.0, 24.0),
     current=5.0,
 )
 """A wheel of beego at its motor, before the gear, with its share of the base."""

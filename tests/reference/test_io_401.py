@@ -90,11 +90,9 @@ def test_analogue_inputs_are_silent_until_enabled(board: Board) -> None:
 def test_first_values(board: Board) -> None:
     """What a board tells when it becomes operational: what may make events."""
     names = "Analogue_input_1", "Digital_inputs_1_to_8", "Angle_reference"
-    assert [board.tells(name, first=True) for name in names] == [False, True, True]
+    assert [board.tells_first(name) for name in names] == [False, True, True]
     enable(board, Global_interrupt_enable_digital=False)
-    assert [board.tells(name, first=True) for name in names] == [True, False, True]
-    board.step()
-    assert [board.tells(name, first=False) for name in names] == [True, False, False]
+    assert [board.tells_first(name) for name in names] == [True, False, True]
 
 
 def test_delta(board: Board) -> None:
