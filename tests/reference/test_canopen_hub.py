@@ -88,35 +88,80 @@ def until(system: System, condition: Any) -> None:
     assert system.run(system.time + PATIENCE, condition)
 
 
-def test_drives_in_another_process_one_falls_silent_and_the_run_goes_on(
-    port: int,
-) -> None:
-    drives = joined(port, "LeftDrive0", "RightDrive0")
-    file = str(CANOPEN / "rh3_drives.xml")
+DRIVES = str(CANOPEN / "rh3_drives.xml")
+
+
+@contextmanager
+def base(port: int) -> Iterator[System]:
+    """RH3 without its drives, on the hub's bus, with a short way to go."""
     system = profile(CANOPEN / "rh3_pc.xml")
     settings = joined(port, "LeftWheel0", "RightWheel0", "CanopenManager0")
     values = [assignment(text, system) for text in [*settings, *goal(0.5, 0.0, 0.0)]]
-    with (
-        started("run", file, "--clock", "real", *options(drives)) as process,
-        assemble(system, Factories(load()), RealClock(), values, []) as running,
-    ):
-        until(running, lambda s: s.observable("RefHardRh3Canopen0.truth")[0] > 0.1)
-        running.configure("LeftWheel0", "Producer_heartbeat_time", "0")
-        until(running, lambda s: s.state("LeftWheel0") is ERROR_STATE)
-        assert "no heartbeat" in running.statistics("LeftWheel0").reason
-        until(running, lambda s: not any(s.observable("RefHardRh3Canopen0.wheels")))
-        assert running.observable("RefHardRh3Canopen0.truth")[0] < 0.45
-        running.configure("LeftWheel0", "Producer_heartbeat_time", "100")
-        running.reset("LeftWheel0")
-        until(running, lambda s: s.state("LeftWheel0") is not ERROR_STATE)
-        if running.state("LeftWheel0") is INACTIVE_STATE:
-            running.activate("LeftWheel0")
-        until(running, lambda s: s.state("LeftWheel0") is ACTIVE_STATE)
-        until(running, at_end)
-        end = Pose(*running.observable("RefHardRh3Canopen0.truth"))
-        ended(process)
+    with assemble(system, Factories(load()), RealClock(), values, []) as running:
+        yield running
+
+
+def where(system: System) -> Pose:
+    return Pose(*system.observable("RefHardRh3Canopen0.truth"))
+
+
+def bring_back(system: System, *wheels: str) -> None:
+    """Resets proxies till their drives answer, and waits till they are at work again."""
+    for wheel in wheels:
+        for _ in range(PATIENCE // SECOND):
+            system.reset(wheel)
+            system.run(
+                system.time + SECOND, lambda s, w=wheel: s.state(w) is not ERROR_STATE
+            )
+            if system.state(wheel) is not ERROR_STATE:
+                break
+        if system.state(wheel) is INACTIVE_STATE:
+            system.activate(wheel)
+        until(system, lambda s, w=wheel: s.state(w) is ACTIVE_STATE)
+
+
+def assert_at_the_goal(system: System) -> None:
+    until(system, at_end)
+    end = where(system)
     assert hypot(end.x - 0.5, end.y) < 0.05
     assert abs(wrap(end.theta)) < 0.03
+
+
+def test_drives_in_another_process_one_falls_silent_and_the_run_goes_on(
+    port: int,
+) -> None:
+    drives = options(joined(port, "LeftDrive0", "RightDrive0"))
+    with (
+        started("run", DRIVES, "--clock", "real", *drives) as process,
+        base(port) as system,
+    ):
+        until(system, lambda s: where(s).x > 0.1)
+        system.configure("LeftWheel0", "Producer_heartbeat_time", "0")
+        until(system, lambda s: s.state("LeftWheel0") is ERROR_STATE)
+        assert "no heartbeat" in system.statistics("LeftWheel0").reason
+        until(system, lambda s: not any(s.observable("RefHardRh3Canopen0.wheels")))
+        assert where(system).x < 0.45
+        system.configure("LeftWheel0", "Producer_heartbeat_time", "100")
+        bring_back(system, "LeftWheel0")
+        assert_at_the_goal(system)
+        ended(process)
+
+
+def test_drives_that_are_switched_off_and_on_count_anew(port: int) -> None:
+    drives = options(joined(port, "LeftDrive0", "RightDrive0"))
+    wheels = "LeftWheel0", "RightWheel0"
+    with base(port) as system:
+        with started("run", DRIVES, "--clock", "real", *drives) as process:
+            until(system, lambda s: where(s).x > 0.1)
+            process.kill()
+            for wheel in wheels:
+                until(system, lambda s, w=wheel: s.state(w) is ERROR_STATE)
+        before = where(system)
+        with started("run", DRIVES, "--clock", "real", *drives) as process:
+            bring_back(system, *wheels)
+            assert where(system).x >= before.x
+            assert_at_the_goal(system)
+            ended(process)
 
 
 def values(lines: Sequence[str]) -> list[Any]:
