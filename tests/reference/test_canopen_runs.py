@@ -137,6 +137,7 @@ def test_the_base_reaches_its_goal(
             assert len(sniffer.sent(0x400 + node)) >= len(beats) - 40
 
 
+@pytest.mark.slow
 def test_a_drive_that_falls_silent_stops_the_base_and_the_run_goes_on() -> None:
     states = States()
     speeds: list[tuple[int, tuple[float, ...]]] = []
@@ -194,6 +195,7 @@ def test_a_drive_stops_by_itself_when_the_manager_is_lost() -> None:
             assert system.observable(f"{side}Drive0.speed")[0] == 0.0
 
 
+@pytest.mark.slow
 def test_two_runs_with_a_lost_drive_give_the_same_bytes() -> None:
     logs = []
     for _ in range(2):
