@@ -13,20 +13,11 @@ from dataclasses import dataclass
 
 from rtgen.layouts.can_values import CanValueError, octets
 from rtgen.model.can_bus import BusNode
-from rtgen.model.canopen import (
-    INVALID,
-    RPDO_COMMUNICATION,
-    TPDO_COMMUNICATION,
-    Pdo,
-    PdoDirection,
-    Variable,
-    resolved,
-)
+from rtgen.model.canopen import INVALID, Pdo, Variable, resolved
 
 _CONSUMER, _PRODUCER = 0x1016, 0x1017
 _STORE = (0x1010, 0x1011)
 _PROFILES = 0x2000
-_MAPPING = 0x200
 _NOT_ON_DOWNLOAD = 1 << 0
 """Flag of an object (CiA 306, 4.6.3.2): it is not written with a configuration."""
 
@@ -77,7 +68,7 @@ class _StartUp:
     def writes(self) -> Iterator[StartWrite]:
         """All of them, in order."""
         of_pdos = {
-            base + i for base in map(_index, self._device.pdos) for i in (0, _MAPPING)
+            i for pdo in self._device.pdos for i in (pdo.communication, pdo.mapping)
         }
         plain = [v for v in self._changed.values() if v.index not in of_pdos]
         plain.sort(key=_order)
@@ -94,9 +85,9 @@ class _StartUp:
                 yield self._write(variable)
 
     def _pdo(self, pdo: Pdo) -> Iterator[StartWrite]:
-        index = _index(pdo)
+        index = pdo.communication
         parameters = self._of(index)
-        mapping = self._of(index + _MAPPING)
+        mapping = self._of(pdo.mapping)
         if not (parameters or mapping):
             return
         name = f"{pdo.direction.upper()} {pdo.number}"
@@ -112,7 +103,7 @@ class _StartUp:
         for variable in parameters:
             if variable is not cob_id:
                 yield self._write(variable)
-        yield from self._mapping(index + _MAPPING, name, bool(mapping))
+        yield from self._mapping(pdo.mapping, name, bool(mapping))
         if switched and isinstance(told, int) and not told & INVALID:
             assert cob_id is not None
             yield self._write(cob_id, f"{name} on")
@@ -148,12 +139,6 @@ class _StartUp:
         except CanValueError as error:
             raise CanValueError(f"{variable.name}: {error}") from None
         return StartWrite(variable, written, why, verify)
-
-
-def _index(pdo: Pdo) -> int:
-    """The communication parameter of a PDO."""
-    sent = pdo.direction is PdoDirection.TPDO
-    return (TPDO_COMMUNICATION if sent else RPDO_COMMUNICATION) + pdo.number - 1
 
 
 def _order(variable: Variable) -> tuple[float, int]:

@@ -280,6 +280,17 @@ class Pdo:
     sync_start: int | None = None
 
     @property
+    def communication(self) -> int:
+        """The index of its communication parameter."""
+        sent = self.direction is PdoDirection.TPDO
+        return (TPDO_COMMUNICATION if sent else RPDO_COMMUNICATION) + self.number - 1
+
+    @property
+    def mapping(self) -> int:
+        """The index of its mapping parameter."""
+        return self.communication + RPDO_MAPPING - RPDO_COMMUNICATION
+
+    @property
     def bits(self) -> int:
         """The length of its data."""
         return sum(entry.bits for entry in self.entries)

@@ -73,6 +73,12 @@ class Quantity:
         return (module, _OWN_TIMED[self.type]) if told is None else ("RTC", told)
 
 
+def _usable(factor: float | None, variable: Variable) -> float | None:
+    """A factor that makes another number of a value."""
+    fine = factor is not None and isfinite(factor) and factor not in (0, 1)
+    return factor if fine and variable.data_type in NUMERIC else None
+
+
 def can_be_parameter(quantity: Quantity) -> bool:
     """Whether an object can be a configuration parameter: writable, and a number or text."""
     code = quantity.variable.data_type
@@ -137,13 +143,15 @@ class DevicePorts:
         self.samples = tuple(self._samples())
 
     def quantity(self, variable: Variable) -> Quantity:
-        """A variable with the factor and the unit of the bus file, else those of the EDS."""
+        """A variable with the factor and the unit of the bus file.
+
+        The factor of an EDS is told only: types are those of the object. Its unit is that of the
+        product, so it is left out where the value is shown as it is.
+        """
         number = variable.index, variable.subindex
-        factor = self._factors.get(number, variable.factor)
-        usable = factor is not None and isfinite(factor) and factor not in (0, 1)
-        if not usable or variable.data_type not in NUMERIC:
-            factor = None
-        unit = self._units.get(number, variable.unit)
+        factor = _usable(self._factors.get(number), variable)
+        plain = factor is None and _usable(variable.factor, variable) is not None
+        unit = self._units.get(number, "" if plain else variable.unit)
         return Quantity(self.names[number], variable, factor, unit)
 
     @property

@@ -27,11 +27,16 @@ def type_name(data_type: int) -> str:
 
 
 def told(quantity: Quantity) -> str:
-    """An object in one line: number, name, type, factor and unit."""
+    """An object in one line: number, name, type, factor and unit.
+
+    A factor of the description that the value is shown without stands as the unit: `0.1 rpm`.
+    """
     variable = quantity.variable
     text = f"{line(variable.name)} ({number(variable)}, {type_name(variable.data_type)}"
     if quantity.factor is not None:
         text += f", times {quantity.factor!r}"
+    elif variable.factor not in (None, 0, 1):
+        text += f", in units of {variable.factor!r} {line(variable.unit)}".rstrip()
     text += ")"
     unit = line(quantity.unit)
     return f"{text} [{unit}]" if unit else text

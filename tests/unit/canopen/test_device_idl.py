@@ -169,6 +169,21 @@ def test_a_factor_out_of_this_world(make: Make) -> None:
     assert parameters("DriveProxy")["Speed"].default is None
 
 
+def test_factors_of_a_description_are_told_only(make: Make) -> None:
+    scaled = DRIVE.replace(
+        "ParameterName=Speed\n", "ParameterName=Speed\nFactor=0.1\nUnit=rpm\n"
+    )
+    settings = 'parameters = ["2000"]\n'
+    make(drive_eds=scaled, bus_toml=BUS.replace("{settings}", settings))
+    tpdo = declared("Drive::Tpdo1")
+    assert isinstance(tpdo, Struct)
+    speed = tpdo.members[1]
+    assert (speed.name, str(speed.type)) == ("Speed", "long")
+    assert speed.doc == "Speed (2000h, INTEGER32, in units of 0.1 rpm)"
+    found = parameters("DriveProxy")["Speed"]
+    assert (str(found.type), found.default, found.unit) == ("long", 1500, "")
+
+
 def test_a_definition_uses_the_types_of_a_device(make: Make) -> None:
     text = """
     #include "Drive.idl"

@@ -157,6 +157,36 @@ def test_odd_content(tmp_path: Path, old: str, new: str) -> None:
     assert {d.code for d in result.diagnostics} <= {"EDS0700", "EDS0701", "EDS0704"}
 
 
+@pytest.mark.parametrize(
+    ("values", "found"),
+    [
+        ({}, set()),
+        ({"1400:1": 0x201}, {"EDS0705"}),
+        ({"1600:0": 2}, {"EDS0705"}),
+        ({"1600:0": 1}, set()),
+    ],
+)
+def test_mistakes_of_pdos_that_are_not_valid(
+    tmp_path: Path, values: dict[str, int], found: set[str]
+) -> None:
+    text = BASE.read_text(encoding="utf-8")
+    board = text.replace("$NODEID+0x200", "0x80000000").replace(
+        "DefaultValue=0x00050008", "DefaultValue=0x23450008"
+    )
+    (tmp_path / "board.eds").write_text(board, encoding="utf-8")
+    lines = "".join(f'"{key}" = {value}\n' for key, value in values.items())
+    (tmp_path / "net.toml").write_text(
+        f'[bus]\nbit_rate = 500\n[device.board]\neds = "board.eds"\n'
+        f'[node.one]\ndevice = "board"\nid = 1\n[device.board.values]\n{lines}',
+        encoding="utf-8",
+    )
+    result = load(tmp_path / "net.toml", root=tmp_path)
+    codes = {d.code for d in result.diagnostics}
+    assert "EDS0501" in codes
+    assert {code for code in codes if code >= "EDS07"} == found
+    assert (result.bus is None) == bool(found)
+
+
 def test_published_schema(update_golden: bool) -> None:
     file = ROOT / "docs/bus.schema.json"
     text = json.dumps(SCHEMA, indent=2) + "\n"

@@ -45,13 +45,27 @@ def check(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
 def _mappings(node: BusNode) -> Iterator[Diagnostic]:
     device = node.device
     findings = Findings()
-    reader = PdoReader(device.objects, device.info, device.dummies, node.id, findings)
-    reader.read()
+    unused = _unused(node)
+    objects = [o for o in device.objects if o.index not in unused]
+    PdoReader(objects, device.info, device.dummies, node.id, findings).read()
     for found in findings.diagnostics:
         if found.code in _IMPOSSIBLE:
             message = f"{node.name}: {found.message}"
             place = [] if found.span is None else [Related(found.span, found.code)]
             yield rules.BAD_MAPPING.at(node.span, message, related=place)
+
+
+def _unused(node: BusNode) -> set[int]:
+    """The parameters of PDOs that are not valid, and that the bus file does not map.
+
+    What is wrong with those are warnings of the description.
+    """
+    written = {index for (index, _), _ in node.values}
+    found: set[int] = set()
+    for pdo in node.device.pdos:
+        if not pdo.valid and pdo.mapping not in written:
+            found |= {pdo.communication, pdo.mapping}
+    return found
 
 
 def _like_its_kind(node: BusNode) -> Iterator[Diagnostic]:

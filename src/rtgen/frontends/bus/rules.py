@@ -86,9 +86,9 @@ BAD_MAPPING = Rule(
     "impossible PDO",
     Severity.ERROR,
     """
-With the values of the bus file a valid PDO has a mapping that cannot be: more than 64 bits, an
+A PDO that is valid, or that the bus file maps, has a mapping that cannot be: more than 64 bits, an
 object that does not exist, that cannot be mapped or not in this direction, or a
-reserved COB-ID.
+reserved COB-ID. Of a PDO that is neither, this is a warning of the description (EDS05xx).
 """,
 )
 
