@@ -283,6 +283,7 @@ def test_cob_id_of_the_emergency_message() -> None:
     bench.node.add_error(0xFF01)
     assert bench.flush() == []
     assert bench.refusal(0x1014, 0, 0x101) == sdo.VALUE_INVALID
+    assert bench.refusal(0x1014, 0, 0x890) == sdo.VALUE_INVALID
     assert bench.refusal(0x1014, 0, 0x90) == 0
     bench.node.add_error(0xFF02)
     assert [f.can_id for f in bench.flush()] == [0x90]

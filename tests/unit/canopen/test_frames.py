@@ -41,6 +41,13 @@ def test_restricted_identifiers() -> None:
         assert taken in restricted
 
 
+def test_cob_ids_that_objects_may_have() -> None:
+    for fine in (0x181, 0xC0000181, 0x80000200, 0x20012345, 0xA0012345):
+        assert CobId(fine).configurable
+    for wrong in (0x101, 0x981, 0x10000181, 0xC0000981):
+        assert not CobId(wrong).configurable
+
+
 def test_cob_id_flags() -> None:
     cob_id = CobId(0xC0000185)
     assert (cob_id.bit31, cob_id.bit30, cob_id.extended) == (True, True, False)

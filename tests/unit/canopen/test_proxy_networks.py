@@ -118,6 +118,32 @@ def test_a_device_that_does_not_keep_its_configuration(
         assert bench.reason == "node 5 does not keep what is written to 1017h:0"
 
 
+def test_a_device_that_tells_no_lengths_keeps_its_configuration(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    put(monkeypatch, NETWORK)
+    with ready() as bench:
+        objects = bench.node.objects
+        read = objects.read
+
+        def padded(index: int, subindex: int) -> bytes:
+            return read(index, subindex).ljust(4, b"\0")
+
+        monkeypatch.setattr(objects, "read", padded)
+        bench.activate()
+
+
+def test_a_device_that_starts_by_itself_is_identified(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    put(monkeypatch, NETWORK)
+    with ready() as bench:
+        bench.node.objects.values[0x1018, 1] = struct.pack("<I", 0x999)
+        bench.node.go(NmtState.OPERATIONAL)
+        bench.until("ERROR")
+        assert bench.reason.startswith("node 5 is another device: its vendor ")
+
+
 @pytest.mark.parametrize(
     ("settings", "reason"),
     [

@@ -13,7 +13,7 @@ from rtgen.runtime.canopen.emergency import (
     RPDO_TIMEOUT,
 )
 from rtgen.runtime.canopen.emergency_producer import EmergencyProducer
-from rtgen.runtime.canopen.frames import CobId, Frame, restricted
+from rtgen.runtime.canopen.frames import CobId, Frame
 from rtgen.runtime.canopen.od import DeviceDictionary
 from rtgen.runtime.canopen.pdo_mapping import (
     TOO_LONG,
@@ -157,7 +157,7 @@ class DevicePdo:
         old = self.cob_id
         if not old.bit31 and not new.bit31 and old.value != new.value:
             raise SdoAbort(sdo.VALUE_INVALID)
-        if not new.bit31 and not new.extended and restricted(new.can_id):
+        if not new.bit31 and not new.configurable:
             raise SdoAbort(sdo.VALUE_INVALID)
 
     def _field(self, place: int) -> MappedField:

@@ -7,7 +7,7 @@ from typing import Final
 from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.emergency_producer import EmergencyProducer
-from rtgen.runtime.canopen.frames import SYNC, TIME, CobId, Frame, restricted
+from rtgen.runtime.canopen.frames import SYNC, TIME, CobId, Frame
 from rtgen.runtime.canopen.od import DeviceDictionary
 from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.sync import (
@@ -87,7 +87,7 @@ class DeviceSync:
         old, new = self.cob_id, CobId(int(value))
         if old.bit30 and new.bit30 and old.value != new.value:
             raise SdoAbort(sdo.VALUE_INVALID)
-        if not new.extended and restricted(new.can_id):
+        if not new.configurable:
             raise SdoAbort(sdo.VALUE_INVALID)
 
     def _check_overflow(self, number: ObjectNumber, value: ObjectValue) -> None:
@@ -124,5 +124,5 @@ class DeviceTime:
 
     def _check(self, number: ObjectNumber, value: ObjectValue) -> None:
         new = CobId(int(value))
-        if not new.extended and restricted(new.can_id):
+        if not new.configurable:
             raise SdoAbort(sdo.VALUE_INVALID)

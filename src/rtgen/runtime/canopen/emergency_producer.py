@@ -8,7 +8,7 @@ from typing import Final
 from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.emergency import Emergency, ErrorRegister
-from rtgen.runtime.canopen.frames import INHIBIT_UNIT, CobId, Frame, restricted
+from rtgen.runtime.canopen.frames import INHIBIT_UNIT, CobId, Frame
 from rtgen.runtime.canopen.od import DeviceDictionary
 from rtgen.runtime.canopen.sdo import SdoAbort
 
@@ -183,5 +183,5 @@ class EmergencyProducer:
         exists = not old.bit31 and not new.bit31
         if exists and old.value != new.value:
             raise SdoAbort(sdo.VALUE_INVALID)
-        if not new.bit31 and not new.extended and restricted(new.can_id):
+        if not new.bit31 and not new.configurable:
             raise SdoAbort(sdo.VALUE_INVALID)

@@ -86,6 +86,13 @@ class CobId:
         """Whether bit 30 is set."""
         return bool(self.value & 1 << 30)
 
+    @property
+    def configurable(self) -> bool:
+        """Whether an object may have it: not of other services, no bit set between."""
+        if self.extended:
+            return True
+        return not (restricted(self.can_id) or self.value & 0x1FFFF800)
+
     def carries(self, frame: Frame) -> bool:
         """Whether the frame has this identifier, of the same length."""
         return frame.can_id == self.can_id and frame.extended == self.extended

@@ -19,6 +19,7 @@ from rtgen.runtime.canopen.description import (
 from rtgen.runtime.canopen.frames import MILLISECOND
 from rtgen.runtime.canopen.link import Link
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, command_frame
+from rtgen.runtime.canopen.node_setup import same
 from rtgen.runtime.canopen.proxied_node import ProxiedNode
 from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.sdo_channel import Outcome
@@ -215,7 +216,7 @@ class NodeControl:
         """What a manager would do: identifies and configures the node."""
         placed = self._placed
         yield from self._await_answer()
-        if placed is None or self._node.state is NmtState.OPERATIONAL:
+        if placed is None:
             return
         for ((index, subindex), what), wanted in zip(
             _IDENTITY, placed.identity, strict=True
@@ -229,10 +230,14 @@ class NodeControl:
                     f"{self} is another device: its {what} ({index:04X}h:{subindex:X}) is "
                     f"{found:#x}, not {wanted:#x}"
                 )
+        if self._node.state is NmtState.OPERATIONAL:
+            return
+        last = {(w.index, w.subindex): w for w in placed.configuration if w.verify}
         for write in placed.configuration:
             number = write.index, write.subindex
             yield from self._download(number, write.value)
-            if write.verify and (yield from self._upload(number)) != write.value:
+        for number, write in last.items():
+            if not same((yield from self._upload(number)), write.value):
                 raise NodeError(
                     f"{self} does not keep what is written to {_text(number)}"
                 )

@@ -58,7 +58,7 @@ def set_up(node: NodeDescription, identified: Callable[[], None]) -> SetUp:
         if not write.verify:
             continue
         kept = yield index, subindex, None
-        if not _same(kept, write.value):
+        if not same(kept, write.value):
             raise SetUpError(
                 f"{number_text(index, subindex)} was written as {write.value.hex(' ')}, "
                 f"but reads {kept.hex(' ')}"
@@ -70,6 +70,6 @@ def number_text(index: int, subindex: int) -> str:
     return f"{index:04X}:{subindex:X}"
 
 
-def _same(kept: bytes, written: bytes) -> bool:
+def same(kept: bytes, written: bytes) -> bool:
     """Whether a node kept a value; zeros behind it are padding."""
     return kept.startswith(written) and not any(kept[len(written) :])
