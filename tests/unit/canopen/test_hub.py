@@ -244,7 +244,7 @@ PIECES = st.lists(
 
 
 @given(PIECES)
-@settings(deadline=None)
+@settings(deadline=None, derandomize=True)
 def test_whatever_a_client_sends_others_get_frames_only(pieces: list[bytes]) -> None:
     async def work() -> tuple[bytes, HubBus, bytes]:
         hub = Hub(HubSettings(queue=4), lambda text: None)
@@ -276,6 +276,25 @@ def test_whatever_a_client_sends_others_get_frames_only(pieces: list[bytes]) -> 
     assert polite[len(answers) :] == b"".join(frames)
     assert len(frames) == bus.carried
     assert b"frame" not in rude
+
+
+def test_who_does_not_read_answers_is_cut_off() -> None:
+    async def work() -> None:
+        told: list[str] = []
+        hub = Hub(HubSettings(queue=4), told.append)
+        port, transport = SocketcandPort(hub), FakeTransport()
+        port.connection_made(transport)
+        port.pause_writing()
+        port.data_received(b"< echo >" * 4)
+        assert not transport.aborted
+        port.resume_writing()
+        port.pause_writing()
+        port.data_received(b"< echo >" * 1000)
+        assert transport.aborted
+        assert transport.written == b"< hi >" + b"< echo >" * 8
+        assert told == ["127.0.0.1:1: cut off, it does not read"]
+
+    asyncio.run(work())
 
 
 # The program.

@@ -273,6 +273,18 @@ def test_store_then_reset(stored: bool) -> None:
     assert bench.node.node_id == (9 if stored else UNCONFIGURED)
 
 
+def test_a_node_that_has_lost_its_node_id_is_never_due() -> None:
+    bench, _ = node()
+    lss(bench, request(0x04, 1))
+    lss(bench, request(0x11, 9))
+    bench.command(NmtCommand.RESET_COMMUNICATION, ALL)
+    bench.node.set(0x1017, 0, 100)
+    bench.flush()
+    assert bench.node.deadline is not None
+    assert bench.command(NmtCommand.RESET_NODE, ALL) == []
+    assert bench.node.deadline is None
+
+
 def test_a_configured_node_takes_another_node_id_by_reset_communication() -> None:
     bench = Bench()
     lss(bench, request(0x04, 1))

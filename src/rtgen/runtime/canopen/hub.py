@@ -282,6 +282,8 @@ class SocketcandPort(Port, asyncio.Protocol):
         self._raw = False
         self._held = False
         self._stuck = False
+        self._unread = 0
+        """Answers since it is stuck."""
         self._ended = False
         self._transport: asyncio.Transport | None = None
 
@@ -313,6 +315,7 @@ class SocketcandPort(Port, asyncio.Protocol):
 
     def resume_writing(self) -> None:
         self._stuck = False
+        self._unread = 0
         self.flush()
 
     def connection_lost(self, exc: Exception | None) -> None:
@@ -407,6 +410,10 @@ class SocketcandPort(Port, asyncio.Protocol):
         self.flush()
 
     def _answer(self, text: bytes) -> None:
+        if self._stuck:
+            self._unread += 1
+            if self._unread > self._limit:
+                self.cut_off("it does not read")
         if not self._ended:
             assert self._transport is not None
             self._transport.write(text)

@@ -534,6 +534,8 @@ class DeviceNode:
         return frames
 
     def _next_deadline(self) -> int | None:
+        if self._nmt is None or self._nmt.state is NmtState.INITIALISING:
+            return None
         deadline = self._producer.deadline
         due = self._server.deadline
         if due is not None and (deadline is None or due < deadline):
