@@ -393,16 +393,6 @@ def test_a_sample_that_an_object_cannot_have_is_an_error(setup: Setup) -> None:
     assert setup.device.reason.startswith("position: 2147483648 is over")
 
 
-def test_a_device_without_node_id_and_lss_cannot_be() -> None:
-    class Fixed(Slave):
-        description = DeviceDescription("Fixed", DEVICE.objects, DEVICE.pdos)
-
-    device = Fixed()
-    device.config.node_id = 255
-    with pytest.raises(InitializationError, match="no LSS"):
-        System(SimulatedClock()).add(device, 100.0)
-
-
 def test_the_bus_is_left_at_the_end(setup: Setup) -> None:
     setup.system.remove("slave")
     assert setup.command(NmtCommand.START) == []
@@ -478,8 +468,14 @@ def test_two_devices_with_one_id_tell_it(caplog: pytest.LogCaptureFixture) -> No
     assert "another node has the node-id 5" in caplog.text
 
 
-def test_a_node_id_comes_by_lss() -> None:
-    device = Slave()
+@pytest.mark.parametrize("supported", [True, False])
+def test_a_node_id_comes_by_lss(supported: bool) -> None:
+    class Waiting(Slave):
+        description = DeviceDescription(
+            "Waiting", DEVICE.objects, DEVICE.pdos, lss=supported
+        )
+
+    device = Waiting()
     device.config.node_id = 255
     device.node.serial_number = 3
     setup = Setup(device)

@@ -17,7 +17,6 @@ from rtgen.runtime.canopen.heartbeat import HeartbeatEvent, HeartbeatNews
 from rtgen.runtime.canopen.hooks import DeviceHooks, Incoming, Outgoing
 from rtgen.runtime.canopen.link import Link, LinkError
 from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.lss import UNCONFIGURED
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, Transition
 from rtgen.runtime.canopen.node import USER_SOFTWARE, DeviceNode
 from rtgen.runtime.canopen.node_events import NodeEvents
@@ -129,12 +128,9 @@ class CanopenDevice(DeviceHooks, Component):
 
     def _join_bus(self) -> Link:
         config = self.config
-        node_id = int(config.node_id)
-        if node_id == UNCONFIGURED and not self.description.lss:
-            raise ValueError("the device has no LSS, so it needs a node-id of its own")
         node = self.node
         node.self_start, node.merged_stop = self.self_start, self.merged_stop
-        node.take_node_id(node_id)
+        node.take_node_id(int(config.node_id))
         link = self._link = open_link(
             self, config.interface, config.channel, config.bitrate, config.options
         )

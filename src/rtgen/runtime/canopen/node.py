@@ -77,8 +77,9 @@ Handler: TypeAlias = Callable[[Frame], None]
 class DeviceNode:
     """A slave, in INITIALISING until `boot`.
 
-    `node_id` 255 waits for LSS. With `merged_stop` see `NmtSlave`. It starts by itself with
-    `self_start`, or if 1F80h is 8 (CiA 302-2). `serial_number` is for 1018h:4.
+    `node_id` 255 waits for LSS, also where the description has none. With `merged_stop` see
+    `NmtSlave`. It starts by itself with `self_start`, or if 1F80h is 8 (CiA 302-2).
+    `serial_number` is for 1018h:4.
 
     What changes it from outside of the link takes effect, and is sent, by `flush`.
     """
@@ -104,6 +105,7 @@ class DeviceNode:
         self.errors = EmergencyProducer(self.dictionary)
         self.pdos = DevicePdos(self.dictionary, self.errors, self._received)
         self.store = ParameterStore(self.dictionary)
+        self._has_lss = description.lss or node_id == UNCONFIGURED
         self.lss = LssSlave(self._address, node_id, self._activate_bit_rate)
         self._consumers = HeartbeatConsumers(self.dictionary, self.errors, self._heard)
         self._sync = DeviceSync(self.dictionary, self.errors)
@@ -274,6 +276,7 @@ class DeviceNode:
         """Gives it a node-id before the first boot-up. Raises ValueError for none."""
         if node_id != UNCONFIGURED and not 1 <= node_id <= MAX_NODE_ID:
             raise ValueError(f"node-id {node_id}: it is 1 to {MAX_NODE_ID}, or 255")
+        self._has_lss = self.description.lss or node_id == UNCONFIGURED
         self.lss = LssSlave(self._address, node_id, self._activate_bit_rate)
         self._power_on()
 
@@ -377,7 +380,7 @@ class DeviceNode:
             self._boot()
 
     def _configure_layers(self, frame: Frame) -> None:
-        if not self.description.lss:
+        if not self._has_lss:
             return
         before = self.lss.configuring
         self._out += self.lss.receive(frame)
@@ -396,7 +399,7 @@ class DeviceNode:
         def add(can_id: int, handler: Handler) -> None:
             found[can_id] = (*found.get(can_id, ()), handler)
 
-        if self.description.lss:
+        if self._has_lss:
             add(LSS_REQUEST, self._configure_layers)
         if self._nmt is None:
             return found
