@@ -199,6 +199,7 @@ class DevicePorts:
         for pdo in self.device.pdos:
             fields: list[Quantity] = []
             mapped: list[Mapped] = []
+            struct = f"{pdo.direction}{pdo.number}"
             for entry in pdo.entries:
                 found = (
                     None
@@ -208,7 +209,7 @@ class DevicePorts:
                 if found is None:
                     mapped.append(Mapped(None, 0, entry.bits))
                     continue
-                quantity = self._member(found, fields)
+                quantity = self._member(found, fields, struct)
                 fields.append(quantity)
                 mapped.append(Mapped(quantity.name, found.data_type, entry.bits))
             if not fields:
@@ -220,12 +221,21 @@ class DevicePorts:
             else:
                 yield PdoSample(pdo, tuple(fields), laid_out)
 
-    def _member(self, variable: Variable, known: Sequence[Quantity]) -> Quantity:
-        """A variable as a member: the time stamp and objects mapped twice keep apart."""
+    def _member(
+        self, variable: Variable, known: Sequence[Quantity], struct: str
+    ) -> Quantity:
+        """A variable as a member of a struct.
+
+        One that is called as the struct, the time stamp or the module of its type bears its number;
+        one that is mapped twice is counted.
+        """
         quantity = self.quantity(variable)
-        taken = {STAMP, *(q.name.lower() for q in known)}
-        name, number = quantity.name, 1
+        first = quantity.name
+        if first.lower() in (STAMP, struct, "rtc"):
+            first = numbered(first, (variable.index, variable.subindex))
+        taken = {q.name.lower() for q in known}
+        name, place = first, 1
         while name.lower() in taken:
-            number += 1
-            name = f"{quantity.name}_{number}"
+            place += 1
+            name = f"{first}_{place}"
         return Quantity(name, variable, quantity.factor, quantity.unit)

@@ -107,6 +107,17 @@ def test_module_of_a_device(make: Make) -> None:
     )
 
 
+def test_members_that_a_struct_cannot_have_bear_their_number(make: Make) -> None:
+    things = [Thing(name, 0x05) for name in ("TPDO1", "tm", "RTC", "Tpdo2")]
+    mapped = [entry(0x2000 + place, 8) for place in (0, 1, 2, 3, 3)]
+    assert not make(odd_eds=eds(things, {1: mapped})).failed
+    tpdo = declared("Odd::Tpdo1")
+    assert isinstance(tpdo, Struct)
+    assert [m.name for m in tpdo.members] == [
+        *("tm", "TPDO1_2000_00", "tm_2001_00", "RTC_2002_00", "Tpdo2", "Tpdo2_2"),
+    ]
+
+
 def test_components_of_a_device(make: Make) -> None:
     assert not make(drive_eds=DRIVE).failed
     of_pdos = [
