@@ -9,6 +9,7 @@ from proxy_bench import DESCRIPTION, MS, NODE, SECOND, Bench, DriveProxy, Object
 
 from rtgen.runtime import PRECONDITION_NOT_MET, SimulatedClock
 from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.description import ObjectDescription
 from rtgen.runtime.canopen.emergency import Emergency, ErrorRegister
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
 
@@ -110,6 +111,20 @@ def test_7_and_8_reset_waits_for_the_boot_up_message() -> None:
         assert bench.reason == ""
         bench.activate()
         assert bench.node.state is NmtState.OPERATIONAL
+
+
+def test_8_the_device_says_how_long_it_takes_to_boot(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    slow = ObjectDescription(0x1F89, 0, "Boot_time", "u32", "rw", 4000)
+    objects = (*DESCRIPTION.objects, slow)
+    monkeypatch.setattr(
+        DriveProxy, "description", replace(DESCRIPTION, objects=objects)
+    )
+    with in_error() as bench:
+        bench.node.delay = 3900 * MS
+        bench.system.reset("Drive0")
+        bench.until("INACTIVE")
 
 
 def test_9_a_reset_without_boot_up_message_stays_in_error() -> None:

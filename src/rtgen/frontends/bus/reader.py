@@ -28,6 +28,9 @@ _NODE_SETTINGS = (
     *("heartbeat_timeout", "boot_timeout", "restarts", "mandatory", "start", "lss"),
     *("revision", "serial"),
 )
+_BOOT_TIME = (0x1F89, 0)
+"""How long a node may take to boot, in ms (CiA 302-2)."""
+_LONGEST = 3600.0
 _MAX_BYTES = 1024 * 1024
 _OF_DIRECTION = {"tpdo": 0x1800, "rpdo": 0x1400}
 
@@ -211,6 +214,11 @@ class _Reader:
             return None
         device, common = self._written(device, ("device", kind.name))
         device, own = self._written(device, ("node", name))
+        settings = {key: node[key] for key in _NODE_SETTINGS if key in node}
+        boot_time = device.find(*_BOOT_TIME)
+        told = None if boot_time is None else boot_time.current
+        if isinstance(told, int) and told:
+            settings.setdefault("boot_timeout", min(told / 1000, _LONGEST))
         return BusNode(
             name=name,
             id=node["id"],
@@ -218,7 +226,7 @@ class _Reader:
             device=device,
             values=tuple(sorted((common | own).items())),
             span=self._toml.span(("node", name)),
-            **{key: node[key] for key in _NODE_SETTINGS if key in node},
+            **settings,
         )
 
     def _links(self, nodes: list[BusNode]) -> list[PdoLink]:

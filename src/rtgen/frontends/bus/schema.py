@@ -125,7 +125,7 @@ SCHEMA: dict[str, Any] = {
                     "boot_timeout": _SECONDS
                     | {
                         "description": "How long a reset may take until the boot-up message, in "
-                        "seconds; default 2."
+                        "seconds; default: 1F89h of the device, else 2."
                     },
                     "restarts": {
                         "type": "integer",

@@ -35,7 +35,8 @@ from rtgen.runtime.life_cycle import Request
 from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
 
 _BOOT_TIMEOUT: Final = 2000
-"""The default of `boot_timeout` in ms: what a network says is taken instead."""
+"""The default of `boot_timeout` in ms: what the network, or 1F89h, says is taken instead."""
+_BOOT_TIME: Final = (0x1F89, 0)
 _BLOCK: Final = 128
 """Octets from which on a value is written in blocks."""
 
@@ -338,8 +339,8 @@ class CanopenProxy(ProxyHooks, Component):
         bitrate = settings.bitrate or (network.bit_rate * 1000 if network else 0)
         wired = wiring(self.description, settings.node_id, network)
         boot_timeout = settings.boot_timeout
-        if placed is not None and boot_timeout == _BOOT_TIMEOUT:
-            boot_timeout = placed.boot_timeout
+        if boot_timeout == _BOOT_TIMEOUT:
+            boot_timeout = self._default_boot_timeout(placed)
         node = ProxiedNode(
             settings.node_id,
             wired.received,
@@ -384,6 +385,14 @@ class CanopenProxy(ProxyHooks, Component):
         if connection is not None:
             self._dropped += connection.node.dropped
             connection.link.detach(connection.node)
+
+    def _default_boot_timeout(self, placed: NodeDescription | None) -> int:
+        """In ms: what the network says, else 1F89h of the device (CiA 302-2), else 2 s."""
+        if placed is not None:
+            return placed.boot_timeout
+        described = self.description.by_number.get(_BOOT_TIME)
+        told = None if described is None else described.initial(0)
+        return told if isinstance(told, int) and told else _BOOT_TIMEOUT
 
     def _place(
         self, settings: _Settings
