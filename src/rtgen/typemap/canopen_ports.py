@@ -32,7 +32,8 @@ OWN_PARAMETERS = (
     *("interface", "channel", "bitrate", "options", "node_id", "network"),
     *("master", "heartbeat_timeout", "boot_timeout"),
 )
-"""The configuration parameters of every proxy; a device has those up to `network`."""
+"""The configuration parameters of every proxy; a device has those up to `network`, and
+`merged_stop`."""
 
 NUMERIC = frozenset((*SIGNED, *UNSIGNED, DataType.REAL32, DataType.REAL64))
 """The types of numbers."""

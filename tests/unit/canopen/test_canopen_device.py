@@ -43,6 +43,7 @@ class Configuration:
     bitrate: int = 0
     options: str = ""
     node_id: int = NODE_ID
+    merged_stop: bool = False
 
 
 def _port(get: Getter, now: int, type_: type[Any], number: ObjectNumber) -> Any:
@@ -281,9 +282,12 @@ def test_a_callback_that_fails_stops_the_node_with_an_emergency(
     assert frames[-1].data == bytes.fromhex("0062010000000000")
 
 
-def test_with_merged_stop_a_stop_ends_normally_and_error_is_left_by_reset() -> None:
+@pytest.mark.parametrize("by_parameter", [True, False])
+def test_with_merged_stop_a_stop_ends_normally_and_error_is_left_by_reset(
+    by_parameter: bool,
+) -> None:
     device = Slave()
-    device.merged_stop = True
+    (device.config if by_parameter else device).merged_stop = True
     setup = Setup(device)
     setup.command(NmtCommand.START)
     setup.command(NmtCommand.STOP)

@@ -29,6 +29,8 @@ class FtmdDeviceConfiguration:
     """The node-id, 255: the one that LSS assigns."""
     network: str = "fourx"
     """The network: the name of its bus file; empty for none."""
+    merged_stop: bool = False
+    """Whether a stop command means what figure 111 of RTC-CANopen says."""
 
 
 class FtmdDeviceBase(FtmdSlave):
@@ -160,6 +162,13 @@ class FtmdDeviceBase(FtmdSlave):
                 type="string",
                 default="fourx",
                 description="The network: the name of its bus file; empty for none.",
+            ),
+            ParameterProfile(
+                name="merged_stop",
+                python_name="merged_stop",
+                type="boolean",
+                default="0",
+                description="Whether a stop command means what figure 111 of RTC-CANopen says.",
             ),
         ),
     )

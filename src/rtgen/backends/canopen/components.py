@@ -110,7 +110,10 @@ def device_components(
         ),
         description=f"Device {product}",
         ports=data_ports,
-        configuration=tuple(_common(span, node_id, network, most=_LSS)),
+        configuration=(
+            *_common(span, node_id, network, most=_LSS),
+            *_of_device(span),
+        ),
         runtime_base=f".canopen.{folder}.device:{kind.module}Slave",
     )
 
@@ -222,6 +225,16 @@ def _common(
         _STRING,
         network,
         "The network: the name of its bus file; empty for none.",
+    )
+
+
+def _of_device(span: Span) -> Iterator[ConfigurationParameter]:
+    yield _parameter(
+        span,
+        "merged_stop",
+        _BOOLEAN,
+        False,
+        "Whether a stop command means what figure 111 of RTC-CANopen says.",
     )
 
 

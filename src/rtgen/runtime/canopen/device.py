@@ -50,7 +50,10 @@ class CanopenDevice(DeviceHooks, Component):
     self_start = False
     """Whether it becomes operational without a master."""
     merged_stop = False
-    """Whether a stop command means what figure 111 says: see `NmtSlave`."""
+    """Whether a stop command means what figure 111 says: see `NmtSlave`.
+
+    The parameter of that name sets it, too, when the device joins its bus.
+    """
 
     def __init__(self, instance_name: str | None = None) -> None:
         super().__init__(instance_name)
@@ -129,6 +132,7 @@ class CanopenDevice(DeviceHooks, Component):
     def _join_bus(self) -> Link:
         config = self.config
         node = self.node
+        self.merged_stop = self.merged_stop or config.merged_stop
         node.self_start, node.merged_stop = self.self_start, self.merged_stop
         node.take_node_id(int(config.node_id))
         link = self._link = open_link(

@@ -29,6 +29,8 @@ class SamplerPiecesDeviceConfiguration:
     """The node-id, 255: the one that LSS assigns."""
     network: str = "bench"
     """The network: the name of its bus file; empty for none."""
+    merged_stop: bool = False
+    """Whether a stop command means what figure 111 of RTC-CANopen says."""
 
 
 class SamplerPiecesDeviceBase(SamplerPiecesSlave):
@@ -240,6 +242,13 @@ class SamplerPiecesDeviceBase(SamplerPiecesSlave):
                 type="string",
                 default="bench",
                 description="The network: the name of its bus file; empty for none.",
+            ),
+            ParameterProfile(
+                name="merged_stop",
+                python_name="merged_stop",
+                type="boolean",
+                default="0",
+                description="Whether a stop command means what figure 111 of RTC-CANopen says.",
             ),
         ),
     )
