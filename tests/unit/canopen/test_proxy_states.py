@@ -11,7 +11,7 @@ from rtgen.runtime import PRECONDITION_NOT_MET, SimulatedClock
 from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import ObjectDescription
 from rtgen.runtime.canopen.emergency import Emergency, ErrorRegister
-from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
+from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, command_frame
 
 START, STOP, PREOP, RESET = (
     (command, NODE)
@@ -461,6 +461,20 @@ def test_two_nodes_of_the_same_id_that_beat() -> None:
         assert bench.reason == (
             "node 5 tells states that contradict each other: are there two of them?"
         )
+
+
+def test_states_that_another_master_commands_are_no_contradiction() -> None:
+    commands = (
+        (NmtCommand.ENTER_PRE_OPERATIONAL, NmtState.PRE_OPERATIONAL),
+        (NmtCommand.START, NmtState.OPERATIONAL),
+    )
+    with active() as bench:
+        for command, state in commands * 4:
+            bench.link.send([command_frame(command, NODE)])
+            bench.run(0.001)
+            bench.node.beat(state)
+        bench.run(0.1)
+        assert (bench.state, bench.reason) == ("INACTIVE", "")
 
 
 def test_two_nodes_of_the_same_id_that_answer() -> None:

@@ -9,13 +9,12 @@ from typing import Protocol
 from rtgen.cli.can.live import send
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen import sdo
-from rtgen.runtime.canopen.frames import Frame
+from rtgen.runtime.canopen.frames import SECOND, Frame
 from rtgen.runtime.canopen.link import LinkError
 from rtgen.runtime.canopen.python_can import OpenBus, frame_of
 from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.sdo_client import SdoClient
 
-_SECOND = 1_000_000_000
 _LONGEST = 0.1
 """Seconds that the bus is waited for at a time, so that Ctrl-C comes through."""
 BLOCK_FROM = 64
@@ -63,8 +62,8 @@ class Exchange:
         while busy := [machine for machine in machines if machine.busy]:
             deadlines = [m.deadline for m in busy if m.deadline is not None]
             now = time.monotonic_ns()
-            due = min(deadlines, default=now + _SECOND)
-            self._once(busy, (due - now) / _SECOND)
+            due = min(deadlines, default=now + SECOND)
+            self._once(busy, (due - now) / SECOND)
 
     def listen(self, seconds: float, until: Callable[[], bool] = lambda: False) -> None:
         """Takes frames for a while, or until something holds. Raises ToolError."""

@@ -9,9 +9,9 @@ from datetime import UTC, datetime
 from rtgen.cli.can.known import KnownNode, KnownObject, written
 from rtgen.cli.rpc.values import Json
 from rtgen.runtime.canopen.description import Kind, ObjectValue
+from rtgen.runtime.canopen.frames import SECOND
 from rtgen.runtime.canopen.values import ObjectValueError, decode, size
 
-_SECOND = 1_000_000_000
 _SHOWN = 24
 """Octets of a value that are shown in a text."""
 
@@ -111,14 +111,14 @@ def json_value(kind: Kind, value: ObjectValue) -> Json:
     if isinstance(value, int) and kind == "time_of_day":
         return iso_time(value)
     if isinstance(value, int) and kind == "time_difference":
-        return value / _SECOND
+        return value / SECOND
     return value
 
 
 def iso_time(time: int) -> str:
     """A time in ns of UTC since 1970, to the millisecond."""
-    moment = datetime.fromtimestamp(time // _SECOND, UTC)
-    return f"{moment:%Y-%m-%dT%H:%M:%S}.{time % _SECOND // 1_000_000:03}Z"
+    moment = datetime.fromtimestamp(time // SECOND, UTC)
+    return f"{moment:%Y-%m-%dT%H:%M:%S}.{time % SECOND // 1_000_000:03}Z"
 
 
 def _rounded(value: float) -> float:

@@ -16,8 +16,6 @@ from rtgen.cli.can.scanning import Found, scanned
 from rtgen.cli.common import NO, OK, Console, with_console, write_out
 from rtgen.runtime.canopen.lss import LssAddress
 
-_SECOND = 1_000_000_000
-
 
 @dataclass(slots=True)
 class _Line:

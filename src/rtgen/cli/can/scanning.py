@@ -10,6 +10,7 @@ from rtgen.runtime.canopen.frames import (
     ERROR_CONTROL,
     MAX_NODE_ID,
     SDO_RESPONSE,
+    SECOND,
     Frame,
 )
 from rtgen.runtime.canopen.nmt import NmtState
@@ -17,7 +18,6 @@ from rtgen.runtime.canopen.python_can import OpenBus
 from rtgen.runtime.canopen.sdo import TIMED_OUT, SdoAbort
 from rtgen.runtime.canopen.sdo_client import SdoClient
 
-_SECOND = 1_000_000_000
 _DEVICE_TYPE = (0x1000, 0)
 _IDENTITY = tuple((0x1018, part) for part in (1, 2, 3, 4))
 _NAME = (0x1008, 0)
@@ -93,7 +93,7 @@ def scanned(bus: OpenBus, seconds: float) -> dict[int, Found]:
     exchange = Exchange(bus, nodes)
     begin = time.monotonic()
     rounds = -(-MAX_NODE_ID // _AT_ONCE)
-    timeout = max(round(seconds * _SECOND / rounds / 2), 1_000_000)
+    timeout = max(round(seconds * SECOND / rounds / 2), 1_000_000)
     ids = list(range(1, MAX_NODE_ID + 1))
     for first in range(0, len(ids), _AT_ONCE):
         _asked(exchange, ids[first : first + _AT_ONCE], _DEVICE_TYPE, timeout)
@@ -129,7 +129,7 @@ def _result(client: SdoClient) -> bytes | None:
 def _one(
     exchange: Exchange, node_id: int, number: tuple[int, int], seconds: float
 ) -> bytes | None:
-    timeout = round(min(seconds, 0.5) * _SECOND)
+    timeout = round(min(seconds, 0.5) * SECOND)
     return _asked(exchange, [node_id], number, timeout)[node_id]
 
 

@@ -21,11 +21,10 @@ from rtgen.diagnostics import ToolError
 from rtgen.model.canopen import Access
 from rtgen.project_rules import SUPERVISED
 from rtgen.runtime.canopen.description import Kind
-from rtgen.runtime.canopen.frames import ERROR_CONTROL, SDO_REQUEST, Frame
+from rtgen.runtime.canopen.frames import ERROR_CONTROL, SDO_REQUEST, SECOND, Frame
 from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.values import ObjectValueError, encode
 
-_SECOND = 1_000_000_000
 _LOOK = 0.3
 """Seconds that the bus is watched for a manager, if nobody tells how often it beats."""
 _LONGEST_LOOK = 2.0
@@ -126,13 +125,13 @@ def sdo_(
         try:
             if octets is not None:
                 exchange.download(
-                    node_id, *thing.number, octets, timeout=round(timeout * _SECOND)
+                    node_id, *thing.number, octets, timeout=round(timeout * SECOND)
                 )
                 return OK
             got = exchange.upload(
                 node_id,
                 *thing.number,
-                timeout=round(timeout * _SECOND),
+                timeout=round(timeout * SECOND),
                 block=file is not None or (bool(thing.name) and thing.kind in _BLOCKS),
             )
         except SdoAbort as abort:

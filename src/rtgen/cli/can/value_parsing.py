@@ -7,10 +7,10 @@ from datetime import UTC, datetime
 from rtgen.cli.can.known import KnownObject
 from rtgen.cli.common import Refusal
 from rtgen.runtime.canopen.description import Kind, ObjectValue
+from rtgen.runtime.canopen.frames import SECOND
 from rtgen.runtime.canopen.values import ObjectValueError, limits
 
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
-_SECOND = 1_000_000_000
 
 
 def parsed_value(thing: KnownObject, text: str) -> ObjectValue:
@@ -48,9 +48,9 @@ def _parsed(kind: Kind, text: str) -> ObjectValue:
         case "time_of_day":
             moment = datetime.fromisoformat(text)
             told = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
-            return round(told.timestamp() * 1000) * (_SECOND // 1000)
+            return round(told.timestamp() * 1000) * (SECOND // 1000)
         case "time_difference":
-            return round(float(text) * 1000) * (_SECOND // 1000)
+            return round(float(text) * 1000) * (SECOND // 1000)
     return text
 
 

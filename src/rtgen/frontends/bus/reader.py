@@ -18,7 +18,15 @@ from rtgen.frontends.bus.values import BadValueError, configured, number_of
 from rtgen.frontends.located_toml import Path as Place
 from rtgen.frontends.located_toml import Toml, TomlError
 from rtgen.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
-from rtgen.model.canopen import INVALID, Device, Value, resolved
+from rtgen.model.canopen import (
+    INVALID,
+    NO_RTR,
+    RPDO_COMMUNICATION,
+    TPDO_COMMUNICATION,
+    Device,
+    Value,
+    resolved,
+)
 from rtgen.typemap.canopen_names import identifier, module_name
 
 MANAGER = 127
@@ -32,7 +40,6 @@ _BOOT_TIME = (0x1F89, 0)
 """How long a node may take to boot, in ms (CiA 302-2)."""
 _LONGEST = 3600.0
 _MAX_BYTES = 1024 * 1024
-_OF_DIRECTION = {"tpdo": 0x1800, "rpdo": 0x1400}
 
 
 @dataclass(frozen=True, slots=True)
@@ -247,19 +254,19 @@ class _Reader:
         for number, link in enumerate(links):
             place = self._toml.span(("link", number))
             name, tpdo = link.source
-            sent = made[name].device.find(0x1800 + tpdo - 1, 1)
+            sent = made[name].device.find(TPDO_COMMUNICATION + tpdo - 1, 1)
             told = None if sent is None else resolved(sent.current, made[name].id)
             if not isinstance(told, int):
                 self._tell(rules.BAD_LINK, ("link", number), "its TPDO has no COB-ID")
                 continue
-            for (end, pdo), base in ((link.source, 0x1800), (link.target, 0x1400)):
+            for (end, pdo), base, cob_id in (
+                (link.source, TPDO_COMMUNICATION, told & ~INVALID),
+                (link.target, RPDO_COMMUNICATION, told & ~(INVALID | NO_RTR)),
+            ):
                 index = base + pdo - 1
-                keep = told if base == 0x1800 else told & 0x3FFFFFFF & ~(1 << 30)
                 node = made[end]
                 try:
-                    device, value = configured(
-                        node.device, (index, 1), keep & ~INVALID, place
-                    )
+                    device, value = configured(node.device, (index, 1), cob_id, place)
                 except BadValueError as error:
                     self._tell(rules.BAD_LINK, ("link", number), f"{end}: {error}")
                     continue

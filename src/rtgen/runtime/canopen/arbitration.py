@@ -8,11 +8,10 @@ from functools import lru_cache
 from heapq import heapify, heappop, heappush
 from typing import Final, Generic, TypeVar
 
-from rtgen.runtime.canopen.frames import Frame
+from rtgen.runtime.canopen.frames import SECOND, Frame
 
 S = TypeVar("S", bound=Hashable)
 
-SECOND: Final = 1_000_000_000
 
 _CRC: Final = 0x4599
 _BEHIND_CRC: Final = 13

@@ -9,6 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Final
 
+SECOND: Final = 1_000_000_000
+"""Nanoseconds in a second."""
 MILLISECOND: Final = 1_000_000
 """Nanoseconds in the unit of the heartbeat and event times."""
 INHIBIT_UNIT: Final = 100_000

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from rtgen.runtime.canopen.arbitration import Arbiter, transmission_time
-from rtgen.runtime.canopen.frames import Frame
+from rtgen.runtime.canopen.frames import SECOND, Frame
 from rtgen.runtime.canopen.hub_faults import Fault, Faults, times_off
 from rtgen.runtime.canopen.hub_text import (
     Elements,
@@ -25,8 +25,6 @@ from rtgen.runtime.canopen.hub_text import (
     sent_frame,
     slcan_text,
 )
-
-SECOND: Final = 1_000_000_000
 
 QUEUE: Final = 1024
 """Frames that may wait for a client, or of it."""

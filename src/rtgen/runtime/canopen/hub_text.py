@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from rtgen.runtime.canopen.frames import Frame
+from rtgen.runtime.canopen.frames import SECOND, Frame
 
 _LONGEST: Final = 256
 """Octets of an element of socketcand, or of a line of slcan; what is longer is refused."""
@@ -90,7 +90,7 @@ def sent_frame(words: str) -> Frame:
 
 def frame_text(frame: Frame, time: int) -> bytes:
     """`< frame ID SECONDS.MICROS DATA >`; the time in ns, UTC."""
-    seconds, rest = divmod(time, 1_000_000_000)
+    seconds, rest = divmod(time, SECOND)
     identifier = f"{frame.can_id:08X}" if frame.extended else f"{frame.can_id:03X}"
     data = frame.data.hex().upper()
     return f"< frame {identifier} {seconds}.{rest // 1000:06} {data} >".encode()
@@ -98,7 +98,7 @@ def frame_text(frame: Frame, time: int) -> bytes:
 
 def error_text(kind: int, time: int) -> bytes:
     """`< error CLASS SECONDS.MICROS >`: an error frame of SocketCAN."""
-    seconds, rest = divmod(time, 1_000_000_000)
+    seconds, rest = divmod(time, SECOND)
     return f"< error {kind:08X} {seconds}.{rest // 1000:06} >".encode()
 
 

@@ -19,7 +19,7 @@ from rtgen.runtime.canopen.description import (
 from rtgen.runtime.canopen.frames import MILLISECOND
 from rtgen.runtime.canopen.link import Link
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, command_frame
-from rtgen.runtime.canopen.node_setup import same
+from rtgen.runtime.canopen.node_setup import IDENTITY, same
 from rtgen.runtime.canopen.proxied_node import ProxiedNode
 from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.sdo_channel import Outcome
@@ -35,13 +35,6 @@ _ATTEMPTS: Final = 5
 _FOREIGN_ANSWERS: Final = 2
 """SDO answers that nobody asked for; at least so many, and nearly as many as others."""
 _HEARTBEAT_TIME: Final = (0x1017, 0)
-_IDENTITY: Final = (
-    ((0x1000, 0), "device type"),
-    ((0x1018, 1), "vendor"),
-    ((0x1018, 2), "product"),
-    ((0x1018, 3), "revision"),
-    ((0x1018, 4), "serial number"),
-)
 _STATES: Final = {
     NmtState.INITIALISING: "initialising",
     NmtState.STOPPED: "stopped",
@@ -218,8 +211,8 @@ class NodeControl:
         yield from self._await_answer()
         if placed is None:
             return
-        for ((index, subindex), what), wanted in zip(
-            _IDENTITY, placed.identity, strict=True
+        for (index, subindex, what), wanted in zip(
+            IDENTITY, placed.identity, strict=True
         ):
             if wanted is None:
                 continue

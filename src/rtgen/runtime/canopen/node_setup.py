@@ -13,13 +13,14 @@ Transfer: TypeAlias = tuple[int, int, bytes | None]
 SetUp: TypeAlias = Generator[Transfer, bytes, None]
 """Yields transfers, and gets what was read; b"" for what was written."""
 
-_IDENTITY: Final = (
+IDENTITY: Final = (
     (0x1000, 0, "device type"),
     (0x1018, 1, "vendor"),
     (0x1018, 2, "product"),
     (0x1018, 3, "revision"),
     (0x1018, 4, "serial number"),
 )
+"""What `NodeDescription.identity` has, in its order: index, sub-index, name."""
 
 
 class SetUpError(Exception):
@@ -39,7 +40,7 @@ def set_up(node: NodeDescription, identified: Callable[[], None]) -> SetUp:
     `identified` is called in between. What is written several times is read back once, at the end.
     Raises SetUpError.
     """
-    for (index, subindex, what), expected in zip(_IDENTITY, node.identity, strict=True):
+    for (index, subindex, what), expected in zip(IDENTITY, node.identity, strict=True):
         if expected is None:
             continue
         told = int.from_bytes((yield index, subindex, None), "little")

@@ -5,6 +5,8 @@ from __future__ import annotations
 from struct import Struct
 from typing import TYPE_CHECKING, cast
 
+from rtgen.runtime.canopen.frames import SECOND
+
 if TYPE_CHECKING:
     from rtgen.runtime.component import Time
 
@@ -91,7 +93,7 @@ def quotient(value: float, factor: float) -> float:
 
 def nanoseconds(time: Time) -> int:
     """A time as the object dictionary has it."""
-    return time.sec * 1_000_000_000 + time.nsec
+    return time.sec * SECOND + time.nsec
 
 
 def seconds(raw: int) -> tuple[int, int]:

@@ -14,10 +14,10 @@ from rtgen.runtime.canopen.description import (
     PdoDescription,
 )
 from rtgen.runtime.canopen.emergency import Emergency, decode_emergency
-from rtgen.runtime.canopen.frames import EMERGENCY, ERROR_CONTROL, CobId, Frame
+from rtgen.runtime.canopen.frames import EMERGENCY, ERROR_CONTROL, NMT, CobId, Frame
 from rtgen.runtime.canopen.heartbeat import HeartbeatConsumer, HeartbeatNews
 from rtgen.runtime.canopen.hooks import Receiver
-from rtgen.runtime.canopen.nmt import NmtState
+from rtgen.runtime.canopen.nmt import NmtState, decode_command
 
 QUEUE: Final = 4096
 """PDOs that may wait for the proxy's next tick; over it, the oldest are lost."""
@@ -157,7 +157,7 @@ class ProxiedNode:
                     receivers[number], cob_id.extended, (bits + 7) // 8
                 )
         self.identifiers = frozenset(
-            (self._heartbeat_id, self._emergency_id, *self._pdos)
+            (NMT, self._heartbeat_id, self._emergency_id, *self._pdos)
         )
         self.deadline = None
 
@@ -202,6 +202,10 @@ class ProxiedNode:
             self._heard(frame, now)
         elif can_id == self._emergency_id:
             self._alarmed(frame)
+        elif can_id == NMT:
+            command = decode_command(frame)
+            if command is not None and command[1] in (0, self.node_id):
+                self.told()
         return ()
 
     def poll(self, now: int) -> Iterable[Frame]:

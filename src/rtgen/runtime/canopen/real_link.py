@@ -11,12 +11,10 @@ from queue import SimpleQueue
 from typing import Final
 
 from rtgen.runtime.callbacks import log
-from rtgen.runtime.canopen.frames import Frame
+from rtgen.runtime.canopen.frames import SECOND, Frame
 from rtgen.runtime.canopen.link import LinkError, Station
 from rtgen.runtime.canopen.python_can import BusAddress, OpenBus, frame_of, open_bus
 from rtgen.runtime.canopen.shared_link import Seat, SharedLink
-
-SECOND: Final = 1_000_000_000
 
 _QUEUE: Final = 4096
 """Frames that may wait for the bus."""
