@@ -208,6 +208,38 @@ def test_mistakes_of_pdos_that_are_not_valid(
     assert (result.bus is None) == bool(found)
 
 
+@pytest.mark.parametrize(
+    ("values", "wrong"),
+    [
+        ({"1800:1": 0x80}, "two.tpdo1 has the CAN identifier of SYNC"),
+        (
+            {"1400:1": 0x81},
+            "two.rpdo1 has the CAN identifier of the emergency messages of one",
+        ),
+        ({"1801:1": 0x40000182}, "two.tpdo2 has the CAN identifier of two.tpdo1, 182h"),
+    ],
+)
+def test_clashes(tmp_path: Path, values: dict[str, int], wrong: str) -> None:
+    text = BASE.read_text(encoding="utf-8")
+    first = text.index("[1800]")
+    pdo = text[first : text.index("[2000]")]
+    second = pdo.replace("[1800", "[1801").replace("[1A00", "[1A01")
+    (tmp_path / "board.eds").write_text(
+        text + second.replace("$NODEID+0x40000180", "$NODEID+0x40000280"),
+        encoding="utf-8",
+    )
+    lines = "".join(f'"{key}" = {value}\n' for key, value in values.items())
+    (tmp_path / "net.toml").write_text(
+        '[bus]\nbit_rate = 500\n[device.board]\neds = "board.eds"\n'
+        '[node.one]\ndevice = "board"\nid = 1\n'
+        f'[node.two]\ndevice = "board"\nid = 2\n[node.two.values]\n{lines}',
+        encoding="utf-8",
+    )
+    result = load(tmp_path / "net.toml", root=tmp_path)
+    errors = [d.message for d in result.diagnostics if d.code == "EDS0706"]
+    assert errors == [wrong]
+
+
 def test_published_schema(update_golden: bool) -> None:
     file = ROOT / "docs/bus.schema.json"
     text = json.dumps(SCHEMA, indent=2) + "\n"

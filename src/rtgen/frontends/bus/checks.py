@@ -15,6 +15,9 @@ from rtgen.layouts.can_timing import load, response_times
 from rtgen.model.can_bus import Bus, BusNode
 from rtgen.model.canopen import Pdo, PdoDirection
 
+_SYNC = _EMERGENCY = 0x080
+"""The identifier of SYNC; an emergency message has it plus the node-id (CiA 301, table 40)."""
+
 _IMPOSSIBLE = {
     rule.code
     for rule in (
@@ -82,6 +85,20 @@ def _like_its_kind(node: BusNode) -> Iterator[Diagnostic]:
 
 
 def _cob_ids(bus: Bus) -> Iterator[Diagnostic]:
+    services = {_SYNC: "SYNC"}
+    services |= {
+        _EMERGENCY + node.id: f"the emergency messages of {node.name}"
+        for node in bus.nodes
+    }
+    for node in bus.nodes:
+        for pdo in node.device.pdos:
+            service = services.get(identifier_of(pdo, node) or 0)
+            if service is not None:
+                message = (
+                    f"{node.name}.{pdo.direction}{pdo.number} has the CAN identifier "
+                    f"of {service}"
+                )
+                yield rules.SAME_COB_ID.at(node.span, message)
     sent: dict[int, tuple[BusNode, Pdo]] = {}
     for node in bus.nodes:
         for pdo in node.device.pdos:
@@ -89,7 +106,7 @@ def _cob_ids(bus: Bus) -> Iterator[Diagnostic]:
             if identifier is None or pdo.direction is not PdoDirection.TPDO:
                 continue
             other, known = sent.setdefault(identifier, (node, pdo))
-            if other is not node:
+            if known is not pdo:
                 message = (
                     f"{node.name}.tpdo{pdo.number} has the CAN identifier of "
                     f"{other.name}.tpdo{known.number}, {identifier:X}h"

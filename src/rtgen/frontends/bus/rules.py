@@ -97,9 +97,9 @@ SAME_COB_ID = Rule(
     "COB-ID used twice",
     Severity.ERROR,
     """
-Two nodes send PDOs with the same CAN identifier, so frames of both can be on the bus at once and
-destroy each other; or an RPDO listens to another node's TPDO and there is no `[[link]]` that says
-so.
+Two PDOs are sent with the same CAN identifier, or one with that of SYNC or of a node's emergency
+messages, so frames of both can be on the bus at once and destroy each other; or an RPDO listens to
+another node's TPDO and there is no `[[link]]` that says so.
 """,
 )
 
