@@ -119,7 +119,10 @@ def lines(d: Device) -> Iterator[str]:
         for v in thing.variables:
             value = value_of(v.current, d.node_id)
             shown = "" if value is None else f" = {value}"
-            yield f"    {v.subindex}: {_type(v)} {v.written_access} {v.name}{shown}"
+            scale = "" if v.factor is None else f" times {v.factor!r}"
+            unit = f" [{v.unit}]" if v.unit else ""
+            told = f"{_type(v)} {v.written_access} {v.name}{shown}{scale}{unit}"
+            yield f"    {v.subindex}: {told}"
     for p in d.pdos:
         cob_id = value_of(p.cob_id, d.node_id)
         number = f"{cob_id:X}h" if isinstance(cob_id, int) else cob_id

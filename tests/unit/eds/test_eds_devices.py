@@ -325,12 +325,13 @@ def test_inspect_as_json(monkeypatch: pytest.MonkeyPatch, update_golden: bool) -
 
 def test_inspect_for_people(tmp_path: Path) -> None:
     path = tmp_path / "left-drive.eds"
-    path.write_bytes(BASE.read_bytes())
+    name = b"ParameterName=Speed\n"
+    path.write_bytes(BASE.read_bytes().replace(name, name + b"Factor=0.1\nUnit=rpm\n"))
     lines = tree(load([path], root=tmp_path).model).splitlines()
     assert lines[0] == path.as_posix()
     assert "  device LeftDrive" in lines
     assert "    tpdo 1: COB-ID $NODEID+0x40000180, transmission type 255" in lines
-    assert "      0: UNSIGNED8 rw Speed = 12" in lines
+    assert "      0: UNSIGNED8 rw Speed = 12 times 0.1 [rpm]" in lines
 
 
 def test_command(
