@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import os
+
 import pytest
 from hypothesis import settings
 
 # How long an example takes is the machine's matter.
 settings.register_profile("rtgen", deadline=None)
 settings.load_profile("rtgen")
+
+# Which bus python-can takes without being told: no test may get at a real one.
+for _variable in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
+    os.environ.pop(_variable, None)
 
 RANDOM = {"fuzz", "test_random_types_omniorb.py"}
 """Folders and files of tests with thousands of drawn inputs."""

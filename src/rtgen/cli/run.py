@@ -22,6 +22,7 @@ from rtgen.cli.recording import (
     opened,
     write_csv,
 )
+from rtgen.cli.signals import terminable
 from rtgen.cli.summary import Outcome, Row, summary
 from rtgen.diagnostics import InputError, ToolError, has_errors
 from rtgen.model import System
@@ -154,7 +155,7 @@ def _run(
 ) -> tuple[bool, float]:
     """Runs to the end; whether the condition was met, and the wall time in seconds.
 
-    An interrupt by the user ends a run in order.
+    Ctrl-C and SIGTERM end a run in order.
     """
     limit = condition.limit
     if limit is None and simulated:
@@ -162,7 +163,8 @@ def _run(
     until = _reached(running, condition)
     begun = time.perf_counter()
     try:
-        met = running.run(limit, until)
+        with terminable():
+            met = running.run(limit, until)
     except KeyboardInterrupt:
         met = condition == Condition()
     else:

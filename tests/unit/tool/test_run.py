@@ -336,7 +336,8 @@ def test_factories_of_the_generated_package(capfd: pytest.CaptureFixture[str]) -
     assert "arrived" in capfd.readouterr().out
 
 
-def test_an_interrupt_ends_a_run_with_its_report() -> None:
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_ends_a_run_with_its_report(number: signal.Signals) -> None:
     command = [
         sys.executable,
         "-m",
@@ -353,7 +354,7 @@ def test_an_interrupt_ends_a_run_with_its_report() -> None:
     )
     assert process.stderr is not None
     assert process.stderr.readline().endswith("M0 ACTIVE\n")
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     out, err = process.communicate(timeout=30)
     assert process.returncode == 1, err
     assert out.startswith("instance")

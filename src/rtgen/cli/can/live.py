@@ -6,13 +6,14 @@ import queue
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import TYPE_CHECKING, Final, cast
 
 from rtgen.cli.can.common import require_python_can
 from rtgen.cli.can.options import BusAccess
+from rtgen.cli.signals import handled, terminable
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen.frames import Frame
 from rtgen.runtime.canopen.link import LinkError
@@ -165,34 +166,14 @@ def _noted_signals() -> Iterator[threading.Event]:
             raise KeyboardInterrupt
         ended.set()
 
-    with _handled(note, signal.SIGINT, signal.SIGTERM):
+    with handled(note, signal.SIGINT, signal.SIGTERM):
         yield ended
-
-
-@contextmanager
-def _handled(
-    handler: Callable[[int, FrameType | None], None], *numbers: signal.Signals
-) -> Iterator[None]:
-    """Handles signals, which only the main thread can."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = [(number, signal.signal(number, handler)) for number in numbers]
-    try:
-        yield
-    finally:
-        for number, old in before:
-            signal.signal(number, old)
 
 
 @contextmanager
 def until_interrupted() -> Iterator[None]:
     """Ends the block at Ctrl-C, and at SIGTERM, as if it were over."""
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        raise KeyboardInterrupt
-
-    with suppress(KeyboardInterrupt), _handled(interrupt, signal.SIGTERM):
+    with suppress(KeyboardInterrupt), terminable():
         yield
 
 

@@ -73,7 +73,7 @@ def send_(
         for number in itertools.count() if times is None else range(times):
             _run(bus, steps, begin + number * period)
             sent += len(steps)
-    console.say(f"{sent} frames sent")
+    console.say(f"{sent} {'frame' if sent == 1 else 'frames'} sent")
     return OK
 
 

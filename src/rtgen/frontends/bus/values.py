@@ -35,7 +35,7 @@ def configured(
         raise BadValueError("there is no such object")
     if not variable.access.writable:
         raise BadValueError(f"{variable.name} is {variable.access}")
-    text = f"{value:#x}" if isinstance(value, int) else str(value)
+    text = str(int(value)) if isinstance(value, int) else str(value)
     findings = Findings()
     entry = Entry(span.file, span.line, span.column, "value", text, span.column)
     told = numbers.value(entry, variable.data_type, findings)
