@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import chdir
 from functools import cache
+from importlib import import_module, invalidate_caches
 from pathlib import Path
+from pkgutil import walk_packages
 from random import Random
 
 from fuzzing import ViolationError, log_uniform
 
+from rtgen import output
+from rtgen.compiler import compile_project
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.frontends.eds import load
 from rtgen.frontends.eds.findings import MAX_FINDINGS
 from rtgen.frontends.eds.rules import RULES
 from rtgen.inspect import inspect, tree
+from rtgen.project import load as load_project
 from rtgen.report import report
 
 ROOT = Path(__file__).parents[2]
@@ -133,3 +140,69 @@ def _change(chance: Random, lines: list[str]) -> None:
             lines[at] = line[:place] + chance.choice(_VALUES) + line[place + 1 :]
         case 7:
             lines.insert(at, "[" + line.strip("[]") + "]")
+
+
+class ComponentsTarget(EdsTarget):
+    """Whoever is read is generated and imported, alone and as a node of a bus."""
+
+    def check(self, number: int, data: bytes) -> Iterator[str]:
+        """Generate the components of a description that has no errors, and make them."""
+        name, ports = f"fuzzed{number}", ("pdo", "object")[number % 2]
+        root = self._folder / name
+        (root / "eds").mkdir(parents=True, exist_ok=True)
+        path = root / "eds/input.eds"
+        path.write_bytes(data)
+        if has_errors(load([path], root=root).diagnostics):
+            yield "errors"
+            return
+        (root / "rtgen.toml").write_text(_PROJECT.format(name=name))
+        (root / "eds/bus.toml").write_text(_BUS.format(ports=ports))
+        with chdir(root):
+            project = load_project()
+            run = compile_project(project)
+            if run.failed:
+                yield "refused"
+                return
+            output.write(project, run.artifacts, run.inputs)
+            for factory in _factories(root, name):
+                factory("Fuzzed0")
+        yield "made"
+
+
+_PROJECT = """[sources]
+paths = ["eds"]
+[output]
+package = "{name}"
+skeletons = "src/{name}nodes"
+"""
+_BUS = """[bus]
+name = "one"
+bit_rate = 500
+[device.input]
+eds = "input.eds"
+ports = "{ports}"
+[node.one]
+device = "input"
+id = 5
+"""
+
+
+def _factories(root: Path, package: str) -> list[Callable[[str], object]]:
+    """Those of the components, after every module has been imported."""
+    folders = [str(root / "generated"), str(root / "src")]
+    sys.path[:0] = folders
+    invalidate_caches()
+    try:
+        found = import_module(package)
+        for module in walk_packages(found.__path__, f"{package}."):
+            import_module(module.name)
+        listed = (root / f"generated/{package}/components/entry_points.txt").read_text()
+        targets = [t for t in (e.partition(" = ")[2] for e in listed.splitlines()) if t]
+        return [
+            getattr(import_module(module), name)
+            for module, _, name in (target.partition(":") for target in targets)
+        ]
+    finally:
+        del sys.path[: len(folders)]
+        for module_name in [n for n in sys.modules if n.startswith(package)]:
+            del sys.modules[module_name]

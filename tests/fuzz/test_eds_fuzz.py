@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from eds import EdsTarget
+from eds import ComponentsTarget, EdsTarget
 from fuzzing import run
 
 
@@ -12,6 +12,12 @@ def test_device_descriptions() -> None:
     assert report.labels["read"] > 300
     assert report.labels["errors"] > 30
     assert len(report.labels) > 60
+
+
+def test_components() -> None:
+    report = run(ComponentsTarget, range(20))
+    assert not report.failures, report.failures[0].detail
+    assert report.labels["made"] > 5
 
 
 def test_random_octets(tmp_path: Path) -> None:
