@@ -1,10 +1,10 @@
-"""Fuzzes the reading of IDL, of octets by what is generated from it, of CDL and of EDS.
+"""Fuzzes the reading of IDL, of octets by what is generated from it, of CDL, EDS and CAN frames.
 
     python tests/fuzz/idl.py KIND [--first N] [--count M] [--jobs J] [--failures DIR]
     python tests/fuzz/idl.py KIND --show N
     python tests/fuzz/idl.py --replay FILE
 
-KIND is grammar, mutation, octets, cdl or eds.
+KIND is grammar, mutation, octets, cdl, eds, components (of EDS), slave or bus (frames).
 A case's number decides its input, as long as the fuzzer and, for mutations, the definition
 files of this repository stay as they are. Each input that shows a defect is kept in DIR.
 """
@@ -21,7 +21,8 @@ from functools import partial
 from pathlib import Path
 
 from cdl import CdlTarget
-from eds import EdsTarget
+from eds import ComponentsTarget, EdsTarget
+from frames import BusTarget, NodeTarget
 from fuzzing import SECONDS, Factory, Failure, Report, Watch, attempt, run
 from idl_grammar import is_valid, program
 from idl_mutations import mutant
@@ -34,6 +35,9 @@ KINDS: dict[str, Factory] = {
     "octets": OctetsTarget,
     "cdl": CdlTarget,
     "eds": EdsTarget,
+    "components": ComponentsTarget,
+    "slave": NodeTarget,
+    "bus": BusTarget,
 }
 
 

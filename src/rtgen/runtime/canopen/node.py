@@ -94,8 +94,6 @@ class DeviceNode:
         merged_stop: bool = False,
         serial_number: int | None = None,
     ) -> None:
-        if node_id != UNCONFIGURED and not 1 <= node_id <= MAX_NODE_ID:
-            raise ValueError(f"node-id {node_id}: it is 1 to {MAX_NODE_ID}, or 255")
         self.description = description
         self.events = events or NodeEvents()
         self.self_start = self_start
@@ -106,7 +104,7 @@ class DeviceNode:
         self.pdos = DevicePdos(self.dictionary, self.errors, self._received)
         self.store = ParameterStore(self.dictionary)
         self._has_lss = description.lss or node_id == UNCONFIGURED
-        self.lss = LssSlave(self._address, node_id, self._activate_bit_rate)
+        self.lss = self._lss_slave(node_id)
         self._consumers = HeartbeatConsumers(self.dictionary, self.errors, self._heard)
         self._sync = DeviceSync(self.dictionary, self.errors)
         self._time = DeviceTime(self.dictionary)
@@ -274,11 +272,14 @@ class DeviceNode:
 
     def take_node_id(self, node_id: int) -> None:
         """Gives it a node-id before the first boot-up. Raises ValueError for none."""
+        self._has_lss = self.description.lss or node_id == UNCONFIGURED
+        self.lss = self._lss_slave(node_id)
+        self._power_on()
+
+    def _lss_slave(self, node_id: int) -> LssSlave:
         if node_id != UNCONFIGURED and not 1 <= node_id <= MAX_NODE_ID:
             raise ValueError(f"node-id {node_id}: it is 1 to {MAX_NODE_ID}, or 255")
-        self._has_lss = self.description.lss or node_id == UNCONFIGURED
-        self.lss = LssSlave(self._address, node_id, self._activate_bit_rate)
-        self._power_on()
+        return LssSlave(self._address, node_id, self._activate_bit_rate)
 
     def _power_on(self) -> None:
         self._load(_ALL)
