@@ -127,7 +127,9 @@ def test_a_device_with_errors(tmp_path: Path) -> None:
     assert "EDS0304" in [d.code for d in result.diagnostics]
     (tmp_path / "board.eds").unlink()
     result = load(tmp_path / "net.toml", root=tmp_path)
-    assert "EDS0001" in [d.code for d in result.diagnostics]
+    [missing] = [d for d in result.diagnostics if d.code == "EDS0001"]
+    [named] = missing.related
+    assert LINKED.splitlines()[named.span.line - 1] == 'eds = "board.eds"'
     assert [d.code for d in load(tmp_path / "no.toml", root=tmp_path).diagnostics] == [
         "EDS0700"
     ]

@@ -9,12 +9,13 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from rtgen.diagnostics import Diagnostic, Rule, Span, has_errors, in_order
+from rtgen.diagnostics import Diagnostic, Related, Rule, Span, has_errors, in_order
 from rtgen.frontends import Dependency, eds
 from rtgen.frontends.bus import rules
 from rtgen.frontends.bus.checks import check
 from rtgen.frontends.bus.schema import problems
 from rtgen.frontends.bus.values import BadValueError, configured, number_of
+from rtgen.frontends.eds.rules.lexical import MISSING_FILE, UNREADABLE
 from rtgen.frontends.located_toml import Path as Place
 from rtgen.frontends.located_toml import Toml, TomlError
 from rtgen.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
@@ -38,6 +39,7 @@ _NODE_SETTINGS = (
 )
 _BOOT_TIME = (0x1F89, 0)
 """How long a node may take to boot, in ms (CiA 302-2)."""
+_UNREAD = (MISSING_FILE.code, UNREADABLE.code)
 _LONGEST = 3600.0
 _MAX_BYTES = 1024 * 1024
 
@@ -160,17 +162,21 @@ class _Reader:
         inside = real.is_relative_to(root)
         return real.relative_to(root).as_posix() if inside else real.name
 
-    def _device(self, path: str, node_id: int | None) -> Device | None:
+    def _device(self, path: str, where: Place, node_id: int | None) -> Device | None:
         """The device that a description, named relative to the bus file, is of."""
         read = eds.load([self._path.parent / path], root=self._root, node_id=node_id)
-        self._found += read.diagnostics
+        named = Related(self._toml.span(where), "named here")
+        self._found += [
+            replace(d, related=(named,)) if d.code in _UNREAD else d
+            for d in read.diagnostics
+        ]
         self._sources |= read.sources
         self._dependencies += read.dependencies
         return read.model.devices[0] if read.model.devices else None
 
     def _kind(self, name: str) -> DeviceKind | None:
         told = self._toml.content["device"][name]
-        device = self._device(told["eds"], None)
+        device = self._device(told["eds"], ("device", name, "eds"), None)
         if device is None:
             return None
         device, _ = self._written(device, ("device", name))
@@ -216,7 +222,7 @@ class _Reader:
 
     def _node(self, name: str, kind: DeviceKind) -> BusNode | None:
         node = self._toml.content["node"][name]
-        device = self._device(kind.path, node["id"])
+        device = self._device(kind.path, ("device", kind.name, "eds"), node["id"])
         if device is None:
             return None
         device, common = self._written(device, ("device", kind.name))

@@ -23,6 +23,13 @@ def number_of(text: str) -> tuple[int, int]:
     return int(index, 16), int(subindex or "0", 16)
 
 
+def _text(value: Any) -> str:
+    if not isinstance(value, int):
+        return str(value)
+    # Python refuses to write very long numbers in decimal.
+    return str(int(value)) if value.bit_length() <= 64 else f"{value:#x}"
+
+
 def configured(
     device: Device, number: tuple[int, int], value: Any, span: Span
 ) -> tuple[Device, Value]:
@@ -35,7 +42,7 @@ def configured(
         raise BadValueError("there is no such object")
     if not variable.access.writable:
         raise BadValueError(f"{variable.name} is {variable.access}")
-    text = str(int(value)) if isinstance(value, int) else str(value)
+    text = _text(value)
     findings = Findings()
     entry = Entry(span.file, span.line, span.column, "value", text, span.column)
     told = numbers.value(entry, variable.data_type, findings)
