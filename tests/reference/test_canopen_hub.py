@@ -55,8 +55,8 @@ def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
 
 
 def ended(process: subprocess.Popen[str]) -> tuple[str, str]:
-    """What a process says when it is ended by Ctrl-C."""
-    process.send_signal(signal.SIGINT)
+    """What a process says when it is told to end; Ctrl-C may be off in the background."""
+    process.send_signal(signal.SIGTERM)
     told = process.communicate(timeout=30)
     assert process.returncode == 0, told
     return told

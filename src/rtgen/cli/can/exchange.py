@@ -93,7 +93,7 @@ class Exchange:
     ) -> bytes:
         """The octets of a variable. Raises SdoAbort, SilentError and ToolError.
 
-        A node without block transfer is asked again without.
+        `timeout` is for each answer, in ns. A node without block transfer is asked again without.
         """
         try:
             client = SdoClient(node_id, timeout=timeout)
@@ -111,8 +111,8 @@ class Exchange:
     ) -> None:
         """Writes a variable. Raises SdoAbort, SilentError and ToolError.
 
-        A node that knows no block transfer has taken nothing of it, so the long value is written
-        by segments then.
+        `timeout` is for each answer, in ns. A node that knows no block transfer has taken nothing
+        of it, so the long value is written by segments then.
         """
         for block in (True, False) if len(value) >= BLOCK_FROM else (False,):
             client = SdoClient(node_id, timeout=timeout)

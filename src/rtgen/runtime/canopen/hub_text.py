@@ -97,7 +97,7 @@ def frame_text(frame: Frame, time: int) -> bytes:
 
 
 def error_text(kind: int, time: int) -> bytes:
-    """`< error CLASS SECONDS.MICROS >`: an error frame of SocketCAN."""
+    """`< error CLASS SECONDS.MICROS >`: an error frame of SocketCAN; the time in ns, UTC."""
     seconds, rest = divmod(time, SECOND)
     return f"< error {kind:08X} {seconds}.{rest // 1000:06} >".encode()
 

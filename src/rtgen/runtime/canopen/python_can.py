@@ -69,7 +69,7 @@ def bus_address(
 ) -> BusAddress:
     """The address of the parameters of a component; options: "name=value,name=value".
 
-    Raises LinkError.
+    `bitrate` is in bit/s, 0 for what the interface has. Raises LinkError.
     """
     if bitrate < 0:
         raise LinkError(f"{bitrate} is no bit rate")
@@ -99,7 +99,7 @@ class OpenBus:
         self._more = False
 
     def receive(self, timeout: float) -> can.Message | None:
-        """The next message, None if none comes in that many seconds. Raises LinkError."""
+        """The next message, None if none comes in `timeout` s. Raises LinkError."""
         found = self.receive_some(timeout, 1)
         return found[0] if found else None
 
