@@ -14,3 +14,8 @@ def require_python_can() -> None:
             "this command needs the package python-can, which is not installed",
             hint="pip install 'rtgen[can]'",
         ) from error
+
+
+def counted(number: int, what: str) -> str:
+    """A number of things: "1 frame", "2 frames"."""
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.can.common import counted
 from rtgen.cli.can.live import frames, opened
 from rtgen.cli.can.logs import check_kind, writer
 from rtgen.cli.can.options import BusAccess, with_bus, with_span
@@ -42,5 +43,5 @@ def record_(
                 record(message)
                 found += 1
     missing = f"; {coming.lost} came too fast and are missing" if coming.lost else ""
-    console.say(f"{found} frames in {file}{missing}")
+    console.say(f"{counted(found, 'frame')} in {file}{missing}")
     return OK

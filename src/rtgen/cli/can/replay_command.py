@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from rtgen.cli.can import logs
+from rtgen.cli.can.common import counted
 from rtgen.cli.can.live import can_carry, drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.printing import Printer, Wanted
@@ -88,7 +89,7 @@ def replay_(
                 send(bus, frame)
                 sent += 1
     missing = f"; {left_out} cannot be sent" if left_out else ""
-    console.say(f"{sent} frames of {file} sent{missing}")
+    console.say(f"{counted(sent, 'frame')} of {file} sent{missing}")
     return OK
 
 

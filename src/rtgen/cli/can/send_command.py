@@ -9,6 +9,7 @@ from pathlib import Path
 
 import click
 
+from rtgen.cli.can.common import counted
 from rtgen.cli.can.frame_texts import FORMS, frame_of_text
 from rtgen.cli.can.live import drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
@@ -73,7 +74,7 @@ def send_(
         for number in itertools.count() if times is None else range(times):
             _run(bus, steps, begin + number * period)
             sent += len(steps)
-    console.say(f"{sent} {'frame' if sent == 1 else 'frames'} sent")
+    console.say(f"{counted(sent, 'frame')} sent")
     return OK
 
 
