@@ -24,10 +24,13 @@ from can_nodes import SPECS, nodes
 from device_bench import DEVICE, NODE_ID, number_of
 
 from rtgen.cli import run
+from rtgen.cli.can import lss_scan
 from rtgen.cli.can.frame_texts import frame_of_text
 from rtgen.cli.can.known import known_bus
 from rtgen.cli.common import Refusal
 from rtgen.runtime.canopen.links import open_link
+from rtgen.runtime.canopen.lss import LssAddress
+from rtgen.runtime.canopen.lss_master import Procedure
 from rtgen.runtime.canopen.nmt import NmtCommand
 from rtgen.runtime.canopen.node import DeviceNode
 from rtgen.runtime.clocks import RealClock
@@ -339,6 +342,27 @@ def test_scan_finds_nodes_without_node_id(capfd: pytest.CaptureFixture[str]) -> 
     assert [line[-1] for line in lines] == ["41", "42"]
     assert lines[0][:5] == ["-", "no", "node-id", "vendor", "0xFFFF01"]
     assert "0 nodes answer, 2 have no node-id" in captured.err
+
+
+def test_a_search_whose_answer_was_late_is_tried_again(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    left, right = LssAddress(1, 2, 3, 4), LssAddress(1, 2, 3, 5)
+    outcomes = iter([None, left, None, None, right, None, None, None, left])
+
+    def scan() -> Procedure[LssAddress | None]:
+        return next(outcomes)
+        yield
+
+    monkeypatch.setattr(lss_scan, "scan", scan)
+    found: list[LssAddress] = []
+
+    def searched() -> Procedure[None]:
+        found.extend((yield from lss_scan._all()))
+
+    assert len(list(searched())) == 2  # both are switch commands
+    assert found == [left, right]
+    assert next(outcomes) == left
 
 
 # plot and timing

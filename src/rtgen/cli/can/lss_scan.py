@@ -16,6 +16,8 @@ from rtgen.runtime.canopen.lss_master import (
 )
 
 _MAX_NODES = 127
+_TRIES = 3
+"""An answer that comes too late on a busy machine spoils a search, so one is not enough."""
 
 
 def unconfigured(exchange: Exchange) -> list[LssAddress]:
@@ -35,10 +37,15 @@ def unconfigured(exchange: Exchange) -> list[LssAddress]:
 def _all() -> Procedure[list[LssAddress]]:
     yield switch(lss.WAITING)
     found: list[LssAddress] = []
-    while len(found) < _MAX_NODES:
+    tries = _TRIES
+    while tries and len(found) < _MAX_NODES:
         address = yield from scan()
-        if address is None or address in found:
+        if address is None:
+            tries -= 1
+        elif address in found:
             break
-        found.append(address)
+        else:
+            found.append(address)
+            tries = _TRIES
     yield switch(lss.WAITING)
     return found
