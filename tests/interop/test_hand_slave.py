@@ -138,6 +138,10 @@ class Bench:
     def close(self) -> None:
         self.system.close()
         self.end_slave()
+        for thread in threading.enumerate():
+            if f" {self.channel} " in thread.name:
+                thread.join(20)
+                assert not thread.is_alive(), thread.name
 
     def wait(self, condition: Callable[[], bool]) -> None:
         limit = self.system.time + 20 * SECOND

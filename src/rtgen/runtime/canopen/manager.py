@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from typing import Any, ClassVar, Final, Protocol
 
-from rtgen.runtime.canopen.link import Link, LinkError
+from rtgen.runtime.canopen.link import LinkError
 from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.managed_node import NodeReport
 from rtgen.runtime.canopen.manager_station import ManagerStation
@@ -52,6 +52,7 @@ class CanopenManager(ABC, Component):
         self.station: ManagerStation | None = None
         """What runs the network; None before the first activation."""
         self._unsent: deque[NodeReport] = deque(maxlen=_UNSENT_REPORTS)
+        self._bus: tuple[str, str, int, str] | None = None
         self._offset = 0
 
     # What the generated manager gives.
@@ -131,19 +132,16 @@ class CanopenManager(ABC, Component):
         config: ManagerParameters = self.config
         network = load_network(self.networks, config.network)
         bitrate = config.bitrate or network.bit_rate * 1000
-
-        def opened() -> Link:
-            return open_link(
-                self, config.interface, config.channel, bitrate, config.options
-            )
-
-        link, station = opened(), self.station
-        self._offset = self.now() - link.now()
-        if station is not None and (station.link, station.network) == (link, network):
+        bus = (config.interface, config.channel, bitrate, config.options)
+        station = self.station
+        if station is not None and (self._bus, station.network) == (bus, network):
             return station
-        # The old one may have been the last on its link, which then is closed.
         self._leave()
-        return ManagerStation(opened(), network, self._unsent.append)
+        # Once for each station: the link is kept until it is attached.
+        link = open_link(self, *bus)
+        self._bus = bus
+        self._offset = self.now() - link.now()
+        return ManagerStation(link, network, self._unsent.append)
 
     def _halt(self) -> ReturnCode_t:
         if self.station is not None:

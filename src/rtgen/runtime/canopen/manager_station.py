@@ -103,12 +103,12 @@ class ManagerStation:
         """
         link = self.link
         with link.lock:
-            if link.master is not None and link.master is not self:
-                raise RuntimeError("there is another NMT master on this bus")
-            link.master = self
             if not self._attached:
                 link.attach(self)
                 self._attached, self._up = True, link.up
+            if link.master is not None and link.master is not self:
+                raise RuntimeError("there is another NMT master on this bus")
+            link.master = self
             self.running, self._clash = True, ""
             if self._up:
                 self._begin(link.now())
