@@ -189,9 +189,8 @@ def test_commands(bench: Bench) -> None:
     ],
 )
 def test_refusals(bench: Bench, node: NodeDescription, reason: str) -> None:
-    bench.manager.close()
-    link = open_link(RealClock(), "virtual", bench.channel)
-    bench.manager = ManagerStation(link, Network("net", 0, 127, 0, 0, (node,)))
+    network = Network("net", 0, 127, 0, 0, (node,))
+    bench.manager = ManagerStation(bench.manager.link, network)
     bench.manager.start()
     bench.until(lambda: bench.manager.failure != "")
     assert bench.manager.failure == f"{node.name} (node {node.id}): {reason}"
