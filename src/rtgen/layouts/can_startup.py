@@ -38,6 +38,8 @@ class StartWrite:
 def start_up(node: BusNode) -> tuple[StartWrite, ...]:
     """What is written to a node: what the bus file asks for, and what differs from the defaults.
 
+    The period of its heartbeat is written in any case.
+
     Raises CanValueError for a value that has no octets.
     """
     return tuple(_StartUp(node).writes())
@@ -57,7 +59,8 @@ class _StartUp:
     def _differs(self, variable: Variable, asked: bool) -> bool:
         if not variable.access.writable or variable.current is None:
             return False
-        if asked:
+        # The manager goes by the heartbeat, whatever the device beats by itself.
+        if asked or (variable.index == _PRODUCER and variable.current):
             return True
         default, value = (
             resolved(told, self._id) for told in (variable.default, variable.value)

@@ -13,6 +13,9 @@ from dataclasses import dataclass
 
 NANOSECONDS = 1_000_000_000
 
+_MOST_STEPS = 20_000
+"""Steps of the iteration for a message; a bus so full that more are needed counts as overloaded."""
+
 
 @dataclass(frozen=True, slots=True)
 class Message:
@@ -39,7 +42,7 @@ class Message:
 
 @dataclass(frozen=True, slots=True)
 class Timing:
-    """What is worked out for a message; `response` is None where it has no bound."""
+    """What is worked out for a message; `response` is None where it has no bound, or nearly so."""
 
     message: Message
     transmission: int
@@ -83,14 +86,18 @@ def _transmission(message: Message, bit_rate: int) -> int:
 
 def _response(
     message: Message, higher: Sequence[Message], lower: Sequence[Message], bit_rate: int
-) -> int:
+) -> int | None:
     own = _transmission(message, bit_rate)
     blocking = max((_transmission(m, bit_rate) for m in lower), default=0)
     interference = [(m.period, m.jitter, _transmission(m, bit_rate)) for m in higher]
     urgent = [*interference, (message.period, message.jitter, own)]
+    steps = 0
     busy = own
     while (longer := blocking + _demand(urgent, busy)) != busy:
         busy = longer
+        steps += 1
+        if steps > _MOST_STEPS:
+            return None
     instances = _ceiling(busy + message.jitter, message.period)
     worst = waiting = 0
     for instance in range(instances):
@@ -100,6 +107,10 @@ def _response(
             longer := before + _demand(interference, waiting + bit_time(bit_rate))
         ) != waiting:
             waiting = longer
+            steps += 1
+        steps += 1
+        if steps > _MOST_STEPS:
+            return None
         response = message.jitter + waiting - instance * message.period + own
         worst = max(worst, response)
     return worst

@@ -77,6 +77,16 @@ def test_what_is_asked_for_is_written_though_it_is_the_default(
     assert written('"2020" = 1500') == [("2020:0", "dc050000")]
 
 
+def test_the_heartbeat_is_written_though_it_is_the_default(
+    written: Callable[..., Written],
+) -> None:
+    def beating(eds: str) -> str:
+        head, mark, rest = eds.partition("[1017]")
+        return head + mark + rest.replace("DefaultValue=0", "DefaultValue=250", 1)
+
+    assert written(change=beating) == [("1017:0", "fa00")]
+
+
 def test_the_heartbeat_comes_before_those_that_are_consumed(
     written: Callable[..., Written],
 ) -> None:

@@ -106,6 +106,19 @@ def test_against_a_simulated_bus(drawn: list[tuple[int, int]]) -> None:
             assert simulated(messages, n) == timing.response
 
 
+def test_a_bus_that_is_full_to_the_last_bit_has_no_bound() -> None:
+    octets = frame_bits(8) * BIT
+    messages = [
+        Message("half", 1, 8, 2 * octets),
+        Message("nearly half", 2, 8, 2 * octets + 1),
+        Message("lower", 3, 8, 10**12),
+    ]
+    last = list(response_times(messages[:2], BIT_RATE))[1]
+    assert last.response is not None
+    blocked = list(response_times(messages, BIT_RATE))
+    assert blocked[1].response is None
+
+
 def test_jitter_comes_on_top() -> None:
     def third(jitter: int) -> int:
         messages = [

@@ -25,7 +25,10 @@ NETWORK = Network(
             id=1,
             module="Ftmd",
             identity=(0x20192, 0xFFFF01, 0x46544D31, None, None),
-            configuration=(Write(0x1016, 1, b"\x2c\x01\x7f\x00"),),
+            configuration=(
+                Write(0x1017, 0, b"\x64\x00"),
+                Write(0x1016, 1, b"\x2c\x01\x7f\x00"),
+            ),
             pdos=(
                 PdoDescription(
                     "tpdo",
@@ -80,7 +83,10 @@ NETWORK = Network(
             id=2,
             module="Ftmd",
             identity=(0x20192, 0xFFFF01, 0x46544D31, None, None),
-            configuration=(Write(0x1016, 1, b"\x2c\x01\x7f\x00"),),
+            configuration=(
+                Write(0x1017, 0, b"\x64\x00"),
+                Write(0x1016, 1, b"\x2c\x01\x7f\x00"),
+            ),
             pdos=(
                 PdoDescription(
                     "tpdo",
@@ -135,7 +141,10 @@ NETWORK = Network(
             id=3,
             module="Ftmd",
             identity=(0x20192, 0xFFFF01, 0x46544D31, None, None),
-            configuration=(Write(0x1016, 1, b"\x2c\x01\x7f\x00"),),
+            configuration=(
+                Write(0x1017, 0, b"\x64\x00"),
+                Write(0x1016, 1, b"\x2c\x01\x7f\x00"),
+            ),
             pdos=(
                 PdoDescription(
                     "tpdo",
@@ -190,7 +199,10 @@ NETWORK = Network(
             id=4,
             module="Ftmd",
             identity=(0x20192, 0xFFFF01, 0x46544D31, None, None),
-            configuration=(Write(0x1016, 1, b"\x2c\x01\x7f\x00"),),
+            configuration=(
+                Write(0x1017, 0, b"\x64\x00"),
+                Write(0x1016, 1, b"\x2c\x01\x7f\x00"),
+            ),
             pdos=(
                 PdoDescription(
                     "tpdo",

@@ -27,6 +27,7 @@ NETWORK = Network(
             module="MotorCoreUnit",
             identity=(0x20192, 0xFFFF01, 0x4D435531, None, None),
             configuration=(
+                Write(0x1017, 0, b"\x64\x00"),
                 Write(0x1016, 1, b"\x2c\x01\x02\x00"),
                 Write(0x1801, 1, b"\x81\x02\x00\xc0"),
                 Write(0x1801, 2, b"\xff"),
@@ -93,6 +94,7 @@ NETWORK = Network(
             module="FPalette",
             identity=(0xF0191, 0xFFFF01, 0x46504C54, None, None),
             configuration=(
+                Write(0x1017, 0, b"\x64\x00"),
                 Write(0x1803, 1, b"\x82\x04\x00\xc0"),
                 Write(0x1803, 2, b"\xff"),
                 Write(0x1803, 3, b"\x32\x00"),

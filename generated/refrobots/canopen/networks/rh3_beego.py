@@ -26,6 +26,7 @@ NETWORK = Network(
             module="EposDrive",
             identity=(0x20192, 0xFFFF01, 0x57443245, None, None),
             configuration=(
+                Write(0x1017, 0, b"\x64\x00"),
                 Write(0x1016, 1, b"\x2c\x01\x7f\x00"),
                 Write(0x1802, 1, b"\x81\x03\x00\xc0"),
                 Write(0x1401, 1, b"\x01\x03\x00\x80"),
@@ -86,6 +87,7 @@ NETWORK = Network(
             module="EposDrive",
             identity=(0x20192, 0xFFFF01, 0x57443245, None, None),
             configuration=(
+                Write(0x1017, 0, b"\x64\x00"),
                 Write(0x1016, 1, b"\x2c\x01\x7f\x00"),
                 Write(0x1802, 1, b"\x82\x03\x00\xc0"),
                 Write(0x1401, 1, b"\x02\x03\x00\x80"),
