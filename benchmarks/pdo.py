@@ -107,9 +107,8 @@ def seconds_per_call(task: Callable[[], object]) -> float:
     return taken / calls
 
 
-FRAMES = 4_000
-"""Fewer than a proxy's queue holds: however fast they come, none is lost."""
-READ_ROUNDS = 15
+FRAMES = 20_000
+READ_ROUNDS = 7
 SETTLED = 10.0
 """Seconds that anything may take."""
 

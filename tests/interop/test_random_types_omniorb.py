@@ -10,7 +10,7 @@ supported. Values with state can make it abort (nested ones in the other byte or
 without end, and their chunks end where its buffer does: here they are null, and a test of their own
 has those that it can do. An exception has its repository id in front, as in an any.
 
-`RTGEN_CDR_EXAMPLES` is the number of values in all, 2,500 if it is not set.
+`RTGEN_CDR_EXAMPLES` is the number of values in all, 10,000 if it is not set.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ from rtgen.runtime.descriptors import (
 
 MODULES = 8
 TYPES = 30
-EXAMPLES = int(os.environ.get("RTGEN_CDR_EXAMPLES", "2500")) // MODULES
+EXAMPLES = int(os.environ.get("RTGEN_CDR_EXAMPLES", "10000")) // MODULES
 SMALL_MODULES = 20
 SMALL = 4
 SMALL_VALUES = 40
