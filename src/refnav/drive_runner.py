@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+from refnav.axis import Axis
 from refnav.drive_402 import Drive
-from rtgen.runtime import SECOND
+from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
 from rtgen.runtime.canopen.description import ObjectValue
 from rtgen.runtime.canopen.device import CanopenDevice
 
@@ -66,3 +67,52 @@ class DriveRunner:
             if code:
                 node.add_error(code)
         self._alarmed = code
+
+
+class SimulatedDrive(CanopenDevice):
+    """The callbacks of a device that is a drive; `on_initialize` is to call `switch_on`.
+
+    Its observables are `angle` [rad] and `speed` [rad/s] of the axis.
+    """
+
+    def switch_on(self, made: Callable[[Callable[[int], None]], Drive]) -> None:
+        """Makes the drive, which is given whom to tell of faults."""
+        self._runner = DriveRunner(self, made)
+        axis = self._runner.drive.axis
+        self.observables["angle"] = lambda: (axis.angle,)
+        self.observables["speed"] = lambda: (axis.speed,)
+
+    @property
+    def axis(self) -> Axis:
+        """What the drive turns."""
+        return self._runner.drive.axis
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Obey from now on."""
+        self._runner.start()
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Brake."""
+        self._runner.leave()
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Brake."""
+        self._runner.leave()
+        return RTC_OK
+
+    def on_error(self, ec_id: int) -> ReturnCode_t:
+        """Brake on."""
+        self._runner.run()
+        return RTC_OK
+
+    def on_reset(self, ec_id: int) -> ReturnCode_t:
+        """Start the drive's program anew."""
+        self._runner.restart()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """One turn of the drive's loop."""
+        self._runner.run()
+        return RTC_OK

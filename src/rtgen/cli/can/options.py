@@ -6,19 +6,16 @@ import functools
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, ParamSpec, TypeAlias, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 import click
 
 from rtgen.cli.can.known import KnownBus, known_bus
 from rtgen.cli.common import Refusal
-from rtgen.runtime.canopen.python_can import BusAddress
+from rtgen.runtime.canopen.python_can import BusAddress, Option, option
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
-Argument: TypeAlias = bool | int | float | str
-"""An argument of a python-can interface."""
 
 CHANNEL = "can0"
 """The channel if none is told, as of components."""
@@ -31,7 +28,7 @@ class BusAccess:
     interface: str | None = None
     channel: str | None = None
     bitrate: int | None = None
-    further: dict[str, Argument] = field(default_factory=dict)
+    further: dict[str, Option] = field(default_factory=dict)
 
     def address(self) -> BusAddress:
         """The bus; what no option tells is python-can's configuration. Raises Refusal."""
@@ -51,7 +48,7 @@ class BusAccess:
             interface = config.pop("interface")
             channel = channel or config.pop("channel", None)
             bitrate = bitrate or config.pop("bitrate", None)
-            plain = {k: v for k, v in config.items() if isinstance(v, Argument)}
+            plain = {k: v for k, v in config.items() if isinstance(v, Option)}
             told = plain | told
         channel = CHANNEL if channel is None else str(channel)
         options = tuple(sorted(told.items()))
@@ -92,7 +89,7 @@ def with_bus(function: Callable[P, R]) -> Callable[..., R]:
         interface: str | None,
         channel: str | None,
         bitrate: int | None,
-        further: dict[str, Argument],
+        further: dict[str, Option],
         *args: P.args,
         **kwargs: P.kwargs,
     ) -> R:
@@ -164,25 +161,14 @@ def with_span(function: Callable[P, R]) -> Callable[P, R]:
 
 def _arguments(
     context: click.Context, parameter: click.Parameter, values: tuple[str, ...]
-) -> dict[str, Argument]:
-    found: dict[str, Argument] = {}
+) -> dict[str, Option]:
+    found: dict[str, Option] = {}
     for text in values:
         name, equals, value = text.partition("=")
         if not equals or not name.isidentifier():
             raise click.BadParameter(f"{text!r} is no KEY=VALUE", context, parameter)
-        found[name] = _argument(value)
+        found[name] = option(value)
     return found
-
-
-def _argument(text: str) -> Argument:
-    if text.lower() in ("true", "false"):
-        return text.lower() == "true"
-    for kind in (lambda word: int(word, 0), float):
-        try:
-            return kind(text)
-        except ValueError:
-            continue
-    return text
 
 
 def _descriptions(

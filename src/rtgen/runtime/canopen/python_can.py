@@ -80,7 +80,7 @@ def bus_address(
             raise LinkError(f"{part!r} is no option; options are NAME=VALUE,NAME=VALUE")
         if name in ("interface", "channel", "bitrate"):
             raise LinkError(f"{name} is a parameter of its own, and no option")
-        found[name] = _value(text)
+        found[name] = option(text)
     address = BusAddress(interface, channel, bitrate, tuple(sorted(found.items())))
     if not channel or not channel.isprintable():
         raise LinkError(f"{channel!r} is no channel")
@@ -309,7 +309,8 @@ def _reason(error: Exception) -> str:
     return " ".join(text.split()) or type(error).__name__
 
 
-def _value(text: str) -> Option:
+def option(text: str) -> Option:
+    """The value of a further argument: a truth value, a number, else the text."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     for kind in (lambda word: int(word, 0), float):
