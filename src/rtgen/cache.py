@@ -71,6 +71,8 @@ class Cache:
                 project.target,
                 project.representation,
                 project.extensibility,
+                project.components,
+                project.skeleton_path,
             ],
         ]
         return sha256(json.dumps(content).encode()).hexdigest()

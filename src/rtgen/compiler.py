@@ -26,6 +26,7 @@ BUILT_IN = (
     "rtgen.backends.rtc_profile",
     "rtgen.backends.tecs",
     "rtgen.backends.canopen",
+    "rtgen.backends.openrtm",
 )
 """The modules of the built-in back ends, in the order of their artifacts; each has `BACKEND`."""
 
@@ -211,6 +212,8 @@ def compile_project(project: Project) -> Compilation:
         target=project.target,
         representation=project.representation,
         extensibility=project.extensibility,
+        factories=dict(project.components),
+        skeleton_path=project.skeleton_path,
     )
     diagnostics = list(result.diagnostics)
     artifacts: list[Artifact] = []

@@ -12,6 +12,7 @@ from rtgen.diagnostics import Rule
 MODULES = (
     "rtgen.backends.canopen.rules",
     "rtgen.backends.components.rules",
+    "rtgen.backends.openrtm.rules",
     "rtgen.backends.tecs.rules",
     "rtgen.backends.types.rules",
     "rtgen.frontends.bus.rules",

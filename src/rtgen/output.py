@@ -15,8 +15,9 @@ import stat
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from hashlib import sha256
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from rtgen import __version__
 from rtgen.backends import Artifact, Owner
@@ -32,6 +33,7 @@ from rtgen.project_rules import (
 )
 
 MANIFEST = ".rtgen.json"
+IGNORED = ".gitignore"
 _FORMAT = "rtgen-manifest/1"
 _TEMPORARY = (".rtgen-", ".tmp")
 _BYTECODE = "__pycache__"
@@ -124,6 +126,7 @@ def plan(
             strays=tuple(
                 project.output / p
                 for p in sorted(there - {*wanted, *former, *guests, MANIFEST})
+                if not _is_ignored(p, wanted)
             ),
             leftovers=(
                 *temporary,
@@ -247,6 +250,20 @@ def _check_paths(artifacts: Iterable[Artifact]) -> Iterator[Diagnostic]:
                 f"made from {others}",
             )
         files.setdefault(key, artifact)
+
+
+def _is_ignored(path: str, wanted: Mapping[str, bytes]) -> bool:
+    """Whether a `.gitignore` among the files to be made names it, as what other tools make."""
+    parts = PurePosixPath(path).parts
+    for depth in range(len(parts)):
+        text = wanted.get("/".join((*parts[:depth], IGNORED)))
+        for pattern in () if text is None else text.decode().splitlines():
+            if pattern.endswith("/"):
+                if pattern[:-1] in parts[depth:-1]:
+                    return True
+            elif not pattern.startswith("#") and fnmatchcase(parts[-1], pattern):
+                return True
+    return False
 
 
 def _name_problem(path: str) -> Rule | None:

@@ -19,6 +19,11 @@ if TYPE_CHECKING:
 
 FILE_NAME = "rtgen.toml"
 TARGETS = ("embedded", "openrtm", "dds")
+"""What components run on, as rtgen.toml may say it."""
+
+AVAILABLE_TARGETS = ("embedded", "openrtm")
+"""Those of this version."""
+
 PRELUDES = ("kernel", "none")
 """What CDL knows without an import: the scalar types of TOPPERS kernels, or nothing."""
 
@@ -90,6 +95,12 @@ class Project:
         skeletons = self.skeletons.parent if self.skeleton_package else self.skeletons
         return (self.output, skeletons)
 
+    @property
+    def skeleton_path(self) -> str:
+        """The way from the output folder to the folder that makes skeletons importable."""
+        output, skeletons = self.import_folders
+        return Path(os.path.relpath(skeletons, output)).as_posix()
+
 
 def load(start: Path | None = None) -> Project:
     """The project around the folder `start` (default: the working folder).
@@ -159,6 +170,7 @@ def with_arguments(
     output: str | None = None,
     add: bool = False,
     node_id: int | None = None,
+    target: str | None = None,
 ) -> Project:
     """The project as the command line changes it: other sources, more includes, other folders.
 
@@ -191,6 +203,7 @@ def with_arguments(
         prelude=prelude or project.prelude,
         kcode=kcode or project.kcode,
         node_id=node_id,
+        target=target or project.target,
     )
 
 

@@ -45,7 +45,9 @@ class Options:
     `representation` (`cdr` or `xcdr2`) is what `to_cdr` gives, `extensibility` (`final`,
     `appendable`, `mutable`) that of structs and unions, where no annotation says so. `external`
     maps the displayed path of a file to the Python package that holds what it declares, where
-    that is not the package to make.
+    that is not the package to make. `factories` has `module:name` of what makes components of a
+    type, where the project says it; `skeleton_path` leads from the output folder to the one that
+    makes skeletons importable.
     """
 
     package: str
@@ -55,6 +57,8 @@ class Options:
     representation: str = "cdr"
     extensibility: str = "final"
     external: Mapping[str, str] = field(default_factory=dict)
+    factories: Mapping[str, str] = field(default_factory=dict)
+    skeleton_path: str = "../src"
 
     @property
     def folder(self) -> str:

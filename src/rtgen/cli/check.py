@@ -13,10 +13,12 @@ from rtgen.cli.common import (
     Console,
     Definitions,
     project_of,
+    require_target,
     with_console,
     with_definitions,
     with_node_id,
     with_output,
+    with_target,
     write_out,
 )
 from rtgen.project import shown
@@ -26,6 +28,7 @@ from rtgen.project import shown
 @with_definitions
 @with_output
 @with_node_id
+@with_target
 @with_console
 def check(
     console: Console,
@@ -33,6 +36,7 @@ def check(
     output: str | None,
     no_cache: bool,
     node_id: int | None,
+    target: str | None,
 ) -> int:
     """Compare the tree with what generate would make.
 
@@ -40,7 +44,10 @@ def check(
     made, or not rtgen's; a unified diff is printed. Files that a user owns are not looked into.
     Nothing is written.
     """
-    project = project_of(definitions, output, add=output is None, node_id=node_id)
+    project = project_of(
+        definitions, output, add=output is None, node_id=node_id, target=target
+    )
+    require_target(project)
     run = compiler.build(project, None if no_cache else cache.default())
     console.findings(run.diagnostics, run.sources)
     if run.failed:

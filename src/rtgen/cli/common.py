@@ -14,8 +14,10 @@ import click
 
 from rtgen.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.project import (
+    AVAILABLE_TARGETS,
     KCODES,
     PRELUDES,
+    TARGETS,
     Project,
     load,
     require_sources,
@@ -214,6 +216,15 @@ def with_cache(function: Callable[P, int]) -> Callable[P, int]:
     )(function)
 
 
+def with_target(function: Callable[P, int]) -> Callable[P, int]:
+    """Adds --target; the function gets `target`."""
+    return click.option(
+        "--target",
+        type=click.Choice(TARGETS),
+        help="What the components run on; default: what rtgen.toml says, else embedded.",
+    )(function)
+
+
 def with_node_id(function: Callable[P, int]) -> Callable[P, int]:
     """Adds --node-id; the function gets `node_id`."""
     return click.option(
@@ -229,6 +240,7 @@ def project_of(
     output: str | None = None,
     add: bool = False,
     node_id: int | None = None,
+    target: str | None = None,
 ) -> Project:
     """The project around the working folder, as the command line changes it, with sources.
 
@@ -245,9 +257,19 @@ def project_of(
         output=output,
         add=add,
         node_id=node_id,
+        target=target,
     )
     require_sources(project)
     return project
+
+
+def require_target(project: Project) -> None:
+    """Raises ToolError for a target that this version does not have."""
+    if project.target not in AVAILABLE_TARGETS:
+        raise ToolError(
+            f"the target {project.target!r} is not available in this version",
+            hint=f"it has {' and '.join(map(repr, AVAILABLE_TARGETS))}",
+        )
 
 
 def _macros(

@@ -16,13 +16,14 @@ from rtgen.cli.common import (
     Console,
     Definitions,
     project_of,
+    require_target,
     with_console,
     with_definitions,
     with_node_id,
     with_output,
+    with_target,
     write_out,
 )
-from rtgen.diagnostics import ToolError
 from rtgen.project import Project, shown
 
 
@@ -43,17 +44,15 @@ class Request:
         # The tree of a project holds what all its sources give, in every run.
         alone = self.output is not None
         project = project_of(
-            self.definitions, self.output, add=not alone, node_id=self.node_id
+            self.definitions,
+            self.output,
+            add=not alone,
+            node_id=self.node_id,
+            target=self.target,
         )
-        if self.target is not None:
-            project = replace(project, target=self.target)
         if self.representation is not None:
             project = replace(project, representation=self.representation)
-        if project.target != "embedded":
-            raise ToolError(
-                f"the target {project.target!r} is not available in this version",
-                hint="the target 'embedded' is",
-            )
+        require_target(project)
         return project
 
 
@@ -61,11 +60,7 @@ class Request:
 @with_definitions
 @with_output
 @with_node_id
-@click.option(
-    "--target",
-    type=click.Choice(["embedded", "openrtm", "dds"]),
-    help="What the components run on; default: what rtgen.toml says, else embedded.",
-)
+@with_target
 @click.option(
     "--representation",
     type=click.Choice(["cdr", "xcdr2"]),

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from rtgen.backends import Artifact, Emission, Options, Owner, rtc_profile
 from rtgen.backends.components import BACKEND as COMPONENTS
@@ -48,33 +48,92 @@ class TecsBackend:
 
     def emit(self, model: Model, options: Options) -> Emission:
         """All files of all packages; none where anything has errors."""
-        planned, findings = packages(model)
-        if not planned:
+        tecs, findings = _read(model)
+        if tecs is None or has_errors(findings):
             return Emission((), findings)
-        sources = tuple(dict.fromkeys(s for p in planned for s in p.sources))
-        communication = communication_model(sources)
-        sides = []
-        for package in planned:
-            side, found = idl_side(package, communication)
-            sides.append(side)
-            findings += [*found, *_untransferable(package, side)]
-        if has_errors(findings):
-            return Emission((), findings)
-        shared = replace(options, package=ROOT, skeleton_package=ROOT)
+        sources, communication = tecs.sources, tecs.communication
+        shared = _options(options, ROOT)
         artifacts = [
             *_through_idl(communication, shared, sources, {COMPONENT: None}),
             *communication_artifacts(communication, options.version, sources),
         ]
-        entries = {COMPONENT: f"{ROOT}.opaque_rpc_communication:{COMPONENT}"}
-        for package, side in zip(planned, sides, strict=True):
+        entries = dict(_COMMUNICATION)
+        for package, side in tecs.sides:
             writer = _Writer(package, side, options)
             artifacts += writer.artifacts()
-            entries = {**writer.entries(), **entries}
+            entries = {**_entries(package), **entries}
         artifacts.append(_entry_points(entries, options, sources))
         return Emission(artifacts, findings)
 
 
 BACKEND = TecsBackend()
+
+_COMMUNICATION = {COMPONENT: f"{ROOT}.opaque_rpc_communication:{COMPONENT}"}
+
+
+@dataclass(frozen=True, slots=True)
+class RtcPackage:
+    """The RTCs of a package and their IDL as a model; `factories` has `module:name` by type.
+
+    `external` maps the displayed path of a file whose types another package has to that one.
+    """
+
+    model: Model
+    options: Options
+    factories: Mapping[str, str]
+    external: Mapping[str, str]
+
+
+def rtc_packages(model: Model, options: Options) -> list[RtcPackage]:
+    """The packages with RTCs that `emit` makes; none where anything has errors."""
+    tecs, findings = _read(model)
+    if tecs is None or has_errors(findings):
+        return []
+    shared = _options(options, ROOT)
+    found = [RtcPackage(tecs.communication, shared, _COMMUNICATION, {})]
+    for package, side in tecs.sides:
+        own = _options(options, package.package)
+        found.append(RtcPackage(side.model, own, _entries(package), {FILE: ROOT}))
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class _Tecs:
+    """The packages of a project, each with its IDL side, and what they share."""
+
+    sources: tuple[SourceFile, ...]
+    communication: Model
+    sides: tuple[tuple[TecsPackage, IdlSide], ...]
+
+
+def _read(model: Model) -> tuple[_Tecs | None, list[Diagnostic]]:
+    """What a project has of TECS, None without a join; and what is wrong with it."""
+    planned, findings = packages(model)
+    if not planned:
+        return None, findings
+    sources = tuple(dict.fromkeys(s for p in planned for s in p.sources))
+    communication = communication_model(sources)
+    sides = []
+    for package in planned:
+        side, found = idl_side(package, communication)
+        sides.append((package, side))
+        findings += [*found, *_untransferable(package, side)]
+    return _Tecs(sources, communication, tuple(sides)), findings
+
+
+def _options(options: Options, package: str) -> Options:
+    return replace(options, package=package, skeleton_package=package)
+
+
+def _entries(package: TecsPackage) -> dict[str, str]:
+    """The factories of a package's components."""
+    found = {}
+    for service in package.services:
+        marshaller, client = f"{service.name}Marshaller", f"{service.name}Client"
+        module = f"{package.package}.{service.module}_marshaller"
+        found[marshaller] = f"{module}:{identifier(marshaller)}"
+        found[client] = f"{package.package}.{client}:{identifier(client)}"
+    return found
 
 
 def _untransferable(package: TecsPackage, side: IdlSide) -> Iterator[Diagnostic]:
@@ -92,10 +151,7 @@ class _Writer:
         self._side = side
         self._version = options.version
         self._options = replace(
-            options,
-            package=package.package,
-            skeleton_package=package.package,
-            external={FILE: "...."},
+            _options(options, package.package), external={FILE: "...."}
         )
         self._sources = [(s.key, s.sha256) for s in package.sources]
         self._header = header_comment(options.version, self._sources)
@@ -118,16 +174,6 @@ class _Writer:
         yield self._artifact("RTCPlugin.rb", tecsgen_plugin(package, self._version))
         for name, text in build_scripts(package, self._version).items():
             yield self._artifact(name, text)
-
-    def entries(self) -> dict[str, str]:
-        """The factories of the components."""
-        found = {}
-        for service in self._package.services:
-            marshaller, client = f"{service.name}Marshaller", f"{service.name}Client"
-            module = f"{self._package.package}.{service.module}_marshaller"
-            found[marshaller] = f"{module}:{identifier(marshaller)}"
-            found[client] = f"{self._package.package}.{client}:{identifier(client)}"
-        return found
 
     def _artifact(self, name: str, text: str) -> Artifact:
         return Artifact(f"{self._package.folder}/{name}", text, self._package.origin)

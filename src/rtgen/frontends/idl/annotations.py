@@ -137,6 +137,7 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
         "name": _define("port configuration component", required="value", value=TEXT),
         "port": _define("port", required="value", value=TEXT),
         "instance": _define("port", required="value", value=TEXT),
+        "openrtm_name": _define("port", required="value", value=TEXT),
         "widget": _define("configuration", required="value", value=TEXT),
         "constraint": _define("configuration", required="value", value=TEXT),
     }

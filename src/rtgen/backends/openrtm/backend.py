@@ -1,0 +1,63 @@
+"""Which files the target openrtm has beside those of the embedded one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.backends import Artifact, Emission, Options
+from rtgen.backends.components.checks import check
+from rtgen.backends.openrtm import rules
+from rtgen.backends.openrtm.plan import ROOT, ComponentPlan, Unit, plans
+from rtgen.backends.tecs.backend import rtc_packages
+from rtgen.diagnostics import has_errors
+from rtgen.model import Model
+
+TARGET = "openrtm"
+"""The target that this back end emits for."""
+
+
+class OpenRtmBackend:
+    """Makes a folder for each component: its OpenRTM module, and what belongs to it."""
+
+    name = "openrtm"
+
+    def emit(self, model: Model, options: Options) -> Emission:
+        """All files of all components; nothing for another target, or where anything is wrong."""
+        if options.target != TARGET or has_errors(check(model)):
+            return Emission()
+        units = [Unit(model, options, options.factories), *_of_tecs(model, options)]
+        planned, findings = plans(units)
+        if planned and options.package == ROOT:
+            findings.append(
+                rules.PACKAGE.at(None, f"the package cannot be called {ROOT!r}")
+            )
+        if has_errors(findings):
+            return Emission((), findings)
+        origin = tuple(dict.fromkeys(plan.source.key for plan in planned))
+        artifacts = [Artifact(f"{ROOT}/.gitignore", _IGNORED, origin)] * bool(planned)
+        for plan in planned:
+            artifacts += _of_component(plan)
+        return Emission(artifacts, findings)
+
+
+BACKEND = OpenRtmBackend()
+
+_IGNORED = """\
+# Made where the modules run: stubs by idlcompile.sh, logs by managers.
+stubs/
+*.log
+"""
+
+
+def _of_tecs(model: Model, options: Options) -> Iterator[Unit]:
+    for found in rtc_packages(model, options):
+        yield Unit(
+            found.model,
+            found.options,
+            {**found.factories, **options.factories},
+            found.external,
+        )
+
+
+def _of_component(plan: ComponentPlan) -> Iterator[Artifact]:
+    yield from ()

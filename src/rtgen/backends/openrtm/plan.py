@@ -1,0 +1,401 @@
+"""What all parts of the target openrtm agree on: packages, components, ports, IDL files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import PurePosixPath
+
+from rtgen.backends import Options
+from rtgen.backends.components.checks import components_of
+from rtgen.backends.components.members import attributes_of
+from rtgen.backends.components.places import imported_from, source_of
+from rtgen.backends.openrtm import rules
+from rtgen.diagnostics import Diagnostic, Related
+from rtgen.model import (
+    Component,
+    ConfigurationParameter,
+    Declaration,
+    Home,
+    Model,
+    NamedType,
+    Port,
+    PortKind,
+    ScopedName,
+    SourceFile,
+)
+from rtgen.typemap.implementation_modules import implementation_modules, referred
+from rtgen.typemap.python_names import identifier, module_name
+
+ROOT = "openrtm"
+"""The folder of all modules and systems, below the output folder."""
+
+STOCK = frozenset(
+    {
+        *("BasicDataType", "ExtendedDataTypes", "InterfaceDataTypes"),
+        *("RTC", "SDOPackage", "OpenRTM", "DataPort", "DataPort_OpenRTM", "Manager"),
+    }
+)
+"""Stems of the IDL files that OpenRTM has itself: included from its folder, never emitted."""
+
+OPENRTM_NAME = "openrtm_name"
+"""The annotation that names a port for OpenRTM."""
+
+_NOT_IN_STEM = re.compile(r"\W", re.ASCII)
+_NO_TYPES = (Component, Home)
+
+
+@dataclass(frozen=True, slots=True)
+class IdlFile:
+    """An IDL file as omniidl is to compile it: `<stem>.idl` gives the module `<stem>_idl`.
+
+    `module` is the implementation module of its types (`_idl/<module>.py`, `_corba/<module>.py`),
+    `files` are the displayed paths of the definition files that share it. A stock file is one of
+    OpenRTM's.
+    """
+
+    stem: str
+    module: str
+    files: tuple[str, ...]
+    stock: bool
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A generated Python package: the project's own, or one of its TECS packages.
+
+    `options.package` is the package. `external` maps the displayed path of a file to the absolute
+    name of the package that has its types, where that is another one. `factories` has
+    `module:name` for the component types whose behaviour does not stand in a skeleton.
+    """
+
+    model: Model
+    options: Options
+    factories: Mapping[str, str] = field(default_factory=dict)
+    external: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def components(self) -> list[Component]:
+        """Its components."""
+        inner = (c for c in components_of(self.model) if c.file not in self.external)
+        return list(inner)
+
+    def package_of(self, file: str) -> str:
+        """The absolute name of the package that has the types of a definition file."""
+        return self.external.get(file, self.options.package)
+
+    @cached_property
+    def idl_files(self) -> tuple[IdlFile, ...]:
+        """Every file with types or interfaces, after those that it needs."""
+        modules = implementation_modules(self.model)
+        groups: dict[str, list[str]] = {}
+        for file in self.model.files:
+            groups.setdefault(modules[file.name], []).append(file.name)
+        with_types = {
+            modules[d.file]
+            for d in self.model.declarations
+            if not isinstance(d, _NO_TYPES)
+        }
+        stems: dict[str, str] = {}
+        found: dict[str, IdlFile] = {}
+        for module, files in groups.items():
+            if module not in with_types:
+                continue
+            stem = PurePosixPath(files[0]).stem
+            stock = stem in STOCK
+            plain = name = identifier(_NOT_IN_STEM.sub("_", stem))
+            number = 1
+            while not stock and stems.get(name.casefold(), module) != module:
+                number += 1
+                name = f"{plain}_{number}"
+            stems[name.casefold()] = module
+            found[module] = IdlFile(name, module, tuple(files), stock)
+        ordered: dict[str, IdlFile] = {}
+        for module in found:
+            self._add(module, found, ordered)
+        return tuple(ordered.values())
+
+    def idl_file_of(self, declaration: Declaration) -> IdlFile:
+        """The IDL file that a type or interface is compiled from."""
+        return next(f for f in self.idl_files if declaration.file in f.files)
+
+    def needs(self, file: IdlFile) -> tuple[IdlFile, ...]:
+        """The other files that the declarations of a file refer to, in the order of `idl_files`."""
+        modules = self._needs[file.module]
+        return tuple(each for each in self.idl_files if each.module in modules)
+
+    def closure(self, names: Iterable[ScopedName]) -> tuple[IdlFile, ...]:
+        """The files that types and interfaces of these names need, each after what it needs."""
+        modules = implementation_modules(self.model)
+        waiting = [modules[self.model.find(name).file] for name in names]
+        wanted: set[str] = set()
+        while waiting:
+            module = waiting.pop()
+            if module not in wanted:
+                wanted.add(module)
+                waiting += self._needs[module]
+        return tuple(each for each in self.idl_files if each.module in wanted)
+
+    @cached_property
+    def _needs(self) -> dict[str, set[str]]:
+        modules = implementation_modules(self.model)
+        owners = {d.name: modules[d.file] for d in self.model.declarations}
+        needs: dict[str, set[str]] = {}
+        for declaration in self.model.declarations:
+            if isinstance(declaration, _NO_TYPES):
+                continue
+            own = owners[declaration.name]
+            others = {owners[name] for name in referred(declaration) if name in owners}
+            needs.setdefault(own, set()).update(others - {own})
+        return needs
+
+    def _add(
+        self, module: str, found: Mapping[str, IdlFile], ordered: dict[str, IdlFile]
+    ) -> None:
+        if module in ordered or module not in found:
+            return
+        for needed in found:
+            if needed in self._needs[module]:
+                self._add(needed, found, ordered)
+        ordered[module] = found[module]
+
+
+@dataclass(frozen=True, slots=True)
+class DataPort:
+    """A data port: `name` is OpenRTM's, `attribute` that of the behaviour; `type` is no alias."""
+
+    port: Port
+    name: str
+    attribute: str
+    type: Declaration
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceInterface:
+    """A provided or required interface: `attribute` is that of the behaviour."""
+
+    port: Port
+    attribute: str
+    type: Declaration
+
+    @property
+    def provided(self) -> bool:
+        """Whether it is a provider."""
+        return self.port.kind is PortKind.PROVIDER
+
+
+@dataclass(frozen=True, slots=True)
+class ServicePort:
+    """A service port: `name` is OpenRTM's, `port` the definition's."""
+
+    name: str
+    port: str
+    interfaces: tuple[ServiceInterface, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedParameter:
+    """A configuration parameter and its attribute in the configuration object."""
+
+    parameter: ConfigurationParameter
+    attribute: str
+
+
+@dataclass(frozen=True)
+class ComponentPlan:
+    """A component for OpenRTM."""
+
+    unit: Unit
+    component: Component
+    in_ports: tuple[DataPort, ...]
+    out_ports: tuple[DataPort, ...]
+    service_ports: tuple[ServicePort, ...]
+    parameters: tuple[PlannedParameter, ...]
+
+    @property
+    def name(self) -> str:
+        """The component type: of the module, the class, the folder."""
+        return self.component.name[-1]
+
+    @property
+    def folder(self) -> str:
+        """Its folder, below the output folder."""
+        return f"{ROOT}/{self.name}"
+
+    @property
+    def source(self) -> SourceFile:
+        """The file that it is defined in."""
+        return source_of(self.unit.model, self.component)
+
+    @property
+    def behaviour(self) -> tuple[str, str]:
+        """Module and name of what makes an instance of the behaviour from an instance name."""
+        options = self.unit.options
+        factory = self.unit.factories.get(self.name) or self.component.factory
+        if factory:
+            return imported_from(options, factory)
+        module = ".".join(
+            filter(None, (options.skeleton_package, module_name(self.name)))
+        )
+        return module, identifier(self.name)
+
+    @cached_property
+    def idl_files(self) -> tuple[IdlFile, ...]:
+        """The IDL files that its ports need, each after what it needs."""
+        data = (port.type.name for port in (*self.in_ports, *self.out_ports))
+        services = (i.type.name for port in self.service_ports for i in port.interfaces)
+        return self.unit.closure((*data, *services))
+
+    @property
+    def own_idl_files(self) -> tuple[IdlFile, ...]:
+        """Those among them that OpenRTM does not have."""
+        return tuple(file for file in self.idl_files if not file.stock)
+
+    @cached_property
+    def stub_modules(self) -> tuple[str, ...]:
+        """The packages of stubs that its types are in, sorted: `IIS`, `RTC`, `_GlobalIDL`."""
+        paths = {path for file in self.idl_files for path in file.files}
+        declared = [
+            d
+            for d in self.unit.model.declarations
+            if d.file in paths and not isinstance(d, _NO_TYPES)
+        ]
+        unscoped = {d.name for d in declared if len(d.name) == 1}
+        modules = {d.name[0] for d in declared if d.name[:1] not in unscoped}
+        return tuple(sorted(modules | {"_GlobalIDL"} if unscoped else modules))
+
+
+def openrtm_port_name(component: Component, port: Port) -> str:
+    """The name that OpenRTM knows a port of the component by, without the instance's."""
+    return openrtm_port_names(component)[_key(port)]
+
+
+def openrtm_port_names(component: Component) -> dict[tuple[str, str], str]:
+    """The names in OpenRTM by (`in`, `out` or `service`, name of the port in the definition)."""
+    chosen: dict[tuple[str, str], str] = {}
+    for port in component.ports:
+        name = _annotated(port)
+        if name:
+            chosen.setdefault(_key(port), name)
+    keys = dict.fromkeys(_key(port) for port in component.ports)
+    names: dict[tuple[str, str], str] = {}
+    for way, suffix in (("in", ""), ("out", "_out"), ("service", "_service")):
+        taken = set(names.values())
+        for key in keys:
+            if key[0] == way:
+                clashes = key[1] in taken
+                names[key] = chosen.get(key) or key[1] + suffix * clashes
+    return names
+
+
+_WAYS = {PortKind.INPORT: "in", PortKind.OUTPORT: "out"}
+
+
+def _key(port: Port) -> tuple[str, str]:
+    way = _WAYS.get(port.kind, "service")
+    return way, port.port if way == "service" else port.name
+
+
+def _annotated(port: Port) -> str:
+    annotation = port.annotation(OPENRTM_NAME)
+    value = None if annotation is None else annotation.get()
+    return value if isinstance(value, str) else ""
+
+
+def plans(units: Sequence[Unit]) -> tuple[list[ComponentPlan], list[Diagnostic]]:
+    """The plans of all components, in the order of the units, and what is wrong with them."""
+    planned: list[ComponentPlan] = []
+    findings: list[Diagnostic] = []
+    folders: dict[str, Component] = {}
+    for unit in units:
+        for component in unit.components:
+            findings += _port_findings(component)
+            first = folders.setdefault(component.name[-1].casefold(), component)
+            if first is not component:
+                findings.append(
+                    rules.SAME_FOLDER.at(
+                        component.span,
+                        f"`{component.scoped}` and `{first.scoped}` both get the folder "
+                        f"`{ROOT}/{component.name[-1]}`",
+                        related=[Related(first.span, "the other component")],
+                        hint="rename one of them",
+                    )
+                )
+            planned.append(_plan(unit, component))
+    return planned, findings
+
+
+def _plan(unit: Unit, component: Component) -> ComponentPlan:
+    names = openrtm_port_names(component)
+    attributes = attributes_of(component)
+    data: dict[PortKind, list[DataPort]] = {PortKind.INPORT: [], PortKind.OUTPORT: []}
+    services: dict[tuple[str, str], list[ServiceInterface]] = {}
+    for port, attribute in attributes.ports:
+        type_ = unit.model.unalias(port.type)
+        assert isinstance(type_, NamedType), "checked before anything is emitted"
+        declaration = unit.model.find(type_.name)
+        key = _key(port)
+        if port.kind in data:
+            planned = DataPort(port, names[key], attribute, declaration)
+            data[port.kind].append(planned)
+        else:
+            interface = ServiceInterface(port, attribute, declaration)
+            services.setdefault(key, []).append(interface)
+    return ComponentPlan(
+        unit=unit,
+        component=component,
+        in_ports=tuple(data[PortKind.INPORT]),
+        out_ports=tuple(data[PortKind.OUTPORT]),
+        service_ports=tuple(
+            ServicePort(names[key], key[1], tuple(interfaces))
+            for key, interfaces in services.items()
+        ),
+        parameters=tuple(PlannedParameter(*each) for each in attributes.configuration),
+    )
+
+
+def _port_findings(component: Component) -> list[Diagnostic]:
+    names = openrtm_port_names(component)
+    findings: list[Diagnostic] = []
+    chosen: dict[tuple[str, str], Port] = {}
+    for port in component.ports:
+        if not _annotated(port):
+            continue
+        other = chosen.setdefault(_key(port), port)
+        if _annotated(other) != _annotated(port):
+            findings.append(
+                rules.TWO_NAMES.at(
+                    port.span,
+                    f"the service port {port.port!r} is called {_annotated(other)!r} "
+                    f"and {_annotated(port)!r}",
+                    related=[Related(other.span, "the other name")],
+                    hint="say it at one of its interfaces",
+                )
+            )
+    distinct: dict[tuple[str, str], Port] = {}
+    for port in component.ports:
+        distinct.setdefault(_key(port), port)
+    first: dict[str, Port] = {}
+    for key, port in distinct.items():
+        name = names[key]
+        taken = first.setdefault(name, port)
+        if taken is not port:
+            findings.append(
+                rules.SAME_NAME.at(
+                    port.span,
+                    f"OpenRTM would know two ports of `{component.scoped}` as {name!r}",
+                    related=[Related(taken.span, "the other port")],
+                    hint=f'give one another name: @{OPENRTM_NAME}("...")',
+                )
+            )
+        elif name != key[1] and key not in chosen:
+            findings.append(
+                rules.RENAMED.at(
+                    port.span,
+                    f"OpenRTM will know this port of `{component.scoped}` as {name!r}",
+                    hint=f'choose the name: @{OPENRTM_NAME}("{name}")',
+                )
+            )
+    return findings

@@ -1,0 +1,79 @@
+"""The rules of the target openrtm: `RTC0560` to `RTC0589`."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Rule, Severity
+
+RENAMED = Rule(
+    "RTC0560",
+    "port has another name in OpenRTM",
+    Severity.WARNING,
+    """
+An OpenRTM component cannot have two ports of one name, of whatever kind; OMG's components can. The
+InPort keeps its name. An OutPort that is called the same is registered as `<name>_out`, a service
+port as `<name>_service`. Connections there have to use this name, as the emitted system files do.
+
+```idl
+component Relay {
+    consumes T data;
+    publishes T data;                              // data_out in OpenRTM
+    @openrtm_name("relayed") publishes T more;     // relayed
+};
+```
+
+Choose the name yourself with `@openrtm_name("...")`, or give the ports different names.
+""",
+)
+
+SAME_NAME = Rule(
+    "RTC0561",
+    "two ports of one name in OpenRTM",
+    Severity.ERROR,
+    """
+Two ports of a component would be registered under one name, which OpenRTM refuses. This comes of
+`@openrtm_name`, or of a port that is called as the new name of another one (`RTC0560`):
+
+```idl
+component Relay {
+    consumes T data;
+    publishes T data;        // data_out in OpenRTM
+    publishes T data_out;    // RTC0561
+};
+```
+
+Give one of them another `@openrtm_name("...")`.
+""",
+)
+
+TWO_NAMES = Rule(
+    "RTC0562",
+    "service port with two names",
+    Severity.ERROR,
+    """
+The interfaces of one service port share the port, so `@openrtm_name` may stand at one of them, or
+say the same at each.
+""",
+)
+
+PACKAGE = Rule(
+    "RTC0563",
+    "package in the place of the modules",
+    Severity.ERROR,
+    """
+The modules for OpenRTM stand in the folder `openrtm` of the output folder, so the generated package
+cannot be called `openrtm` as well. Choose another `[output] package` in rtgen.toml.
+""",
+)
+
+SAME_FOLDER = Rule(
+    "RTC0564",
+    "two components with one folder",
+    Severity.ERROR,
+    """
+Each component gets the folder `openrtm/<Component>`, and a manager knows it by this name alone. So
+two components cannot have the same name, upper and lower case apart, not even in different IDL
+modules. Rename one of them.
+""",
+)
+
+RULES = (RENAMED, SAME_NAME, TWO_NAMES, PACKAGE, SAME_FOLDER)
