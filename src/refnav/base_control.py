@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from refnav.kinematics import TwoWheels
 from refrobots import RefHard, iis
 from rtgen.runtime import InPort
 
@@ -30,6 +31,23 @@ class BaseParameters(Protocol):
     WheelRadiusLeft: float
     WheelRadiusRight: float
     CommandTimeout: float
+
+
+class PlantSizes(Protocol):
+    """The parameters with the true sizes of a simulated base [m]."""
+
+    PlantWheelTread: float
+    PlantWheelRadiusLeft: float
+    PlantWheelRadiusRight: float
+
+
+def true_wheels(parameters: PlantSizes) -> TwoWheels:
+    """The wheels of the simulated base."""
+    return TwoWheels(
+        parameters.PlantWheelRadiusLeft,
+        parameters.PlantWheelRadiusRight,
+        parameters.PlantWheelTread,
+    )
 
 
 class BaseControl:

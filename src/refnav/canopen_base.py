@@ -6,10 +6,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
-from refnav.base_control import BaseControl, BaseParameters
+from refnav.base_control import (
+    BaseControl,
+    BaseParameters,
+    PlantSizes,
+    true_wheels,
+)
 from refnav.cia402 import Command, DriveMaster, Mode, PowerState
 from refnav.geometry import Pose
-from refnav.plant import DifferentialDrive
+from refnav.plant import Plant
 from refrobots import rtc
 from rtgen.runtime import SECOND, InPort, OutPort
 
@@ -18,15 +23,12 @@ _COASTING: Final = 1.0
 """How long [s] a wheel may turn on when its drive is lost."""
 
 
-class PlantParameters(BaseParameters, Protocol):
+class PlantParameters(BaseParameters, PlantSizes, Protocol):
     """The parameters of a simulated base with drives [m, rad, s]."""
 
     Velocity_limit: float
     EncoderConstant_L: float
     EncoderConstant_R: float
-    PlantWheelTread: float
-    PlantWheelRadiusLeft: float
-    PlantWheelRadiusRight: float
     PlantStart_x: float
     PlantStart_y: float
     PlantStart_theta: float
@@ -131,7 +133,7 @@ class CanopenBase:
         parameters: PlantParameters,
         control: BaseControl,
     ) -> None:
-        self.plant = DifferentialDrive()
+        self.plant = Plant(true_wheels(parameters))
         self._left = [Wheel(ports) for ports in left]
         self._right = [Wheel(ports) for ports in right]
         self._wheels = [*self._left, *self._right]
@@ -197,13 +199,7 @@ class CanopenBase:
         parameters = self._parameters
         left, right = _mean(self._left), _mean(self._right)
         plant = self.plant
-        plant.turn(
-            left - plant.left_angle,
-            right - plant.right_angle,
-            parameters.PlantWheelRadiusLeft,
-            parameters.PlantWheelRadiusRight,
-            parameters.PlantWheelTread,
-        )
+        plant.turn((left - plant.angles[0], right - plant.angles[1]))
         return left * parameters.EncoderConstant_L, right * parameters.EncoderConstant_R
 
 

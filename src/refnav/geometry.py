@@ -22,19 +22,36 @@ def wrap(angle: float) -> float:
     return remainder(angle, tau)
 
 
+def wrap_positive(angle: float) -> float:
+    """The same angle within [0, 2 pi), as the third phase of the interfaces has it [rad]."""
+    wrapped = angle % tau
+    return wrapped if wrapped < tau else 0.0  # of an angle a little below 0
+
+
 def advance(
-    x: float, y: float, theta: float, distance: float, turn: float
+    x: float,
+    y: float,
+    theta: float,
+    distance: float,
+    turn: float,
+    sideways: float = 0.0,
 ) -> tuple[float, float, float]:
     """The pose (x, y, theta) after an arc of length `distance` [m] that turns by `turn` [rad].
 
-    Exact for constant velocities: the chord of the arc lies at its mean heading. The heading
-    comes back wrapped.
+    `sideways` [m] is what a base that can does to its left meanwhile. Exact for constant
+    velocities: the chord of the arc lies at its mean heading. The heading comes back wrapped.
     """
     half = 0.5 * turn
     # Below 1 mrad the next term of the series is lost in rounding.
     if -1e-3 < half < 1e-3:
-        chord = distance * (1.0 - half * half / 6.0)
+        near = 1.0 - half * half / 6.0
+        chord, side = distance * near, sideways * near
     else:
-        chord = distance * sin(half) / half
+        chord, side = distance * sin(half) / half, sideways * sin(half) / half
     mean = theta + half
-    return x + chord * cos(mean), y + chord * sin(mean), remainder(theta + turn, tau)
+    along, across = cos(mean), sin(mean)
+    return (
+        x + chord * along - side * across,
+        y + chord * across + side * along,
+        remainder(theta + turn, tau),
+    )

@@ -7,8 +7,9 @@ from collections.abc import Callable, Sequence
 from math import isfinite, tau
 from typing import Protocol
 
+from refnav.base_control import PlantSizes, true_wheels
 from refnav.geometry import Pose
-from refnav.plant import DifferentialDrive
+from refnav.plant import Plant
 from refrobots import rtc
 from refrobots.rh3 import BoardEvent, BoardEventKind
 from rtgen.runtime import SECOND
@@ -20,15 +21,12 @@ NAME = "RH3 motor board, simulated"
 _MILLISECOND = 1_000_000
 
 
-class BoardParameters(Protocol):
+class BoardParameters(PlantSizes, Protocol):
     """What the board is made of, and its watchdog [s]; geometry in m."""
 
     watchdog: float
     GearRatio: float
     EncoderCount: int
-    PlantWheelTread: float
-    PlantWheelRadiusLeft: float
-    PlantWheelRadiusRight: float
 
 
 class MotorBoard(MotorBoardTarget):
@@ -45,7 +43,7 @@ class MotorBoard(MotorBoardTarget):
         now: Callable[[], int],
         tell: Callable[[BoardEvent], None],
     ) -> None:
-        self.base = DifferentialDrive()
+        self.base = Plant(true_wheels(parameters))
         self.base.place(start)
         self._parameters = parameters
         self._now = now
@@ -70,19 +68,14 @@ class MotorBoard(MotorBoardTarget):
             now = self._now()
             dt = (now - self._turned) * 1e-9
             self._turned = now
-            base.roll(
-                dt,
-                parameters.PlantWheelRadiusLeft,
-                parameters.PlantWheelRadiusRight,
-                parameters.PlantWheelTread,
-            )
+            base.roll(dt)
             if self._driven and now - self._commanded >= parameters.watchdog * SECOND:
                 self._driven = False
                 self._watchdog = True
                 base.halt()
                 self._note(BoardEventKind.WATCHDOG)
             if self._driven and not self._stopped:
-                base.drive(*self._wanted, self._most, self._acceleration * dt)
+                base.drive(self._wanted, self._most, self._acceleration * dt)
 
     def note(self, kind: BoardEventKind) -> None:
         """Makes an entry in the log."""
@@ -144,11 +137,8 @@ class MotorBoard(MotorBoardTarget):
         size = tau / (parameters.EncoderCount * parameters.GearRatio)
         return tagWheelState(
             time=self._now() // _MILLISECOND & 0xFFFF_FFFF,
-            count=[
-                _wrapped(base.left_angle // size),
-                _wrapped(base.right_angle // size),
-            ],
-            speed=[base.left, base.right],
+            count=[_wrapped(angle // size) for angle in base.angles],
+            speed=list(base.speeds),
             stopped=self._stopped,
             watchdog=self._watchdog,
         )
@@ -160,8 +150,8 @@ class MotorBoard(MotorBoardTarget):
                 tm=_time(self._now()),
                 kind=kind,
                 command=_time(self._commanded),
-                left=self.base.left,
-                right=self.base.right,
+                left=self.base.speeds[0],
+                right=self.base.speeds[1],
                 pose=rtc.Pose2D(rtc.Point2D(x, y), theta),
             )
         )

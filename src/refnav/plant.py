@@ -1,29 +1,37 @@
-"""The simulated base: two driven wheels with limits, and their encoders."""
+"""The simulated base: driven wheels with limits, their encoders, and where they carry the body."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from refnav.geometry import Pose, advance
+from refnav.kinematics import Kinematics
 from refnav.limiter import limited
 
 
-class DifferentialDrive:
-    """A base with two driven wheels; its pose is that of the centre of the drive axle.
+class Plant:
+    """A base on driven wheels; its pose is that of the centre of the drive.
 
-    `left` and `right` are wheel speeds [rad/s], `left_angle` and `right_angle` the angles the
-    wheels have turned since the start [rad]; (x, y, theta) is the true pose [m, rad].
+    `speeds` are those of the wheels [rad/s], `angles` what they have turned since the start [rad];
+    (x, y, theta) is the true pose [m, rad]. `kinematics` has the true sizes.
     """
 
-    __slots__ = ("left", "left_angle", "right", "right_angle", "theta", "x", "y")
+    __slots__ = ("angles", "kinematics", "speeds", "theta", "x", "y")
 
-    def __init__(self) -> None:
+    def __init__(self, kinematics: Kinematics) -> None:
+        self.kinematics = kinematics
+        self.angles = [0.0] * kinematics.wheels
         self.place(Pose(0.0, 0.0, 0.0))
-        self.left_angle = 0.0
-        self.right_angle = 0.0
 
     @property
     def pose(self) -> Pose:
         """The true pose."""
         return Pose(self.x, self.y, self.theta)
+
+    @property
+    def velocity(self) -> tuple[float, float, float]:
+        """Forward and to the left [m/s], counter-clockwise [rad/s]."""
+        return self.kinematics.motion(self.speeds)
 
     def place(self, pose: Pose) -> None:
         """Set the base down at a pose, at rest."""
@@ -31,43 +39,30 @@ class DifferentialDrive:
         self.halt()
 
     def halt(self) -> None:
-        """Hold both wheels at once."""
-        self.left = 0.0
-        self.right = 0.0
+        """Hold all wheels at once."""
+        self.speeds = [0.0] * self.kinematics.wheels
 
-    def drive(self, left: float, right: float, most: float, step: float) -> None:
+    def drive(self, targets: Sequence[float], most: float, step: float) -> None:
         """Bring each wheel nearer to its target speed [rad/s], within its limits.
 
         `most` is the greatest speed [rad/s], `step` the greatest change of it [rad/s].
         """
-        self.left = limited(self.left, left, most, step)
-        self.right = limited(self.right, right, most, step)
+        speeds = self.speeds
+        for i, target in enumerate(targets):
+            speeds[i] = limited(speeds[i], target, most, step)
 
-    def roll(
-        self, dt: float, left_radius: float, right_radius: float, tread: float
-    ) -> None:
-        """Run for `dt` [s] at the present wheel speeds; wheel radii and tread in m."""
-        self.turn(self.left * dt, self.right * dt, left_radius, right_radius, tread)
+    def roll(self, dt: float) -> None:
+        """Run for `dt` [s] at the present wheel speeds."""
+        self.turn([speed * dt for speed in self.speeds])
 
-    def turn(
-        self,
-        left_turn: float,
-        right_turn: float,
-        left_radius: float,
-        right_radius: float,
-        tread: float,
-    ) -> None:
-        """Move as the wheels turn by these angles [rad]; wheel radii and tread in m."""
-        self.left_angle += left_turn
-        self.right_angle += right_turn
-        left_way = left_turn * left_radius
-        right_way = right_turn * right_radius
+    def turn(self, turns: Sequence[float]) -> None:
+        """Move as the wheels turn by these angles [rad]."""
+        angles = self.angles
+        for i, turn in enumerate(turns):
+            angles[i] += turn
+        forward, sideways, turned = self.kinematics.motion(turns)
         self.x, self.y, self.theta = advance(
-            self.x,
-            self.y,
-            self.theta,
-            0.5 * (left_way + right_way),
-            (right_way - left_way) / tread,
+            self.x, self.y, self.theta, forward, turned, sideways
         )
 
 

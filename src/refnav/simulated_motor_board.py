@@ -118,5 +118,4 @@ class SimulatedMotorBoard(SimulatedMotorBoardBase):
         return () if self._board is None else self._board.base.pose
 
     def _wheels(self) -> tuple[float, ...]:
-        base = None if self._board is None else self._board.base
-        return () if base is None else (base.left, base.right)
+        return () if self._board is None else tuple(self._board.base.speeds)

@@ -166,7 +166,7 @@ def test_wheels_turn_as_they_are_told(bench: Bench) -> None:
     left, right = angles[0], angles[1] / 2.0
     assert left == pytest.approx(1.95, abs=0.1)
     plant = bench.base.plant
-    assert (plant.left_angle, plant.right_angle) == (left, right)
+    assert tuple(plant.angles) == (left, right)
     assert plant.theta == pytest.approx((right - left) * 0.1 / 0.4)
 
 
@@ -191,7 +191,7 @@ def test_a_drive_that_is_lost_stops_the_other(bench: Bench) -> None:
     assert bench.speeds == pytest.approx((3.0, 3.0), rel=1e-3)
     # What the lost wheel has turned meanwhile counts.
     turned = bench.left.objects.Position_actual_value * POSITION
-    assert bench.base.plant.left_angle == pytest.approx(turned)
+    assert bench.base.plant.angles[0] == pytest.approx(turned)
     assert bench.base.plant.pose.x > where.x
 
 
@@ -201,14 +201,14 @@ def test_a_drive_that_was_switched_off_counts_anew(bench: Bench, start: float) -
     bench.run(1.0)
     bench.left.cut = True
     bench.run(0.5)
-    before = bench.base.plant.left_angle
+    before = bench.base.plant.angles[0]
     bench.left.drive = EposDrive(bench.left.objects, BEEGO_WHEEL)
     bench.left.drive.axis.angle = start * GEAR
     bench.left.objects.Controlword = 0
     bench.left.cut = False
     bench.control.wanted = (0.0, 0.0)
     bench.run(0.2)
-    assert bench.base.plant.left_angle == before
+    assert bench.base.plant.angles[0] == before
 
 
 def test_a_fault_in_the_midst_of_it_is_told(bench: Bench) -> None:

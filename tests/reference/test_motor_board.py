@@ -76,18 +76,16 @@ def test_encoders_count_turns(bench: Bench) -> None:
     bench.run(1000, 4.0, -2.0)
     left, right = bench.state().count
     per_turn = 2000 * 74.91
-    assert left / per_turn * tau == pytest.approx(bench.board.base.left_angle, abs=1e-4)
-    assert right / per_turn * tau == pytest.approx(
-        bench.board.base.right_angle, abs=1e-4
-    )
+    assert left / per_turn * tau == pytest.approx(bench.board.base.angles[0], abs=1e-4)
+    assert right / per_turn * tau == pytest.approx(bench.board.base.angles[1], abs=1e-4)
     assert left > 0 > right
     assert bench.state().time == 6_000
 
 
 def test_a_counter_of_32_bits_goes_round(bench: Bench) -> None:
     size = tau / (2000 * 74.91)
-    bench.board.base.left_angle = (2**31 + 0.5) * size
-    bench.board.base.right_angle = (-(2**31) - 0.5) * size
+    bench.board.base.angles[0] = (2**31 + 0.5) * size
+    bench.board.base.angles[1] = (-(2**31) - 0.5) * size
     assert bench.state().count == [-(2**31), 2**31 - 1]
 
 

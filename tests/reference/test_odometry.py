@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis.strategies import floats, lists, tuples
 
 from refnav.geometry import Pose
+from refnav.kinematics import TwoWheels
 from refnav.odometry import DeadReckoning, Odometry
-from refnav.plant import DifferentialDrive
+from refnav.plant import Plant
 from refrobots import rtc
 from rtgen.runtime import LifeCycleState
 
@@ -31,15 +32,15 @@ def poses(bench: Bench) -> list[tuple[float, float, float]]:
 
 @given(lists(tuples(floats(-5.0, 5.0), floats(-5.0, 5.0)), min_size=1, max_size=50))
 def test_the_reckoning_follows_the_plant(speeds: list[tuple[float, float]]) -> None:
-    base = DifferentialDrive()
+    base = Plant(TwoWheels(RADIUS, RADIUS, AXLE))
     start = Pose(1.0, -2.0, 0.5)
     base.place(start)
     reckoning = DeadReckoning(start, (RADIUS, RADIUS), AXLE)
     reckoning.update([0.0, 0.0])
     for left, right in speeds:
-        base.drive(left, right, 10.0, 10.0)
-        base.roll(0.01, RADIUS, RADIUS, AXLE)
-        pose = reckoning.update([base.left_angle, base.right_angle])
+        base.drive((left, right), 10.0, 10.0)
+        base.roll(0.01)
+        pose = reckoning.update(list(base.angles))
         assert pose == pytest.approx(base.pose, abs=1e-9)
 
 

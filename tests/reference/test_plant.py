@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis.strategies import floats
 
 from refnav.geometry import Pose, advance, wrap
-from refnav.plant import DifferentialDrive, counted
+from refnav.kinematics import TwoWheels
+from refnav.plant import Plant, counted
 
 RADIUS = 0.1
 TREAD = 0.5
@@ -46,40 +47,40 @@ def test_a_quarter_circle_to_the_left() -> None:
 
 
 def test_equal_wheels_drive_straight() -> None:
-    base = DifferentialDrive()
+    base = Plant(TwoWheels(RADIUS, RADIUS, TREAD))
     base.place(Pose(1.0, 1.0, 0.5 * pi))
-    base.drive(2.0, 2.0, 10.0, 10.0)
+    base.drive((2.0, 2.0), 10.0, 10.0)
     for _ in range(1000):
-        base.roll(0.001, RADIUS, RADIUS, TREAD)
+        base.roll(0.001)
     assert base.pose == pytest.approx((1.0, 1.2, 0.5 * pi))
-    assert (base.left_angle, base.right_angle) == pytest.approx((2.0, 2.0))
+    assert tuple(base.angles) == pytest.approx((2.0, 2.0))
 
 
 def test_opposite_wheels_turn_on_the_spot() -> None:
-    base = DifferentialDrive()
-    base.drive(-1.0, 1.0, 10.0, 10.0)
-    base.roll(1.0, RADIUS, RADIUS, TREAD)
+    base = Plant(TwoWheels(RADIUS, RADIUS, TREAD))
+    base.drive((-1.0, 1.0), 10.0, 10.0)
+    base.roll(1.0)
     assert base.pose == pytest.approx((0.0, 0.0, 2 * RADIUS / TREAD))
 
 
 def test_each_wheel_keeps_its_limits() -> None:
-    base = DifferentialDrive()
-    base.drive(5.0, -0.03, 1.0, 0.1)
-    assert (base.left, base.right) == (0.1, -0.03)
+    base = Plant(TwoWheels(RADIUS, RADIUS, TREAD))
+    base.drive((5.0, -0.03), 1.0, 0.1)
+    assert tuple(base.speeds) == (0.1, -0.03)
     for _ in range(100):
-        base.drive(5.0, -0.03, 1.0, 0.1)
-    assert (base.left, base.right) == (1.0, -0.03)
+        base.drive((5.0, -0.03), 1.0, 0.1)
+    assert tuple(base.speeds) == (1.0, -0.03)
 
 
 def test_halted_wheels_hold_their_angles() -> None:
-    base = DifferentialDrive()
-    base.drive(1.0, 1.0, 1.0, 1.0)
-    base.roll(1.0, RADIUS, RADIUS, TREAD)
+    base = Plant(TwoWheels(RADIUS, RADIUS, TREAD))
+    base.drive((1.0, 1.0), 1.0, 1.0)
+    base.roll(1.0)
     pose = base.pose
     base.halt()
-    base.roll(1.0, RADIUS, RADIUS, TREAD)
+    base.roll(1.0)
     assert base.pose == pose
-    assert base.left_angle == 1.0
+    assert base.angles[0] == 1.0
 
 
 @given(floats(-1e4, 1e4))

@@ -1,0 +1,71 @@
+"""What a hand does to the sticks of a game pad, as text: values that are held for some time."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Sequence
+from math import isfinite
+
+LONGEST = 86_400.0
+"""No value is held for longer [s]."""
+
+
+class ScriptError(ValueError):
+    """A script that is not understood; the message has the line and says why."""
+
+
+class Script:
+    """Values over time."""
+
+    def __init__(
+        self, ends: Sequence[float], values: Sequence[tuple[float, ...]]
+    ) -> None:
+        self._ends = ends
+        self._values = values
+
+    @property
+    def end(self) -> float:
+        """How long it takes [s]."""
+        return self._ends[-1]
+
+    def at(self, seconds: float) -> tuple[float, ...] | None:
+        """The values `seconds` after the start; None behind the end."""
+        place = bisect_right(self._ends, seconds)
+        return self._values[place] if place < len(self._values) else None
+
+
+def parse(text: str, name: str, columns: int, most: float = 1.0) -> Script:
+    """The script in a file's text; `name` is told in errors. Raises ScriptError.
+
+    A line is `SECONDS VALUE...` with so many values, each within [-most, most]; `#` begins a
+    comment.
+    """
+    ends: list[float] = []
+    values: list[tuple[float, ...]] = []
+    # Seconds of a script are decimal: added up as milliseconds they stay what was written.
+    end = 0
+    for number, line in enumerate(text.splitlines(), start=1):
+        words = line.partition("#")[0].split()
+        if not words:
+            continue
+        try:
+            seconds, *held = map(float, words)
+        except ValueError:
+            raise ScriptError(
+                f"{name}:{number}: not numbers: {line.strip()!r}"
+            ) from None
+        if len(held) != columns:
+            raise ScriptError(
+                f"{name}:{number}: SECONDS and {columns} values expected,"
+                f" {len(words)} numbers found"
+            )
+        if not 0.0 < seconds <= LONGEST:
+            raise ScriptError(f"{name}:{number}: {words[0]} is no duration [s]")
+        if not all(isfinite(value) and abs(value) <= most for value in held):
+            raise ScriptError(f"{name}:{number}: values go from {-most:g} to {most:g}")
+        end += round(seconds * 1000.0)
+        ends.append(end / 1000.0)
+        values.append(tuple(held))
+    if not ends:
+        raise ScriptError(f"{name}: holds no line of SECONDS and {columns} values")
+    return Script(ends, values)
