@@ -1,9 +1,18 @@
-"""The reference build for the target openrtm, generated once for all tests of a process."""
+"""What tests of the target openrtm share in a process.
+
+The reference build generated for it; OpenRTM's stubs, a naming service, and a manager.
+"""
 
 from __future__ import annotations
 
+import importlib
+import os
+import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
+import middleware
 import pytest
 
 from rtgen.cli import run
@@ -21,3 +30,65 @@ def reference(tmp_path_factory: pytest.TempPathFactory) -> Path:
         code = run(told)
     assert code == 0
     return folder / "generated"
+
+
+@pytest.fixture(scope="session")
+def rtm_folders(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Folders that make `OpenRTM_aist`, `RTC` and the other stubs importable; none if installed."""
+    if middleware.REAL:
+        return []
+    stubs = middleware.compile_stubs(tmp_path_factory.mktemp("rtm"))
+    return middleware.search_path(stubs)
+
+
+@pytest.fixture(scope="session")
+def rtm_environment(rtm_folders: list[Path]) -> dict[str, str]:
+    """The environment of processes that import `OpenRTM_aist`."""
+    return middleware.environment(rtm_folders)
+
+
+@pytest.fixture(scope="session")
+def naming_service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """`host:port` of a naming service."""
+    with middleware.naming_service(tmp_path_factory.mktemp("names")) as place:
+        yield place
+
+
+@pytest.fixture(scope="session")
+def manager(
+    rtm_folders: list[Path],
+    naming_service: str,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[Any]:
+    """A manager in this process; components of it are driven by ticks."""
+    sys.path.extend(map(str, rtm_folders))
+    rtm = importlib.import_module("OpenRTM_aist")
+    options = {
+        "corba.nameservers": naming_service,
+        "corba.endpoints": "127.0.0.1:",
+        "corba.args": "-ORBclientCallTimeOutPeriod 10000 -ORBnativeCharCodeSet UTF-8",
+        "exec_cxt.periodic.type": "ExtTrigExecutionContext",
+        "logger.enable": "NO",
+        "manager.shutdown_on_nortcs": "NO",
+        "naming.formats": "%n.rtc",
+    }
+    settings = [
+        text for key, value in options.items() for text in ("-o", f"{key}:{value}")
+    ]
+    # The folder of tests may have an rtc.conf of somebody else's.
+    before = Path.cwd()
+    os.chdir(tmp_path_factory.mktemp("manager"))
+    try:
+        running = rtm.Manager.init(["tests", *settings])
+    finally:
+        os.chdir(before)
+    running.activateManager()
+    running.runManager(True)
+    yield running
+    running.shutdown()
+
+
+@pytest.fixture(scope="session")
+def rtm(manager: Any) -> Any:
+    """The package `OpenRTM_aist`, with a manager that runs."""
+    return importlib.import_module("OpenRTM_aist")

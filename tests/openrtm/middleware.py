@@ -1,0 +1,85 @@
+"""OpenRTM-aist-Python for tests: the real one wherever it imports, else the stub of this folder."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+HERE = Path(__file__).parent
+STUB = HERE / "stub"
+DATA_TYPES = HERE.parents[1] / "specs/idl"
+STOCK = ("BasicDataType", "ExtendedDataTypes", "InterfaceDataTypes")
+
+REAL = importlib.util.find_spec("OpenRTM_aist") is not None
+"""Whether OpenRTM-aist-Python itself is installed."""
+
+
+def program(name: str) -> str:
+    """A program of the ORB's wheel, which is beside the interpreter; else one on the path."""
+    beside = str(Path(sys.executable).parent)
+    found = shutil.which(name, path=beside) or shutil.which(name)
+    assert found is not None, f"{name} (jeteve-omniorb) is missing"
+    return found
+
+
+def compile_stubs(folder: Path) -> Path:
+    """Makes the folder `RTM_IDL` below a folder: IDL files and what omniidl makes of them."""
+    target = folder / "RTM_IDL"
+    target.mkdir()
+    for file in (*(DATA_TYPES / f"{name}.idl" for name in STOCK), *STUB.glob("idl/*")):
+        shutil.copy(file, target)
+    files = sorted(str(file) for file in target.glob("*.idl"))
+    command = [program("omniidl"), "-bpython", f"-I{target}", f"-C{target}", *files]
+    subprocess.run(command, check=True)
+    return target
+
+
+def search_path(stubs: Path) -> list[Path]:
+    """The folders that OpenRTM's .pth file puts on the search path."""
+    return [STUB, stubs]
+
+
+def environment(folders: list[Path]) -> dict[str, str]:
+    """The environment of a process that finds OpenRTM in these folders."""
+    there = [os.environ["PYTHONPATH"]] if os.environ.get("PYTHONPATH") else []
+    path = os.pathsep.join([*map(str, folders), *there])
+    return {**os.environ, "PYTHONPATH": path}
+
+
+@contextmanager
+def naming_service(folder: Path) -> Iterator[str]:
+    """An omniNames of the caller's own on the loopback interface; gives its `host:port`."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    command = [
+        program("omniNames"),
+        *("-start", str(port), "-always", "-datadir", str(folder), "-nohostname"),
+        *("-ORBendPoint", f"giop:tcp:127.0.0.1:{port}"),
+    ]
+    with (folder / "omniNames.out").open("wb") as out:
+        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
+    try:
+        _answers(port, process)
+        yield f"127.0.0.1:{port}"
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def _answers(port: int, process: subprocess.Popen[bytes]) -> None:
+    for _ in range(200):
+        assert process.poll() is None, "omniNames ended"
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.05)
+    raise AssertionError("omniNames does not answer")

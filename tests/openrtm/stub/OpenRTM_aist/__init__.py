@@ -1,0 +1,40 @@
+"""A small OpenRTM-aist-Python 2.1 to test generated modules with.
+
+It does over omniORB what OpenRTM does, its traps included, as far as components, ports,
+configuration, contexts, managers and clients of them go. The stubs of `RTC`, `SDOPackage` and
+`OpenRTM` are made by omniidl from the folder `idl` and the data types of `specs/idl`.
+"""
+
+from . import CORBA_RTCUtil, NVUtil
+from .buffers import DataPortStatus, RingBuffer
+from .contexts import ExtTrigExecutionContext, PeriodicExecutionContext
+from .CORBA_RTCUtil import *  # noqa: F403
+from .data_ports import InPort, OutPort
+from .manager import Delete, Manager
+from .naming import CorbaNaming
+from .properties import Properties
+from .rtobject import DataFlowComponentBase, RTObject_impl
+from .service_ports import CorbaConsumer, CorbaPort
+from .values import instantiateDataType, setTimestamp, stringTo
+
+__all__ = [
+    "CORBA_RTCUtil",
+    "CorbaConsumer",
+    "CorbaNaming",
+    "CorbaPort",
+    "DataFlowComponentBase",
+    "DataPortStatus",
+    "Delete",
+    "ExtTrigExecutionContext",
+    "InPort",
+    "Manager",
+    "NVUtil",
+    "OutPort",
+    "PeriodicExecutionContext",
+    "Properties",
+    "RTObject_impl",
+    "RingBuffer",
+    "instantiateDataType",
+    "setTimestamp",
+    "stringTo",
+]

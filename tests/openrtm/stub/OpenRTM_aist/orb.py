@@ -1,0 +1,47 @@
+"""The ORB of the process."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from omniORB import CORBA
+
+_running: list[Any] = []
+
+
+def start(arguments: list[str]) -> Any:
+    """Starts the ORB and its root POA, which takes calls from now on."""
+    running = CORBA.ORB_init(["manager", *arguments], CORBA.ORB_ID)
+    _running[:] = [running]
+    poa()._get_the_POAManager().activate()
+    return running
+
+
+def stop() -> None:
+    if _running:
+        _running.pop().destroy()
+
+
+def orb() -> Any:
+    return _running[0]
+
+
+def poa() -> Any:
+    return orb().resolve_initial_references("RootPOA")
+
+
+def to_text(reference: Any) -> str:
+    text: str = orb().object_to_string(reference)
+    return text
+
+
+def from_text(text: str) -> Any:
+    return orb().string_to_object(text)
+
+
+def local(reference: Any) -> Any:
+    """The servant behind a reference; None if it is elsewhere or cannot be called now."""
+    try:
+        return poa().reference_to_servant(reference)
+    except CORBA.Exception:
+        return None
