@@ -58,6 +58,7 @@ class Cache:
             str(Path.cwd()),
             str(project.root),
             list(map(str, project.sources)),
+            list(map(str, project.systems)) if project.target == "openrtm" else [],
             list(map(str, project.include)),
             project.define,
             project.ignore_case_clashes,

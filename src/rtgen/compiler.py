@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from rtgen.cache import Cache
     from rtgen.frontends import FrontendResult
-    from rtgen.model import System
+    from rtgen.model import Model, System
     from rtgen.project import Project
 
 BUILT_IN = (
@@ -183,9 +183,11 @@ def _inspected(
     sources = dict(result.sources)
     for profile in profiles:
         system, found, texts = read_system(profile)
-        systems += [system] if system is not None else []
         diagnostics += found
         sources |= texts
+        if system is not None:
+            systems.append(system)
+            diagnostics += _looked_at(system, project)
     model = replace(result.model, systems=tuple(systems))
     diagnostics = in_order(diagnostics)
     text = json_text(model, diagnostics) if as_json else tree(model)
@@ -198,6 +200,17 @@ def _inspected(
     )
 
 
+def _looked_at(system: System, project: Project | None) -> Sequence[Diagnostic]:
+    """What is to be said of a system that is shown, against the definitions if there are some."""
+    from rtgen import system_checks, systems
+
+    if project is None:
+        return system_checks.as_warnings(system_checks.check_properties(system))
+    model = read(project, lowered=True).model
+    models = component_models(model, _options(project))
+    return list(systems.checked([system], models))
+
+
 def _hashes(result: FrontendResult) -> dict[str, str | None]:
     return {str(d.path.absolute()): d.sha256 for d in result.dependencies}
 
@@ -205,16 +218,8 @@ def _hashes(result: FrontendResult) -> dict[str, str | None]:
 def compile_project(project: Project) -> Compilation:
     """The project's artifacts, made anew."""
     result = read(project, lowered=True)
-    options = Options(
-        package=project.package,
-        skeleton_package=project.skeleton_package,
-        version=__version__,
-        target=project.target,
-        representation=project.representation,
-        extensibility=project.extensibility,
-        factories=dict(project.components),
-        skeleton_path=project.skeleton_path,
-    )
+    options = _options(project)
+    result = _with_systems(result, project, options)
     diagnostics = list(result.diagnostics)
     artifacts: list[Artifact] = []
     if not has_errors(diagnostics):
@@ -226,11 +231,51 @@ def compile_project(project: Project) -> Compilation:
         artifacts=() if has_errors(diagnostics) else tuple(artifacts),
         inputs={file.key: file.sha256 for file in result.model.files}
         | {device.key: device.sha256 for device in result.model.devices}
-        | {bus.key: bus.sha256 for bus in result.model.buses},
+        | {bus.key: bus.sha256 for bus in result.model.buses}
+        | {system.key: system.sha256 for system in result.model.systems},
         diagnostics=tuple(in_order(diagnostics)),
         dependencies=_hashes(result),
         sources=result.sources,
     )
+
+
+def _options(project: Project) -> Options:
+    return Options(
+        package=project.package,
+        skeleton_package=project.skeleton_package,
+        version=__version__,
+        target=project.target,
+        representation=project.representation,
+        extensibility=project.extensibility,
+        factories=dict(project.components),
+        skeleton_path=project.skeleton_path,
+    )
+
+
+def _with_systems(
+    result: FrontendResult, project: Project, options: Options
+) -> FrontendResult:
+    """The same with the project's systems, where something is made of them."""
+    if not project.systems or project.target != "openrtm":
+        return result
+    from rtgen import systems
+
+    found = systems.read(project.systems, root=project.root)
+    checked = systems.checked(found.systems, component_models(result.model, options))
+    return replace(
+        result,
+        model=replace(result.model, systems=tuple(found.systems)),
+        diagnostics=(*result.diagnostics, *found.diagnostics, *checked),
+        sources={**result.sources, **found.sources},
+        dependencies=(*result.dependencies, *found.dependencies),
+    )
+
+
+def component_models(model: Model, options: Options) -> list[Model]:
+    """The models that have the components of a project: its own, and those of TECS boards."""
+    from rtgen.backends.tecs.backend import rtc_packages
+
+    return [model, *(package.model for package in rtc_packages(model, options))]
 
 
 def plugins() -> tuple[metadata.EntryPoint, ...]:

@@ -25,6 +25,7 @@ MODULES = (
     "rtgen.frontends.rts_profile",
     "rtgen.lint.rules",
     "rtgen.project_rules",
+    "rtgen.system_checks",
     "rtgen.system_rules",
 )
 """The modules with `RULES`."""

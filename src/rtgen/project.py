@@ -6,7 +6,7 @@ import keyword
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -40,6 +40,10 @@ _PROFILES = {
     **dict.fromkeys((".yaml", ".yml"), re.compile(rb"^rtcProfile\s*:", re.MULTILINE)),
 }
 _MOST_OF_PROLOG = 64 * 1024
+_SYSTEMS = {
+    ".xml": re.compile(rb"<(\w+:)?RtsProfile[\s>]"),
+    **dict.fromkeys((".yaml", ".yml"), re.compile(rb"^rtsProfile\s*:", re.MULTILINE)),
+}
 _RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
 
 
@@ -48,10 +52,11 @@ class Project:
     """What a run reads and where it writes.
 
     `root` is the absolute folder of rtgen.toml (else the working folder), which the keys of inputs
-    are relative to. `sources` and `include` are paths as they are shown to the user. `output` and
-    `skeletons` are absolute, and neither may lead out of `base`. `tecs_path` are the folders of
-    the environment's TECSPATH, which imports of CDL are looked for in at last. `node_id` is the
-    node that devices are read for.
+    are relative to. `sources`, `systems` and `include` are paths as they are shown to the user.
+    `output` and `skeletons` are absolute, and neither may lead out of `base`. `tecs_path` are the
+    folders of the environment's TECSPATH, which imports of CDL are looked for in at last. `node_id`
+    is the node that devices are read for. `systems` are the RtsProfiles among the sources, which
+    are no definitions.
     """
 
     root: Path
@@ -60,6 +65,7 @@ class Project:
     skeletons: Path
     file: Path | None = None
     sources: tuple[Path, ...] = ()
+    systems: tuple[Path, ...] = ()
     include: tuple[Path, ...] = ()
     define: tuple[tuple[str, str], ...] = ()
     ignore_case_clashes: bool = False
@@ -155,7 +161,7 @@ def load(start: Path | None = None) -> Project:
     if findings:
         raise InputError(findings)
     paths = [shown_path(root / p) for p in settings.texts("sources", "paths")]
-    return replace(project, sources=tuple(_files(paths, skip=project.output)))
+    return _with_files(project, paths)
 
 
 def with_arguments(
@@ -191,10 +197,8 @@ def with_arguments(
         findings = [f for p in named if (f := _check_kind(p)) is not None]
         if findings:
             raise InputError(findings)
-        everything = [*project.sources, *named] if add else named
-        changes = replace(
-            changes, sources=tuple(_files(everything, skip=changes.output))
-        )
+        known = [*project.sources, *project.systems] if add else []
+        changes = _with_files(changes, [*known, *named])
     return replace(
         changes,
         include=(*(Path(p) for p in include), *project.include),
@@ -205,6 +209,14 @@ def with_arguments(
         node_id=node_id,
         target=target or project.target,
     )
+
+
+def _with_files(project: Project, paths: Iterable[Path]) -> Project:
+    """The project with the files that are named, or stand below the folders that are."""
+    files = list(_files(paths, skip=project.output))
+    systems = [path for path in files if is_system(path)]
+    sources = [path for path in files if path not in systems]
+    return replace(project, sources=tuple(sources), systems=tuple(systems))
 
 
 def require_sources(project: Project) -> None:
@@ -289,12 +301,22 @@ def _is_definition(path: Path) -> bool:
         path.name.lower().endswith(SUFFIXES)
         or is_bus_file(path)
         or is_component_profile(path)
+        or is_system(path)
     )
 
 
 def is_component_profile(path: Path) -> bool:
     """Whether it describes a component (RtcProfile, in XML or YAML), and is no other such file."""
-    form = _PROFILES.get(path.suffix.lower())
+    return _begins_as(path, _PROFILES)
+
+
+def is_system(path: Path) -> bool:
+    """Whether it describes a system (RtsProfile, in XML or YAML), and is no other such file."""
+    return _begins_as(path, _SYSTEMS)
+
+
+def _begins_as(path: Path, forms: Mapping[str, re.Pattern[bytes]]) -> bool:
+    form = forms.get(path.suffix.lower())
     if form is None:
         return False
     try:

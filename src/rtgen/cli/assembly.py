@@ -19,6 +19,7 @@ from rtgen.system_rules import (
     UNKNOWN_TYPE,
 )
 from rtgen.timeline import Action, Ask, Connect, Disconnect, SetParameter, Step
+from rtgen.typemap.connector_properties import is_foreign
 
 _MILLISECOND = 1_000_000
 
@@ -61,7 +62,7 @@ def assemble(
             connection.name,
             connection.source,
             connection.target,
-            dict(connection.properties),
+            {k: text for k, text in connection.properties if not is_foreign(k)},
         )
         findings += _findings(CONNECTION, connection.span, _performing(system, action))
     for step in steps:

@@ -71,13 +71,17 @@ def _wrong_form(form: str, forms: tuple[str, ...], what: str) -> InputError:
 
 def _system(console: Console, path: Path, form: str) -> int:
     from rtgen.frontends import located_xml, profile_yaml, rts_profile
+    from rtgen.system_checks import as_warnings, check_properties
 
     if form not in _OF_SYSTEMS:
         raise _wrong_form(form, _OF_SYSTEMS, "a system")
     shown = path.as_posix()
     read = rts_profile.load(path)
-    console.findings(read.diagnostics, read.sources)
-    if has_errors(read.diagnostics):
+    found = [*read.diagnostics]
+    if read.system is not None:
+        found += as_warnings(check_properties(read.system))
+    console.findings(found, read.sources)
+    if has_errors(found):
         return BAD_INPUT
     text = path.read_bytes().decode("utf-8", "replace")
     is_yaml = path.suffix.lower() in YAML_SUFFIXES

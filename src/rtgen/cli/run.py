@@ -24,10 +24,11 @@ from rtgen.cli.recording import (
 )
 from rtgen.cli.signals import terminable
 from rtgen.cli.summary import Outcome, Row, summary
-from rtgen.diagnostics import InputError, ToolError, has_errors
+from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System
 from rtgen.project import load
 from rtgen.runtime.recording import JsonLinesRecorder
+from rtgen.system_checks import check_properties
 from rtgen.system_rules import CONDITION, OBSERVABLE
 from rtgen.timeline import SECOND, Condition, Step
 
@@ -88,8 +89,9 @@ def run(
     profile, diagnostics, sources = compiler.read_system(
         path / "system.xml" if folder else path
     )
-    console.findings(diagnostics, sources)
-    if profile is None or has_errors(diagnostics):
+    found = [*diagnostics, *(check_properties(profile) if profile is not None else ())]
+    console.findings(in_order(found), sources)
+    if profile is None or has_errors(found):
         return BAD_INPUT
     check_picture(plot)
     steps = _steps(folder, timeline_file, profile)

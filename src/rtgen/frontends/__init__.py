@@ -33,6 +33,14 @@ class FrontendResult:
     dependencies: tuple[Dependency, ...]
 
 
+def key_of(path: Path, root: Path) -> str:
+    """The path for generated text: relative to the project, else the name alone."""
+    try:
+        return path.resolve().relative_to(root.resolve()).as_posix()
+    except ValueError:
+        return path.name
+
+
 def together(results: Sequence[FrontendResult]) -> FrontendResult:
     """What several front ends read, as one."""
     models = [result.model for result in results]

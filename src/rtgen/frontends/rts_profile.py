@@ -24,6 +24,7 @@ from rtgen.frontends import located_xml, profile_yaml
 from rtgen.frontends.located_xml import Element
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.model import Activation, Connection, PortReference, System, SystemComponent
+from rtgen.model.components import NO_DATE
 
 RTS = "http://www.openrtp.org/namespaces/rts"
 RTS_EXT = "http://www.openrtp.org/namespaces/rts_ext"
@@ -191,7 +192,9 @@ class _Reader:
             components=tuple(self._components.values()),
             connections=tuple(self._connections(root)),
             activation=self._activation(root.first(RTS, "Activation")),
-            properties=_properties(root),
+            properties=tuple(_properties(root).items()),
+            created=root.get(RTS, "creationDate") or NO_DATE,
+            updated=root.get(RTS, "updateDate") or NO_DATE,
         )
 
     def _note(
@@ -229,6 +232,7 @@ class _Reader:
             message = f"two components are called {instance!r}"
             self.diagnostics.append(SAME_INSTANCE.at(span, message, related=related))
             return
+        places: dict[tuple[str, str], Span] = {}
         self._components[instance] = SystemComponent(
             instance=instance,
             type=type_,
@@ -237,9 +241,10 @@ class _Reader:
             span=span,
             rate=self._rate(element),
             active_set=element.get(RTS, "activeConfigurationSet") or "default",
-            configuration=tuple(self._configuration(element)),
+            configuration=tuple(self._configuration(element, places)),
             location=self._location(element),
             required=element.get(RTS, "isRequired", "true").lower() in ("true", "1"),
+            places=places,
         )
 
     def _rate(self, element: Element) -> float | None:
@@ -261,15 +266,17 @@ class _Reader:
         return None
 
     def _configuration(
-        self, element: Element
+        self, element: Element, places: dict[tuple[str, str], Span]
     ) -> Iterator[tuple[str, tuple[tuple[str, str], ...]]]:
+        """The sets; notes in `places` where their values stand."""
         for values in element.all(RTS, "ConfigurationSets"):
             set_id = self._required(values, "id")
-            pairs = [
-                (name, item.get(RTS, "data"))
-                for item in values.all(RTS, "ConfigurationData")
-                if (name := self._required(item, "name")) is not None
-            ]
+            pairs = []
+            for item in values.all(RTS, "ConfigurationData"):
+                name = self._required(item, "name")
+                if name is not None:
+                    pairs.append((name, item.get(RTS, "data")))
+                    places[set_id or "", name] = item.place("name")
             if set_id is not None:
                 yield set_id, tuple(pairs)
 
@@ -346,12 +353,19 @@ class _Reader:
         if source is None or target is None:
             return None
         properties: dict[str, str] = {}
+        places: dict[str, Span] = {}
         if not service:
             for attribute, key in _CONNECTOR_ATTRIBUTES:
                 value = element.get(RTS, attribute)
                 if value:
                     properties[key] = value
-            properties.update(p for p in _properties(element) if p[0] not in _DROPPED)
+                    places[key] = element.place(attribute)
+        for item in element.all(RTS_EXT, "Properties"):
+            key, value = item.get(RTS_EXT, "name"), item.get(RTS_EXT, "value")
+            # Object references that an editor has saved mean nothing to another run.
+            if key and key not in _DROPPED and not value.startswith("IOR:"):
+                properties[key] = value
+                places[key] = item.place("name")
         identity = element.get(RTS, "connectorId") or ""
         name = element.get(RTS, "name") or identity
         return Connection(
@@ -362,6 +376,7 @@ class _Reader:
             service=service,
             span=element.span,
             properties=tuple(properties.items()),
+            places=places,
         )
 
     def _end(self, element: Element, name: str) -> PortReference | None:
@@ -376,7 +391,11 @@ class _Reader:
         port = self._required(ends[0], "portName")
         if instance is None or port is None:
             return None
-        return PortReference(instance=instance, port=port.removeprefix(f"{instance}."))
+        return PortReference(
+            instance=instance,
+            port=port.removeprefix(f"{instance}."),
+            span=ends[0].place("portName"),
+        )
 
     def _activation(self, element: Element | None) -> tuple[Activation, ...]:
         if element is None:
@@ -449,10 +468,9 @@ def _part_of_id(id_: str, prefix: str, index: int) -> str:
     return ":".join(parts[index:]) if ":" in body else parts[-1]
 
 
-def _properties(element: Element) -> tuple[tuple[str, str], ...]:
-    found = {
+def _properties(element: Element) -> dict[str, str]:
+    return {
         name: item.get(RTS_EXT, "value")
         for item in element.all(RTS_EXT, "Properties")
         if (name := item.get(RTS_EXT, "name"))
     }
-    return tuple(found.items())

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 from rtgen.diagnostics import Span
 from rtgen.model.declarations import ConstantValue, Declaration, Documented
 from rtgen.model.types import ScopedName, Type
+
+NO_DATE = "1970-01-01T00:00:00+00:00"
+"""The date of what has none, since profiles want one and no clock is read."""
 
 
 class PortKind(StrEnum):
@@ -76,15 +80,19 @@ class Component(Declaration):
     activity: str = "PERIODIC"
     component_type: str = "STATIC"
     execution: str = "PeriodicExecutionContext"
-    created: str = "1970-01-01T00:00:00+00:00"
-    updated: str = "1970-01-01T00:00:00+00:00"
+    created: str = NO_DATE
+    updated: str = NO_DATE
     runtime_base: str = ""
     factory: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SystemComponent:
-    """A component of a system. `configuration` maps set id to (parameter, text) pairs."""
+    """A component of a system. `configuration` maps set id to (parameter, text) pairs.
+
+    `conf` is the text of the `.conf` files beside the system that are the component's, and
+    `places` says where its parameters stand, by set id and parameter.
+    """
 
     instance: str
     type: str
@@ -96,6 +104,10 @@ class SystemComponent:
     configuration: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
     location: tuple[int, int, int, int] | None = None
     required: bool = True
+    conf: str = ""
+    places: Mapping[tuple[str, str], Span] = field(
+        default_factory=dict, compare=False, repr=False
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,6 +116,7 @@ class PortReference:
 
     instance: str
     port: str
+    span: Span | None = field(default=None, compare=False, repr=False)
 
     def __str__(self) -> str:
         return f"{self.instance}.{self.port}"
@@ -113,7 +126,8 @@ class PortReference:
 class Connection:
     """A connection; `properties` by OpenRTM's names (`dataport.subscription_type`, ...).
 
-    `id` is the connector id of an RtsProfile, which tools make up.
+    `id` is the connector id of an RtsProfile, which tools make up. `places` says where its
+    properties stand.
     """
 
     name: str
@@ -123,6 +137,7 @@ class Connection:
     span: Span
     properties: tuple[tuple[str, str], ...] = ()
     id: str = ""
+    places: Mapping[str, Span] = field(default_factory=dict, compare=False, repr=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,7 +152,11 @@ class Activation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class System:
-    """A system of components, as an RtsProfile tells it; `activation` in its order."""
+    """A system of components, as an RtsProfile tells it; `activation` in its order.
+
+    `created` and `updated` are dates as xsd:dateTime. `source` is the file, where it is one of a
+    project.
+    """
 
     name: str
     id: str
@@ -147,3 +166,7 @@ class System:
     connections: tuple[Connection, ...]
     activation: tuple[Activation, ...] = ()
     properties: tuple[tuple[str, str], ...] = ()
+    created: str = NO_DATE
+    updated: str = NO_DATE
+    key: str = ""
+    sha256: str = ""

@@ -112,7 +112,7 @@ class Parameters:
     def default_items(self, parameter: ConfigurationParameter) -> list[str]:
         """The items of the default: one for a scalar, any number for a sequence."""
         text = self.default_text(parameter)
-        if isinstance(self._model.unalias(parameter.type), SequenceType):
+        if self.is_sequence(parameter.type):
             return split_items(text)
         return [text]
 
@@ -148,6 +148,10 @@ class Parameters:
             if isinstance(type_, SequenceType)
             else type_
         )
+
+    def is_sequence(self, type_: Type) -> bool:
+        """Whether a value has items."""
+        return isinstance(self._model.unalias(type_), SequenceType)
 
     def is_number(self, type_: Type) -> bool:
         """Whether a value, or an item of it, is a number (and not a truth value)."""

@@ -9,10 +9,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from hashlib import sha256
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, InputError
-from rtgen.frontends import Dependency, FrontendResult, located_xml, profile_yaml
+from rtgen.frontends import (
+    Dependency,
+    FrontendResult,
+    key_of,
+    located_xml,
+    profile_yaml,
+)
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.frontends.rtc_profile.lowering import components
 from rtgen.frontends.rtc_profile.reader import Reader, idl_files
@@ -72,7 +78,7 @@ def read(paths: Sequence[Path], *, root: Path, include: Sequence[Path]) -> Profi
         if profile is None:
             continue
         profiles.append(profile)
-        key = _key(path, root)
+        key = key_of(path, root)
         files.append(SourceFile(name=file, key=key, sha256=digest, main=True))
         folders = (path.parent, path.parent / "idl", *include)
         for name in idl_files([profile]):
@@ -108,11 +114,3 @@ def lowered(read: Profiles, model: Model) -> FrontendResult:
         read.sources,
         read.dependencies,
     )
-
-
-def _key(path: Path, root: Path) -> str:
-    """The path for generated text: relative to the project, else the name alone."""
-    try:
-        return PurePosixPath(path.resolve().relative_to(root.resolve())).as_posix()
-    except ValueError:
-        return path.name

@@ -1,0 +1,113 @@
+"""How the definitions of components answer the connectors of a system."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from rtgen.model.components import (
+    Component,
+    Connection,
+    Port,
+    PortKind,
+    PortReference,
+)
+from rtgen.model.declarations import Interface
+from rtgen.model.types import NamedType
+
+if TYPE_CHECKING:
+    from rtgen.model import Model
+
+DATA_KINDS = (PortKind.INPORT, PortKind.OUTPORT)
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """A component's definition, and the model that has its types."""
+
+    component: Component
+    model: Model
+
+
+def known_components(models: Iterable[Model]) -> dict[str, Known]:
+    """The components of models by the name of their type; the first of a name counts."""
+    found: dict[str, Known] = {}
+    for model in models:
+        for declaration in model.declarations:
+            if isinstance(declaration, Component):
+                found.setdefault(declaration.name[-1], Known(declaration, model))
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """A consumer that meets a provider."""
+
+    consumer_end: PortReference
+    consumer: Port
+    provider_end: PortReference
+    provider: Port
+
+
+def service_pairs(
+    connection: Connection, ends: Mapping[str, Known]
+) -> tuple[list[Pair], list[tuple[PortReference, Port]]]:
+    """Which consumer of a service connector meets which provider, and which meet none.
+
+    The provider that a property names; else the one of the consumer's interface, or one derived
+    from it, and of its instance name; else the only one of the interface, if the consumer is the
+    only one of it, too.
+    """
+    named = dict(connection.properties)
+    pairs: list[Pair] = []
+    lonely: list[tuple[PortReference, Port]] = []
+    both = (connection.source, connection.target)
+    for here, there in (both, both[::-1]):
+        providers = [p for p in interfaces(there, ends) if p.kind is PortKind.PROVIDER]
+        consumers = [p for p in interfaces(here, ends) if p.kind is PortKind.CONSUMER]
+        for consumer in consumers:
+            told = named.get(interface_key(here, consumer))
+            if told is not None:
+                fitting = [p for p in providers if interface_key(there, p) == told]
+            else:
+                offered = ends[there.instance].model
+                fitting = [p for p in providers if _serves(offered, p, consumer)]
+                alike = [c for c in consumers if c.type == consumer.type]
+                same = [p for p in fitting if p.instance == consumer.instance]
+                if same:
+                    fitting = same[:1]
+                elif len(alike) > 1 or len(fitting) > 1:
+                    fitting = []
+            if fitting:
+                pairs.append(Pair(here, consumer, there, fitting[0]))
+            else:
+                lonely.append((here, consumer))
+    return pairs, lonely
+
+
+def interface_key(end: PortReference, port: Port) -> str:
+    """How a property of a connector names an interface of a service port."""
+    polarity = "provided" if port.kind is PortKind.PROVIDER else "required"
+    return f"{end.instance}.port.{end.port}.{polarity}.{port.type}.{port.instance}"
+
+
+def interfaces(end: PortReference, ends: Mapping[str, Known]) -> list[Port]:
+    """The interfaces of the service port at an end."""
+    ports = ends[end.instance].component.ports
+    return [p for p in ports if p.kind not in DATA_KINDS and p.port == end.port]
+
+
+def _serves(model: Model, provider: Port, consumer: Port) -> bool:
+    """Whether the provider's interface is the consumer's, or derived from it."""
+    wanted = str(consumer.type)
+    waiting = [model.unalias(provider.type)]
+    while waiting:
+        type_ = waiting.pop()
+        if str(type_) == wanted:
+            return True
+        if isinstance(type_, NamedType):
+            declaration = model.find(type_.name)
+            if isinstance(declaration, Interface):
+                waiting += [NamedType(base) for base in declaration.bases]
+    return False

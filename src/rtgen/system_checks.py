@@ -1,0 +1,302 @@
+"""What a system says against the definitions of its components (codes RTC058x)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from rtgen.diagnostics import Diagnostic, Rule, Severity, Span
+from rtgen.frontends.suggestions import nearest
+from rtgen.model import (
+    ConfigurationParameter,
+    Connection,
+    Model,
+    NamedType,
+    Port,
+    PortKind,
+    PortReference,
+    System,
+    SystemComponent,
+)
+from rtgen.model.declarations import OPAQUE
+from rtgen.model.system_links import DATA_KINDS, Known, interfaces, service_pairs
+from rtgen.typemap import connector_properties
+from rtgen.typemap.parameters import Parameters, ValueMismatchError, split_items
+
+UNKNOWN_COMPONENT = Rule(
+    "RTC0580",
+    "system with a component that is not defined",
+    Severity.ERROR,
+    """
+The id of a component, `RTC:vendor:category:type:version`, names a type that none of the
+definitions has. Type names are compared letter by letter.
+
+```xml
+<rts:Components rts:id="RTC:me:Demo:Swign:1.0.0" rts:instanceName="Swing0" .../>
+```
+
+Give the definition, or the component's RTC.xml, as a source.
+""",
+)
+
+UNKNOWN_PORT = Rule(
+    "RTC0581",
+    "connector with a port that is not there",
+    Severity.ERROR,
+    """
+`rts:portName` of a connector's end names no port that the component's definition has: no data port
+for a data connector, no service port for a service connector. The prefix `<Instance>.` may stand
+there once.
+""",
+)
+
+PORTS_DIFFER = Rule(
+    "RTC0582",
+    "ports that cannot be joined",
+    Severity.ERROR,
+    """
+A data connector goes from an OutPort to an InPort of the same type; a service connector joins a
+port with a consumer to one with a provider of its interface. OpenRTM joins ports of different types
+without a word, and the receiver then reads nonsense. A type that was not found when its profile was
+read is opaque and cannot be joined either.
+""",
+)
+
+UNKNOWN_PROPERTY = Rule(
+    "RTC0583",
+    "unknown connector property",
+    Severity.ERROR,
+    """
+A property of a connector is called like one of OpenRTM's, but is none: it would do nothing.
+Properties with other names, such as the editor's `POSITION`, are left alone.
+
+```xml
+<rtsExt:Properties rtsExt:name="dataport.bufer.length" rtsExt:value="8"/>
+```
+""",
+)
+
+PROPERTY_VALUE = Rule(
+    "RTC0584",
+    "connector property with a value that it does not take",
+    Severity.ERROR,
+    """
+The message says what the property takes. OpenRTM refuses such a connection, or takes the default
+without a word.
+
+```xml
+<rtsExt:Properties rtsExt:name="dataport.buffer.length" rtsExt:value="many"/>
+```
+""",
+)
+
+DATA_TYPE = Rule(
+    "RTC0585",
+    "connector says another type than its ports",
+    Severity.WARNING,
+    """
+`rts:dataType` is not the repository id of the type of the two ports. It informs only, but tools
+show it.
+""",
+)
+
+SYSTEM_PARAMETER = Rule(
+    "RTC0586",
+    "configuration that the component's definition does not have",
+    Severity.ERROR,
+    """
+A `ConfigurationData` names no parameter of the component, or its text is no value of the
+parameter's type.
+""",
+)
+
+RULES = (
+    UNKNOWN_COMPONENT,
+    UNKNOWN_PORT,
+    PORTS_DIFFER,
+    UNKNOWN_PROPERTY,
+    PROPERTY_VALUE,
+    DATA_TYPE,
+    SYSTEM_PARAMETER,
+)
+
+_MILDNESS = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
+_TYPE_KEY = "dataport.data_type"
+
+
+def check(system: System, known: Mapping[str, Known]) -> list[Diagnostic]:
+    """All findings about a system, against the definitions of its components by type name."""
+    found = [*check_properties(system)]
+    for c in system.components:
+        found += _component(c, known)
+    ends = {c.instance: known[c.type] for c in system.components if c.type in known}
+    for connection in system.connections:
+        if {connection.source.instance, connection.target.instance} <= ends.keys():
+            joined = _service if connection.service else _data
+            found += joined(connection, ends)
+    return found
+
+
+def as_warnings(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """The findings, none of which ends a command that only reads and writes a system."""
+    return [
+        replace(f, severity=min(f.severity, Severity.WARNING, key=_MILDNESS.index))
+        for f in findings
+    ]
+
+
+def check_properties(system: System) -> Iterator[Diagnostic]:
+    """The findings about connectors that need no definitions."""
+    for connection in system.connections:
+        table = connector_properties.table(service=connection.service)
+        for key, text in connection.properties:
+            if connection.service and connector_properties.is_pair(key):
+                continue
+            span = connection.places.get(key, connection.span)
+            value = table.get(key)
+            if value is None:
+                yield from _unknown_property(key, table, span)
+            elif (wanted := value(text.strip())) is not None:
+                message = f"`{key}` is {text[:80]!r}; it must be {wanted}"
+                yield PROPERTY_VALUE.at(span, message)
+
+
+def _unknown_property(
+    key: str, table: Mapping[str, object], span: Span
+) -> Iterator[Diagnostic]:
+    near = nearest(key, table)
+    if near is None and connector_properties.is_foreign(key):
+        return
+    message = f"`{key[:80]}` is no connector property of OpenRTM"
+    yield UNKNOWN_PROPERTY.at(span, message, hint=_guess(near))
+
+
+def _guess(near: str | None) -> str | None:
+    return f"did you mean {near}?" if near else None
+
+
+def _component(c: SystemComponent, known: Mapping[str, Known]) -> Iterator[Diagnostic]:
+    definition = known.get(c.type)
+    if definition is None:
+        hint = _guess(nearest(c.type, known)) or "give its definition as a source"
+        message = f"the component {c.type!r} of {c.instance} is not defined"
+        yield UNKNOWN_COMPONENT.at(c.span, message, hint=hint)
+        return
+    parameters = {p.name: p for p in definition.component.configuration}
+    reader = Parameters(definition.model)
+    for set_id, values in c.configuration:
+        for name, text in values:
+            span = c.places.get((set_id, name), c.span)
+            parameter = parameters.get(name)
+            if parameter is None:
+                message = f"{c.type} has no parameter {name!r}"
+                guess = _guess(nearest(name, parameters))
+                yield SYSTEM_PARAMETER.at(span, message, hint=guess)
+            elif problem := _value_problem(reader, parameter, text):
+                message = f"{c.instance}.{name} cannot be {text[:80]!r}: {problem}"
+                yield SYSTEM_PARAMETER.at(span, message)
+
+
+def _value_problem(
+    reader: Parameters, parameter: ConfigurationParameter, text: str
+) -> str | None:
+    """What is wrong with the text of a number, or of several."""
+    if not reader.is_number(parameter.type):
+        return None
+    item = reader.item_type(parameter.type)
+    try:
+        for part in split_items(text) if reader.is_sequence(parameter.type) else [text]:
+            reader.check_value(item, reader.parse_item(item, part))
+    except ValueMismatchError as error:
+        return str(error)
+    return None
+
+
+# Connectors.
+
+
+def _data(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnostic]:
+    source = _data_port(connection.source, ends, PortKind.OUTPORT)
+    target = _data_port(connection.target, ends, PortKind.INPORT)
+    for port in (source, target):
+        if isinstance(port, Diagnostic):
+            yield port
+    if isinstance(source, Diagnostic) or isinstance(target, Diagnostic):
+        return
+    types = [
+        _repository_id(ends[end.instance].model, port)
+        for end, port in ((connection.source, source), (connection.target, target))
+    ]
+    for end, port in ((connection.source, source), (connection.target, target)):
+        if _is_opaque(ends[end.instance].model, port):
+            message = f"the type {port.type} of {end} was not found, so it stays opaque"
+            yield PORTS_DIFFER.at(end.span or connection.span, message)
+            return
+    if types[0] != types[1]:
+        message = (
+            f"{connection.source} has the type {source.type}, "
+            f"{connection.target} has {target.type}"
+        )
+        yield PORTS_DIFFER.at(connection.span, message)
+        return
+    told = dict(connection.properties).get(_TYPE_KEY, types[0])
+    if told not in (types[0], str(source.type)):
+        span = connection.places.get(_TYPE_KEY, connection.span)
+        message = f"the connector says {told!r}, its ports have {types[0]!r}"
+        yield DATA_TYPE.at(span, message)
+
+
+def _data_port(
+    end: PortReference, ends: Mapping[str, Known], wanted: PortKind
+) -> Port | Diagnostic:
+    component = ends[end.instance].component
+    ports = [p for p in component.ports if p.kind in DATA_KINDS]
+    named = [p for p in ports if p.name == end.port]
+    for port in named:
+        if port.kind is wanted:
+            return port
+    if named:
+        message = f"{end} is no {wanted.value}; data goes from an OutPort to an InPort"
+        return PORTS_DIFFER.at(end.span, message)
+    return _unknown_port(end, [p.name for p in ports if p.kind is wanted], "data port")
+
+
+def _unknown_port(end: PortReference, names: Sequence[str], what: str) -> Diagnostic:
+    all_of_them = f"it has {', '.join(dict.fromkeys(names)) or 'none'}"
+    hint = _guess(nearest(end.port, names)) or all_of_them
+    message = f"{end.instance} has no {what} {end.port!r} for this end"
+    return UNKNOWN_PORT.at(end.span, message, hint=hint)
+
+
+def _repository_id(model: Model, port: Port) -> str:
+    type_ = model.unalias(port.type)
+    if isinstance(type_, NamedType):
+        return model.find(type_.name).repository_id
+    return str(type_)
+
+
+def _is_opaque(model: Model, port: Port) -> bool:
+    type_ = model.unalias(port.type)
+    return isinstance(type_, NamedType) and any(
+        annotation.name == OPAQUE for annotation in model.find(type_.name).annotations
+    )
+
+
+def _service(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnostic]:
+    missing = False
+    for end in (connection.source, connection.target):
+        ports = interfaces(end, ends)
+        if not ports:
+            names = [p.port for p in ends[end.instance].component.ports if p.port]
+            yield _unknown_port(end, names, "service port")
+            missing = True
+    if missing:
+        return
+    pairs, lonely = service_pairs(connection, ends)
+    if not pairs:
+        for end, consumer in lonely:
+            message = f"{end}: there is no provider of {consumer.type}"
+            yield PORTS_DIFFER.at(end.span or connection.span, message)
+        if not lonely:
+            message = f"{connection.source} and {connection.target} have no consumer"
+            yield PORTS_DIFFER.at(connection.span, message)

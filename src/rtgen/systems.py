@@ -1,0 +1,81 @@
+"""The systems among a project's sources: read, with the files beside them, and checked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from hashlib import sha256
+from pathlib import Path
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.frontends import Dependency, key_of, located_xml, rts_profile
+from rtgen.model import Model, System, SystemComponent
+from rtgen.model.system_links import known_components
+from rtgen.system_checks import check
+
+_MOST_OF_CONF = 1024 * 1024
+
+
+@dataclass(slots=True)
+class Systems:
+    """What reading gives; the fields as those of `frontends.FrontendResult`."""
+
+    systems: list[System] = field(default_factory=list)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+    sources: dict[str, str] = field(default_factory=dict)
+    dependencies: list[Dependency] = field(default_factory=list)
+
+
+def read(paths: Sequence[Path], *, root: Path) -> Systems:
+    """Reads systems, each with `<Type>.conf` and `<Instance>.conf` of its folder."""
+    found = Systems()
+    for path in paths:
+        file = path.as_posix()
+        try:
+            data = path.read_bytes()
+        except OSError as error:
+            message = f"cannot open {file}: {error.strerror}"
+            found.diagnostics.append(located_xml.UNREADABLE.at(None, message))
+            found.dependencies.append(Dependency(path, None))
+            continue
+        digest = sha256(data).hexdigest()
+        found.dependencies.append(Dependency(path, digest))
+        result = rts_profile.load_bytes(data, file)
+        found.diagnostics += result.diagnostics
+        found.sources |= result.sources
+        if result.system is not None:
+            system = result.system
+            components = (_with_conf(c, path.parent, found) for c in system.components)
+            found.systems.append(
+                replace(
+                    system,
+                    components=tuple(components),
+                    key=key_of(path, root),
+                    sha256=digest,
+                )
+            )
+    return found
+
+
+def checked(systems: Iterable[System], models: Iterable[Model]) -> Iterator[Diagnostic]:
+    """What is wrong with systems whose components are defined in models."""
+    known = known_components(models)
+    for system in systems:
+        yield from check(system, known)
+
+
+def _with_conf(c: SystemComponent, folder: Path, found: Systems) -> SystemComponent:
+    texts = []
+    for name in dict.fromkeys((c.type, c.instance)):
+        path = folder / f"{name}.conf"
+        if path.parent != folder:
+            continue
+        try:
+            with path.open("rb") as stream:
+                data = stream.read(_MOST_OF_CONF)
+        except (OSError, ValueError):
+            found.dependencies.append(Dependency(path, None))
+            continue
+        found.dependencies.append(Dependency(path, sha256(data).hexdigest()))
+        texts.append(data.decode("utf-8", "replace"))
+    return replace(c, conf="\n".join(texts))

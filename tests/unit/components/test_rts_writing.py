@@ -1,0 +1,123 @@
+"""model.System to RtsProfile: the rules of the format, and the same system when read again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from rts_rules import broken_rules
+
+from rtgen.backends.rts_profile import system_text
+from rtgen.diagnostics import Span
+from rtgen.frontends import located_xml, profile_yaml, rts_profile
+from rtgen.model import Activation, System
+
+ROOT = Path(__file__).resolve().parents[3]
+SYSTEMS = sorted(
+    path
+    for path in ROOT.glob("specs/*/*.xml")
+    if b"RtsProfile" in path.read_bytes()[:2000]
+)
+
+
+def read(path: Path) -> System:
+    result = rts_profile.load(path)
+    assert result.system is not None
+    return result.system
+
+
+def again(text: str) -> System:
+    result = rts_profile.load_bytes(text.encode(), "again.xml")
+    assert result.diagnostics == ()
+    assert result.system is not None
+    return result.system
+
+
+def plain(system: System) -> System:
+    """The system without what tells where it stands, its connectors as the schema orders them."""
+    nowhere = Span("", 1, 1, 1, 1)
+    by_kind = sorted(system.connections, key=lambda c: c.service)
+    return replace(
+        system,
+        file="",
+        components=tuple(replace(c, span=nowhere) for c in system.components),
+        connections=tuple(
+            replace(c, span=nowhere, properties=tuple(sorted(c.properties)))
+            for c in by_kind
+        ),
+    )
+
+
+def test_the_reference_build_has_systems() -> None:
+    assert len(SYSTEMS) >= 8
+
+
+@pytest.mark.parametrize("path", SYSTEMS, ids=lambda p: p.stem)
+def test_systems_of_the_specs_keep_the_rules(path: Path) -> None:
+    assert broken_rules(path.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("path", SYSTEMS, ids=lambda p: p.stem)
+def test_a_written_system_keeps_the_rules_and_is_the_same(path: Path) -> None:
+    system = read(path)
+    text = system_text(system)
+    assert broken_rules(text) == []
+    written = again(text)
+    assert plain(written).components == plain(system).components
+    assert written.activation == system.activation
+    assert written.properties == system.properties
+    for one, other in zip(
+        plain(written).connections, plain(system).connections, strict=True
+    ):
+        assert (one.source, one.target, one.id, one.name) == (
+            (other.source, other.target, other.id, other.name)
+        )
+        assert dict(other.properties).items() <= dict(one.properties).items()
+    assert system_text(written) == text
+
+
+@pytest.mark.parametrize("path", SYSTEMS, ids=lambda p: p.stem)
+def test_the_same_in_yaml(path: Path) -> None:
+    text = system_text(read(path))
+    yaml = profile_yaml.to_yaml(located_xml.parse(text, "s.xml"))
+    result = rts_profile.load_bytes(yaml.encode(), "s.yaml")
+    assert result.system is not None
+    assert plain(result.system) == plain(again(text))
+
+
+def test_what_a_system_leaves_out_is_written() -> None:
+    text = (
+        '<rts:RtsProfile xmlns:rts="http://www.openrtp.org/namespaces/rts">'
+        '<rts:Components rts:id="RTC:a:b:C:1" rts:instanceName="C0"/>'
+        '<rts:Components rts:id="RTC:a:b:D:1" rts:instanceName="D0"/>'
+        "<rts:DataPortConnectors>"
+        '<rts:sourceDataPort rts:instanceName="C0" rts:portName="x"/>'
+        '<rts:targetDataPort rts:instanceName="D0" rts:portName="y"/>'
+        "</rts:DataPortConnectors></rts:RtsProfile>"
+    )
+    result = rts_profile.load_bytes(text.encode(), "left/out.xml")
+    assert result.system is not None
+    written = system_text(result.system)
+    assert broken_rules(written) == []
+    assert 'rts:abstract="out"' in written
+    assert 'rts:pathUri="localhost/C0.rtc"' in written
+    [connection] = again(written).connections
+    assert dict(connection.properties)["dataport.subscription_type"] == "flush"
+
+
+def test_texts_are_escaped_and_conditions_kept() -> None:
+    system = read(SYSTEMS[0])
+    first, second = system.components[0].instance, system.components[1].instance
+    told = replace(
+        system,
+        abstract='<&"\n\t>',
+        activation=(
+            Activation(instance=second, sequence=1, wait_ms=250),
+            Activation(instance=first, sequence=2, after=(second,)),
+        ),
+    )
+    text = system_text(told, header=["a -- b"])
+    assert broken_rules(text) == []
+    assert again(text).abstract == told.abstract
+    assert again(text).activation == told.activation
