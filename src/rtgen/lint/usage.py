@@ -19,15 +19,17 @@ _DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
 def includes(context: Context) -> Iterator[Diagnostic]:
     """Files that are included, though the including file names nothing that they bring.
 
-    A file that declares nothing itself is there to gather others.
+    A file that declares nothing itself is there to gather others. One that is included inside a
+    scope is a part of its includer.
     """
     declaring = {declaration.file for declaration in context.model.declarations}
     for file in context.model.files:
         if not file.main or file.name not in declaring:
             continue
-        words = set(context.words.get(file.name, ()))
+        parts = [i for i in file.includes if context.files[i].belongs_to is not None]
+        words = {w for f in (file.name, *parts) for w in context.words.get(f, ())}
         for included in file.includes:
-            if words.isdisjoint(_brought(context, included)):
+            if included not in parts and words.isdisjoint(_brought(context, included)):
                 span = _include_of(context, file, included)
                 if span is not None:
                     yield rules.UNUSED_INCLUDE.at(

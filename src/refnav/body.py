@@ -1,0 +1,93 @@
+"""The body of a robot: simulated wheels, and what the robot knows of its motion by encoders."""
+
+from __future__ import annotations
+
+from math import tau
+from typing import Protocol
+
+from refnav.geometry import Pose, advance
+from refnav.kinematics import Kinematics, OmniWheels, TwoWheels
+from refnav.plant import Plant, counted
+
+
+class WheelLimits(Protocol):
+    """What all wheels of a robot can do [rad/s, rad/s^2], and their encoders' counts per turn."""
+
+    max_wheel_speed: float
+    max_wheel_acceleration: float
+    EncoderCount: int
+
+
+class TwoWheelSizes(WheelLimits, Protocol):
+    """The parameters of a robot on two driven wheels [m]."""
+
+    WheelRadius: float
+    WheelTread: float
+
+
+class OmniWheelSizes(WheelLimits, Protocol):
+    """The parameters of a robot on omni-wheels [m]."""
+
+    Wheels: int
+    WheelRadius: float
+    WheelDistance: float
+
+
+class Body:
+    """Wheels that are driven by velocities of the body.
+
+    `odometry` is the pose by the encoders. `goes_sideways` tells whether the body can do so.
+    """
+
+    def __init__(
+        self, kinematics: Kinematics, limits: WheelLimits, *, goes_sideways: bool
+    ) -> None:
+        self.plant = Plant(kinematics)
+        self.goes_sideways = goes_sideways
+        self.odometry = self.plant.pose
+        self._limits = limits
+        self._angles = [0.0] * kinematics.wheels
+
+    def place(self, pose: Pose) -> None:
+        """Set the body down at a pose, at rest."""
+        self.plant.place(pose)
+        self.odometry = pose
+
+    def halt(self) -> None:
+        """Hold all wheels at once."""
+        self.plant.halt()
+
+    def roll(self, dt: float) -> tuple[float, float, float]:
+        """Run for `dt` [s] as the wheels turn now.
+
+        Returns the motion by the encoders: forward and to the left [m], turned [rad].
+        """
+        self.plant.roll(dt)
+        count = tau / self._limits.EncoderCount
+        angles = [counted(angle, count) for angle in self.plant.angles]
+        turns = [new - old for new, old in zip(angles, self._angles, strict=True)]
+        self._angles = angles
+        forward, sideways, turn = motion = self.plant.kinematics.motion(turns)
+        self.odometry = Pose(*advance(*self.odometry, forward, turn, sideways))
+        return motion
+
+    def drive(self, vx: float, vy: float, va: float, dt: float) -> None:
+        """Bring the wheels nearer to a velocity of the body [m/s, m/s, rad/s], in `dt` [s]."""
+        limits = self._limits
+        self.plant.drive(
+            self.plant.kinematics.speeds(vx, vy, va),
+            limits.max_wheel_speed,
+            limits.max_wheel_acceleration * dt,
+        )
+
+
+def on_two_wheels(sizes: TwoWheelSizes) -> Body:
+    """The body of Ref-Hard and of the Segways."""
+    wheels = TwoWheels(sizes.WheelRadius, sizes.WheelRadius, sizes.WheelTread)
+    return Body(wheels, sizes, goes_sideways=False)
+
+
+def on_omni_wheels(sizes: OmniWheelSizes) -> Body:
+    """The body of Omni-Wheel."""
+    wheels = OmniWheels(sizes.Wheels, sizes.WheelRadius, sizes.WheelDistance)
+    return Body(wheels, sizes, goes_sideways=True)

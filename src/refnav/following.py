@@ -1,0 +1,140 @@
+"""Two ways of following a robot: along the track that it has left, or straight towards it."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from math import atan2, cos, hypot, sin
+from typing import NamedTuple, Protocol
+
+from refnav.geometry import Pose, wrap
+
+SPACING = 0.05
+"""Points of a track lie this far apart [m]."""
+LOOKAHEAD = 0.35
+"""A follower heads for the first point of the track that is so far away [m]."""
+LONGEST_TRACK = 10_000
+"""So many points of a track are kept; older ones are given up."""
+APPROACH = 1.0
+"""Speed for each metre too far [1/s]."""
+TURN = 2.0
+"""Angular speed for each rad off the way [1/s]."""
+
+
+class Command(NamedTuple):
+    """A velocity of the body [m/s, m/s, rad/s]."""
+
+    vx: float
+    vy: float
+    va: float
+
+
+REST = Command(0.0, 0.0, 0.0)
+
+
+class FollowingParameters(Protocol):
+    """How to follow [m, m/s, rad/s]."""
+
+    distance: float
+    max_v: float
+    max_w: float
+
+
+class Follower(Protocol):
+    """A way of following."""
+
+    def observe(self, leader: Pose) -> None:
+        """Take where the leader is."""
+
+    def command(
+        self, here: Pose, parameters: FollowingParameters, *, sideways: bool
+    ) -> Command:
+        """The velocity that follows; `sideways` says whether the body can move so."""
+
+
+class TrackFollower:
+    """Stores where the leader has been, and goes there; keeps its distance along the track."""
+
+    def __init__(self) -> None:
+        self._track: deque[Pose] = deque(maxlen=LONGEST_TRACK)
+        self._length = 0.0
+
+    def observe(self, leader: Pose) -> None:
+        """Prolong the track when the leader has moved on."""
+        track = self._track
+        if track:
+            step = _between(track[-1], leader)
+            if step < SPACING:
+                return
+            if len(track) == LONGEST_TRACK:
+                self._pass()
+            self._length += step
+        track.append(leader)
+
+    def command(
+        self, here: Pose, parameters: FollowingParameters, *, sideways: bool
+    ) -> Command:
+        """Along the track, no nearer to its end than the distance."""
+        track = self._track
+        while len(track) > 1 and _between(here, track[0]) < LOOKAHEAD:
+            self._pass()
+        if not track:
+            return REST
+        way = _between(here, track[0]) + self._length
+        too_far = way - parameters.distance
+        return _towards(track[0], here, too_far, parameters, sideways=sideways)
+
+    def _pass(self) -> None:
+        passed = self._track.popleft()
+        self._length -= _between(passed, self._track[0])
+        if len(self._track) == 1:
+            self._length = 0.0  # what rounding has left
+
+
+class DistanceKeeper:
+    """Heads for where the leader is, and stops where the distance is reached."""
+
+    def __init__(self) -> None:
+        self._leader: Pose | None = None
+
+    def observe(self, leader: Pose) -> None:
+        """Only the present position counts."""
+        self._leader = leader
+
+    def command(
+        self, here: Pose, parameters: FollowingParameters, *, sideways: bool
+    ) -> Command:
+        """Straight towards the leader, never backward."""
+        if self._leader is None:
+            return REST
+        too_far = _between(here, self._leader) - parameters.distance
+        return _towards(self._leader, here, too_far, parameters, sideways=sideways)
+
+
+WAYS: dict[str, Callable[[], Follower]] = {
+    "track": TrackFollower,
+    "distance": DistanceKeeper,
+}
+
+
+def _towards(
+    there: Pose,
+    here: Pose,
+    too_far: float,
+    parameters: FollowingParameters,
+    *,
+    sideways: bool,
+) -> Command:
+    bearing = wrap(atan2(there.y - here.y, there.x - here.x) - here.theta)
+    speed = min(max(APPROACH * too_far, 0.0), parameters.max_v)
+    turn = min(max(TURN * bearing, -parameters.max_w), parameters.max_w)
+    if speed == 0.0:
+        return REST
+    along = speed * cos(bearing)
+    if sideways:
+        return Command(along, speed * sin(bearing), turn)
+    return Command(max(along, 0.0), 0.0, turn)
+
+
+def _between(one: Pose, other: Pose) -> float:
+    return hypot(other.x - one.x, other.y - one.y)

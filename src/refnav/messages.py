@@ -1,0 +1,16 @@
+"""Poses as the common interfaces of the third phase write and read them."""
+
+from __future__ import annotations
+
+from refnav.geometry import Pose, wrap_positive
+from refrobots import rtc
+
+
+def pose_of(data: rtc.Pose2D) -> Pose:
+    """A pose, its heading as it came: any angle is understood."""
+    return Pose(data.position.x, data.position.y, data.heading)
+
+
+def pose_2d(pose: Pose) -> rtc.Pose2D:
+    """A pose with its heading within 0..2 pi."""
+    return rtc.Pose2D(rtc.Point2D(pose.x, pose.y), wrap_positive(pose.theta))

@@ -1,0 +1,72 @@
+"""PlanningManager: plans the path to a target, and watches the travel."""
+
+from __future__ import annotations
+
+from refnav.geometry import Pose
+from refnav.messages import pose_2d, pose_of
+from refrobots import iis, rtc
+from refrobots.components.planning_manager import PlanningManagerBase
+from rtgen.runtime import RTC_OK, ReturnCode_t
+
+
+class PlanningManager(PlanningManagerBase):
+    """Goes straight to the target.
+
+    Its observables are `goal`, the present target (x, y, theta) [m, rad], none without one, and
+    `travel`, the waypoint reached last and 1 when stopped, none before the first report.
+    """
+
+    _here: Pose | None
+    _goal: Pose | None
+    _wanted: Pose | None
+    _travel: tuple[float, ...]
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Show what is managed."""
+        self._forget()
+        self.observables["goal"] = lambda: self._goal or ()
+        self.observables["travel"] = lambda: self._travel
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Start without target."""
+        self._forget()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Take a new target list, plan for it, and note the state of the travel."""
+        sample = self.position.read_newest()
+        if sample is not None:
+            self._here = pose_of(sample.data)
+        targets = self.targets.read_newest()
+        if targets is not None:
+            self._take(targets)
+        if self._wanted is not None and self._here is not None:
+            self._send([self._here, self._wanted])
+            self._wanted = None
+        while self.state.is_new() and (state := self.state.read()) is not None:
+            if len(state.id) < 2:
+                return self.fail(f"state: id {list(state.id)} has no waypoint and flag")
+            self._travel = (float(state.id[0]), float(state.id[1]))
+        return RTC_OK
+
+    def _forget(self) -> None:
+        self._here = None
+        self._goal = None
+        self._wanted = None
+        self._travel = ()
+
+    def _take(self, targets: iis.TimedPose2DSeq) -> None:
+        if targets.data:
+            self._goal = self._wanted = pose_of(targets.data[0])
+        else:
+            self._goal = self._wanted = None
+            self._send([])
+
+    def _send(self, poses: list[Pose]) -> None:
+        path = iis.TimedPath2DSeq(
+            pose=[pose_2d(pose) for pose in poses],
+            velocity=[rtc.Velocity2D(self.config.speed, 0.0, 0.0) for _ in poses],
+        )
+        self.stamp(path)
+        self.path.write(path)

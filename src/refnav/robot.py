@@ -1,0 +1,128 @@
+"""What the control RTCs of the four robots have in common: all but the body."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Generic, Protocol, TypeVar
+
+from refnav.body import Body
+from refnav.following import REST, WAYS, Command, Follower, FollowingParameters
+from refnav.geometry import Pose
+from refrobots import iis, rtc
+from rtgen.runtime import RTC_OK, SECOND, Component, InPort, OutPort, ReturnCode_t
+
+
+class RobotParameters(FollowingParameters, Protocol):
+    """The parameters that all robots have [m, rad, s]."""
+
+    robot_id: int
+    following: str
+    CommandTimeout: float
+    start_x: float
+    start_y: float
+    start_theta: float
+
+
+P = TypeVar("P", bound=RobotParameters)
+
+
+class Robot(Component, Generic[P]):
+    """Goes by travel commands of the first and second phase, or follows another robot.
+
+    The newest input decides which. Its observables are `truth` and `odometry`, the true pose and
+    that by the encoders (x, y, theta) [m, rad], and `velocity`, that of the body
+    [m/s, m/s, rad/s].
+    """
+
+    config: P
+    velocity: InPort[rtc.TimedVelocity]
+    moving_command: InPort[iis.TimedVelocity]
+    target_position: InPort[iis.TimedPosition]
+    self_position: OutPort[iis.TimedPosition]
+
+    @abstractmethod
+    def _make_body(self) -> Body:
+        """The body, by the parameters."""
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Build the robot."""
+        self._body = self._make_body()
+        self._placed = False
+        self._position = iis.TimedPosition()
+        self.observables["truth"] = lambda: self._body.plant.pose
+        self.observables["odometry"] = lambda: self._body.odometry
+        self.observables["velocity"] = lambda: self._body.plant.velocity
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Wait for input; the robot stays where it is."""
+        config = self.config
+        if not self._placed:
+            self._body.place(Pose(config.start_x, config.start_y, config.start_theta))
+            self._placed = True
+        self._now = self.now()
+        self._wait()
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Brake: without the component nothing drives the wheels."""
+        self._body.halt()
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Brake."""
+        self._body.halt()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Drive on, and send the position."""
+        body = self._body
+        now = self.now()
+        dt = (now - self._now) / SECOND
+        self._now = now
+        body.roll(dt)
+        self._listen(now)
+        if self._follower is not None:
+            command = self._follower.command(
+                body.odometry, self.config, sideways=body.goes_sideways
+            )
+        else:
+            command = self._command
+        body.drive(*command, dt)
+        position = self._position
+        position.id = [self.config.robot_id]
+        position.x, position.y, position.theta = body.odometry
+        self.stamp(position)
+        self.self_position.write(position)
+        return RTC_OK
+
+    def _wait(self) -> None:
+        self._command = REST
+        self._heard = self._now
+        self._follower: Follower | None = None
+        self._leader: list[int] = []
+
+    def _listen(self, now: int) -> None:
+        command = None
+        if self.velocity.is_new() and (first := self.velocity.read_newest()):
+            command = Command(first.v, 0.0, first.w)
+        if self.moving_command.is_new() and (
+            second := self.moving_command.read_newest()
+        ):
+            command = Command(second.vx, second.vy, second.w)
+        if command is not None:
+            self._wait()
+            self._command = command
+        elif 0.0 < self.config.CommandTimeout * SECOND < now - self._heard:
+            self._command = REST
+        if self.target_position.is_new() and (
+            target := self.target_position.read_newest()
+        ):
+            self._follow(target)
+
+    def _follow(self, target: iis.TimedPosition) -> None:
+        # The track of one robot is no track of another, so a new leader is followed anew.
+        if self._follower is None or target.id != self._leader:
+            self._follower = WAYS[self.config.following]()
+            self._leader = target.id
+        self._follower.observe(Pose(target.x, target.y, target.theta))

@@ -1,0 +1,141 @@
+"""Following a path of waypoints: the law behind PathTracking."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import atan2, cos, hypot, pi
+from typing import Protocol
+
+from refnav.geometry import Pose, wrap
+
+PASSED = 0.05
+"""A waypoint before the last one is passed this near, along the leg [m]."""
+APPROACH = 1.0
+"""Greatest speed for each metre to the last waypoint [1/s]."""
+SLOWEST = 0.02
+"""The last waypoint is not approached slower than this [m/s]."""
+TURN = 2.0
+"""Angular speed for each rad off the way [1/s]."""
+SLOWEST_TURN = 0.05
+"""The last heading is not approached slower than this [rad/s]."""
+STILL = 1e-4
+"""A robot that moves less than this between two positions has stopped [m, rad]."""
+
+
+class TrackingParameters(Protocol):
+    """The parameters of the law; units as in PathTracking's definition."""
+
+    max_v: float
+    max_w: float
+    lookahead: float
+    near: float
+    turned: float
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """The waypoint reached last, and whether the robot has stopped."""
+
+    number: int
+    stopped: bool
+    waypoint: Pose
+
+
+class Tracker:
+    """Leads a robot along one path, leg by leg, and turns it at the end.
+
+    `speeds` are those of the legs, that of leg i ends at waypoint i: negative backward, 0 as
+    fast as allowed. Less than two waypoints ask for no motion.
+    """
+
+    def __init__(self, path: Sequence[Pose], speeds: Sequence[float]) -> None:
+        self._path = list(path)
+        self._speeds = list(speeds)
+        self._target = 1
+        self._resting = len(path) < 2
+        self._told = not path
+        self._before: Pose | None = None
+
+    def stop(self) -> None:
+        """Stop at the spot, whatever is left of the path."""
+        self._resting = True
+
+    def step(self, here: Pose, parameters: TrackingParameters) -> Iterator[Progress]:
+        """Take a new position; what there is to tell."""
+        while not self._resting and self._reaches(here, parameters):
+            self._target += 1
+            yield self._progress(stopped=False)
+        if not self._resting and self._target == len(self._path):
+            off = wrap(self._path[-1].theta - here.theta)
+            self._resting = abs(off) < parameters.turned
+        if self._resting and not self._told and self._is_still(here):
+            self._told = True
+            yield self._progress(stopped=True)
+        self._before = here
+
+    def command(
+        self, here: Pose, parameters: TrackingParameters
+    ) -> tuple[float, float]:
+        """Speed and angular speed [m/s, rad/s]."""
+        if self._resting:
+            return 0.0, 0.0
+        if self._target == len(self._path):
+            off = wrap(self._path[-1].theta - here.theta)
+            size = min(max(TURN * abs(off), SLOWEST_TURN), parameters.max_w)
+            return 0.0, size if off > 0.0 else -size
+        wanted = self._speeds[self._target] or parameters.max_v
+        speed = min(abs(wanted), parameters.max_v)
+        if self._last_leg:
+            speed = min(speed, max(APPROACH * self._left(here), SLOWEST))
+        ahead = self._ahead(here, parameters.lookahead)
+        way = atan2(ahead.y - here.y, ahead.x - here.x)
+        bearing = wrap(way - here.theta - (pi if wanted < 0.0 else 0.0))
+        speed *= max(cos(bearing), 0.0)
+        turn = min(max(TURN * bearing, -parameters.max_w), parameters.max_w)
+        return (-speed if wanted < 0.0 else speed), turn
+
+    @property
+    def _last_leg(self) -> bool:
+        return self._target == len(self._path) - 1
+
+    def _progress(self, *, stopped: bool) -> Progress:
+        number = self._target - 1
+        return Progress(number, stopped, self._path[number])
+
+    def _reaches(self, here: Pose, parameters: TrackingParameters) -> bool:
+        """Whether the end of the present leg is reached, if there is a leg left."""
+        if self._target == len(self._path):
+            return False
+        return self._left(here) < (parameters.near if self._last_leg else PASSED)
+
+    def _direction(self) -> tuple[float, float, float]:
+        """Of the present leg, as a unit vector and its length [m]."""
+        begin, end = self._path[self._target - 1], self._path[self._target]
+        length = hypot(end.x - begin.x, end.y - begin.y)
+        if length == 0.0:
+            return 0.0, 0.0, 0.0
+        return (end.x - begin.x) / length, (end.y - begin.y) / length, length
+
+    def _left(self, here: Pose) -> float:
+        """What is left of the present leg [m]; negative behind its end."""
+        x, y, _ = self._direction()
+        end = self._path[self._target]
+        return (end.x - here.x) * x + (end.y - here.y) * y
+
+    def _ahead(self, here: Pose, lookahead: float) -> Pose:
+        """The point of the present leg that the robot heads for."""
+        x, y, length = self._direction()
+        begin = self._path[self._target - 1]
+        along = (here.x - begin.x) * x + (here.y - begin.y) * y + lookahead
+        # Beyond its end the last leg goes on as a line: a point reached has no direction.
+        most = along if self._last_leg else length
+        along = min(max(along, 0.0), most)
+        return Pose(begin.x + along * x, begin.y + along * y, 0.0)
+
+    def _is_still(self, here: Pose) -> bool:
+        before = self._before
+        return before is not None and (
+            hypot(here.x - before.x, here.y - before.y) < STILL
+            and abs(wrap(here.theta - before.theta)) < STILL
+        )

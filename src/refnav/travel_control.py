@@ -1,0 +1,89 @@
+"""TravelControl: drives one of the robots of the experiments by travel commands."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from refnav.body import Body, on_omni_wheels, on_two_wheels
+from refnav.geometry import Pose
+from refrobots import iis
+from refrobots.components.black_ship_control import BlackShipControlConfiguration
+from refrobots.components.omni_wheel_control import OmniWheelControlConfiguration
+from refrobots.components.ref_hard_control import RefHardControlConfiguration
+from refrobots.components.segway_rmp_control import SegwayRmpControlConfiguration
+from refrobots.components.travel_control import TravelControlBase
+from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
+
+BODIES: dict[str, Callable[[], Body]] = {
+    "RefHard": lambda: on_two_wheels(RefHardControlConfiguration()),
+    "SegwayRmp": lambda: on_two_wheels(SegwayRmpControlConfiguration()),
+    "BlackShip": lambda: on_two_wheels(BlackShipControlConfiguration()),
+    "OmniWheel": lambda: on_omni_wheels(OmniWheelControlConfiguration()),
+}
+"""The robots, as large and as strong as their own control RTCs have them by default."""
+
+
+class TravelControl(TravelControlBase):
+    """Carries out the newest command, and sends the velocity by the encoders.
+
+    Its observable `truth` is the true pose (x, y, theta) [m, rad].
+    """
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Show where the robot is."""
+        self._body: Body | None = None
+        self._information = iis.TimedVelocity2D()
+        self.observables["truth"] = lambda: (
+            () if self._body is None else self._body.plant.pose
+        )
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """At rest; the robot stays where it is."""
+        config = self.config
+        if self._body is None:
+            self._body = BODIES[config.robot]()
+            self._body.place(Pose(config.start_x, config.start_y, config.start_theta))
+        self._now = self._sent = self.now()
+        self._command = (0.0, 0.0, 0.0)
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Brake: without the component nothing drives the wheels."""
+        return self._brake()
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Brake."""
+        return self._brake()
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Drive on, and tell how the robot has moved since the last execution."""
+        assert self._body is not None
+        now = self.now()
+        dt = (now - self._now) / SECOND
+        self._now = now
+        motion = self._body.roll(dt)
+        self._listen(now)
+        self._body.drive(*self._command, dt)
+        if dt > 0.0:
+            data = self._information.data
+            data.vx, data.vy, data.va = (part / dt for part in motion)
+            self.stamp(self._information)
+            self.information.write(self._information)
+        return RTC_OK
+
+    def _brake(self) -> ReturnCode_t:
+        if self._body is not None:
+            self._body.halt()
+        return RTC_OK
+
+    def _listen(self, now: int) -> None:
+        command = self.command.read_newest()
+        if command is not None:
+            sent = command.tm.sec * SECOND + command.tm.nsec
+            if sent > 0:
+                self._sent = sent
+                data = command.data
+                self._command = (data.vx, data.vy, data.va)
+        if 0.0 < self.config.CommandTimeout * SECOND < now - self._sent:
+            self._command = (0.0, 0.0, 0.0)

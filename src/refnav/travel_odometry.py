@@ -1,0 +1,37 @@
+"""TravelOdometry: the position of a robot from its travel information."""
+
+from __future__ import annotations
+
+from refnav.geometry import Pose, advance
+from refnav.messages import pose_2d
+from refrobots import iis
+from refrobots.components.travel_odometry import TravelOdometryBase
+from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
+
+
+class TravelOdometry(TravelOdometryBase):
+    """Adds up all samples; each velocity holds since the sample before."""
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Start from the pose of the parameters."""
+        config = self.config
+        self._pose = Pose(config.start_x, config.start_y, config.start_theta)
+        self._time = self.now()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Send the position for new information; samples that are not newer are refused."""
+        newest = None
+        while self.information.is_new() and (sample := self.information.read()):
+            time = sample.tm.sec * SECOND + sample.tm.nsec
+            if time <= self._time:
+                continue
+            dt = (time - self._time) / SECOND
+            self._time = time
+            data = sample.data
+            moved = advance(*self._pose, data.vx * dt, data.va * dt, data.vy * dt)
+            self._pose = Pose(*moved)
+            newest = sample
+        if newest is not None:
+            self.position.write(iis.TimedPose2D(newest.tm, [], pose_2d(self._pose), []))
+        return RTC_OK
