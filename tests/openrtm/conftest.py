@@ -14,6 +14,7 @@ from typing import Any
 
 import middleware
 import pytest
+from lab import Lab
 
 from rtgen.cli import run
 
@@ -92,3 +93,20 @@ def manager(
 def rtm(manager: Any) -> Any:
     """The package `OpenRTM_aist`, with a manager that runs."""
     return importlib.import_module("OpenRTM_aist")
+
+
+@pytest.fixture
+def lab(rtm: Any, manager: Any) -> Iterator[Lab]:
+    """Components of one test."""
+    made = Lab(rtm, manager)
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="session")
+def facts(manager: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """The module `Facts`: types and services of `facts.idl`."""
+    folder = tmp_path_factory.mktemp("facts")
+    middleware.compile_idl(folder, [Path(__file__).with_name("facts.idl")])
+    sys.path.append(str(folder))
+    return importlib.import_module("Facts")

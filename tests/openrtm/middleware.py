@@ -36,10 +36,17 @@ def compile_stubs(folder: Path) -> Path:
     target.mkdir()
     for file in (*(DATA_TYPES / f"{name}.idl" for name in STOCK), *STUB.glob("idl/*")):
         shutil.copy(file, target)
-    files = sorted(str(file) for file in target.glob("*.idl"))
-    command = [program("omniidl"), "-bpython", f"-I{target}", f"-C{target}", *files]
-    subprocess.run(command, check=True)
+    compile_idl(target, sorted(target.glob("*.idl")), [target])
     return target
+
+
+def compile_idl(
+    target: Path, files: list[Path], include: list[Path] | None = None
+) -> None:
+    """Has omniidl make Python modules of files."""
+    included = [f"-I{folder}" for folder in include or []]
+    command = [program("omniidl"), "-bpython", f"-C{target}", *included]
+    subprocess.run([*command, *map(str, files)], check=True)
 
 
 def search_path(stubs: Path) -> list[Path]:

@@ -1,144 +1,227 @@
-"""What OpenRTM-aist-Python 2.1 does, fact for fact: the stub, or the real one if installed."""
+"""Components and contexts of OpenRTM-aist-Python 2.1, fact for fact: the stub, or the real one."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+from lab import Lab, answers
 
 
-class Lab:
-    """Makes components of one call, and ends them."""
-
-    def __init__(self, rtm: Any, manager: Any) -> None:
-        self.rtm = rtm
-        self.manager = manager
-        self.made: list[Any] = []
-        self.count = 0
-
-    def component(self, *specification: str, query: str = "", **callbacks: Any) -> Any:
-        """A new component; `callbacks` become its methods, `calls` lists those that ran."""
-        self.count += 1
-        kind = f"Lab{id(self)}x{self.count}"
-        rtm = self.rtm
-        spec = [
-            *("implementation_id", kind, "type_name", kind, "category", "lab"),
-            *("description", "a test", "version", "1.0", "vendor", "lab"),
-            *specification,
-            "",
-        ]
-
-        class Tested(rtm.DataFlowComponentBase):  # type: ignore[misc, name-defined]
-            def __init__(self, manager: Any) -> None:
-                rtm.DataFlowComponentBase.__init__(self, manager)
-                self.calls: list[str] = []
-
-        import RTC
-
-        for name in (
-            *("onInitialize", "onFinalize", "onStartup", "onShutdown", "onActivated"),
-            *("onDeactivated", "onExecute", "onStateUpdate", "onRateChanged"),
-            *("onAborting", "onError", "onReset"),
-        ):
-            setattr(Tested, name, self._noted(name, callbacks.get(name), RTC.RTC_OK))
-        self.manager.registerFactory(
-            rtm.Properties(defaults_str=spec), Tested, rtm.Delete
-        )
-        made = self.manager.createComponent(kind + query)
-        if made is not None:
-            self.made.append(made)
-        return made
-
-    @staticmethod
-    def _noted(name: str, callback: Any, code: Any) -> Callable[..., Any]:
-        def noted(self: Any, *arguments: Any) -> Any:
-            self.calls.append(name)
-            return code if callback is None else callback(self, *arguments)
-
-        return noted
-
-    def activate(self, component: Any) -> Any:
-        return self.rtm.activate(component.getObjRef())
-
-    def state(self, component: Any) -> Any:
-        return self.rtm.get_state(component.getObjRef())[1]
-
-    def tick(self, component: Any) -> None:
-        """One cycle of the component's own context, and waits for its end."""
-        import OpenRTM
-
-        context = component.getObjRef().get_owned_contexts()[0]
-        context._narrow(OpenRTM.ExtTrigExecutionContextService).tick()
-        time.sleep(0.02 if hasattr(self.rtm, "Task") else 0)
-
-    def connect(self, first: Any, second: Any, **properties: str) -> Any:
-        """Connects two ports; keywords are data port properties, `__` for a dot."""
-        asked = self.rtm.Properties()
-        for key, value in properties.items():
-            asked.setProperty("dataport." + key.replace("__", "."), value)
-        return self.rtm.connect("wire", asked, first.getPortRef(), second.getPortRef())
-
-
-@pytest.fixture
-def lab(rtm: Any, manager: Any) -> Iterator[Lab]:
-    made = Lab(rtm, manager)
-    yield made
-    for component in made.made:
-        component.exit()
-
-
-def test_component_lives(lab: Lab) -> None:
+def test_a_component_begins_inactive_in_a_running_context(lab: Lab) -> None:
     import RTC
 
     component = lab.component()
     assert component.calls == ["onInitialize", "onStartup"]
     assert lab.state(component) == RTC.INACTIVE_STATE
+    assert lab.context(component).is_running()
+    assert component.getObjRef().get_context_handle(lab.context(component)) == 0
+
+
+def test_a_cycle_executes_then_updates(lab: Lab) -> None:
+    import RTC
+
+    component = lab.component()
     assert lab.activate(component) == RTC.RTC_OK
+    assert lab.state(component) == RTC.ACTIVE_STATE
     assert component.calls[2] == "onActivated"
+    assert lab.tick(component) == ["onExecute", "onStateUpdate"]
+
+
+def test_a_failed_initialization_leaves_nothing(lab: Lab) -> None:
+    import RTC
+
+    kind = lab.kind(onInitialize=answers(RTC.RTC_ERROR))
+    assert lab.create(kind) is None
+    assert lab.manager.getComponent(f"{kind}0") is None
+
+
+@pytest.mark.parametrize("failing", ["onExecute", "onStateUpdate"])
+def test_an_error_is_followed_by_deactivation_and_abortion(
+    lab: Lab, failing: str
+) -> None:
+    import RTC
+
+    component = lab.component(**{failing: answers(RTC.RTC_OK, RTC.RTC_ERROR)})
+    lab.activate(component)
+    cycle = lab.tick(component)
+    assert cycle[-1] == failing
+    assert lab.state(component) == RTC.ACTIVE_STATE
+    assert lab.tick(component) == ["onDeactivated", "onAborting", "onError"]
+    assert lab.state(component) == RTC.ERROR_STATE
+    assert lab.tick(component) == ["onError"]
+
+
+def test_a_failed_activation_answers_ok(lab: Lab) -> None:
+    import RTC
+
+    component = lab.component(onActivated=answers(RTC.RTC_ERROR))
+    assert lab.activate(component) == RTC.RTC_OK
+    assert "onExecute" not in component.calls
+    assert lab.tick(component) == ["onDeactivated", "onAborting", "onError"]
+    assert lab.state(component) == RTC.ERROR_STATE
+
+
+def raising(self: Any, ec_id: int) -> Any:
+    raise ValueError("no")
+
+
+@pytest.mark.parametrize("callback", [answers(None), raising])
+def test_what_is_no_code_is_an_error(lab: Lab, callback: Any) -> None:
+    import RTC
+
+    component = lab.component(onExecute=callback)
+    lab.activate(component)
     lab.tick(component)
-    assert component.calls[-2:] == ["onExecute", "onStateUpdate"]
+    assert lab.state(component) == RTC.ERROR_STATE
 
 
-def ports(lab: Lab, name: str = "p") -> tuple[Any, Any, Any, Any]:
-    """Two components, the first one's OutPort, the second one's InPort."""
+def in_error(lab: Lab, **callbacks: Any) -> Any:
     import RTC
 
-    def add_out(self: Any) -> Any:
-        self.out = lab.rtm.OutPort(name, RTC.TimedLong(RTC.Time(0, 0), 0))
-        self.addOutPort(name, self.out)
-        return RTC.RTC_OK
-
-    def add_in(self: Any) -> Any:
-        self.inp = lab.rtm.InPort(name, RTC.TimedLong(RTC.Time(0, 0), 0))
-        self.addInPort(name, self.inp)
-        return RTC.RTC_OK
-
-    first = lab.component(onInitialize=add_out)
-    second = lab.component(onInitialize=add_in)
-    return first, second, first.out, second.inp
+    component = lab.component(onExecute=answers(RTC.RTC_ERROR), **callbacks)
+    lab.activate(component)
+    lab.tick(component)
+    return component
 
 
-def long(value: int) -> Any:
+def test_reset_ends_the_error(lab: Lab) -> None:
     import RTC
 
-    return RTC.TimedLong(RTC.Time(1, 2), value)
+    component = in_error(lab)
+    assert lab.reset(component) == RTC.RTC_OK
+    assert component.calls[-1] == "onReset"
+    assert lab.state(component) == RTC.INACTIVE_STATE
 
 
-def read_all(port: Any) -> list[int]:
-    found = []
-    while port.isNew():
-        found.append(port.read().data)
-    return found
-
-
-def test_ten_writes_leave_eight(lab: Lab) -> None:
+def test_a_failed_reset_stays_in_error(lab: Lab) -> None:
     import RTC
 
-    _, _, out, inp = ports(lab)
-    assert not out.write(long(0))
-    assert lab.connect(out, inp) == RTC.RTC_OK
-    assert all(out.write(long(number)) for number in range(10))
-    assert read_all(inp) == list(range(2, 10))
-    assert inp.read().data == 9
+    component = in_error(lab, onReset=answers(RTC.RTC_ERROR))
+    lab.reset(component)
+    assert "onReset" in component.calls
+    assert lab.state(component) == RTC.ERROR_STATE
+
+
+def test_transitions_from_a_wrong_state_are_refused(lab: Lab) -> None:
+    import RTC
+
+    component = lab.component()
+    assert lab.deactivate(component) == RTC.PRECONDITION_NOT_MET
+    assert lab.reset(component) == RTC.PRECONDITION_NOT_MET
+    lab.activate(component)
+    assert lab.activate(component) == RTC.PRECONDITION_NOT_MET
+    assert lab.reset(component) == RTC.PRECONDITION_NOT_MET
+    assert lab.deactivate(component) == RTC.RTC_OK
+    assert component.calls[-1] == "onDeactivated"
+    assert lab.state(component) == RTC.INACTIVE_STATE
+
+
+def test_who_does_not_take_part_is_a_bad_parameter(lab: Lab) -> None:
+    import RTC
+
+    stranger = lab.component().getObjRef()
+    context = lab.context(lab.component())
+    for operation in ("activate", "deactivate", "reset"):
+        asked = getattr(context, f"{operation}_component")
+        assert asked(stranger) == RTC.BAD_PARAMETER
+
+
+def test_a_context_starts_and_stops_and_keeps_the_states(lab: Lab) -> None:
+    import RTC
+
+    component = lab.component()
+    context = lab.context(component)
+    assert context.start() == RTC.PRECONDITION_NOT_MET
+    lab.activate(component)
+    assert context.stop() == RTC.RTC_OK
+    assert component.calls[-1] == "onShutdown"
+    assert context.stop() == RTC.PRECONDITION_NOT_MET
+    assert lab.state(component) == RTC.ACTIVE_STATE
+    assert context.start() == RTC.RTC_OK
+    assert "onStartup" in component.calls[-3:]
+    assert lab.state(component) == RTC.ACTIVE_STATE
+
+
+def test_rates(lab: Lab) -> None:
+    import RTC
+
+    component = lab.component()
+    context = lab.context(component)
+    assert context.set_rate(0.0) == RTC.BAD_PARAMETER
+    assert context.set_rate(-5.0) == RTC.BAD_PARAMETER
+    assert context.set_rate(25.0) == RTC.RTC_OK
+    assert component.calls[-1] == "onRateChanged"
+    assert context.get_rate() == 25.0
+
+
+def test_the_rate_of_a_module_specification_has_no_effect(lab: Lab) -> None:
+    component = lab.component("exec_cxt.periodic.rate", "7")
+    assert lab.context(component).get_rate() == 1000.0
+
+
+def test_exit_runs_the_last_callbacks(lab: Lab) -> None:
+    component = lab.component()
+    lab.activate(component)
+    before = len(component.calls)
+    lab.made.remove(component)
+    component.exit()
+    last = [name for name in component.calls[before:] if not name.startswith("onE")]
+    assert last == ["onDeactivated", "onFinalize", "onShutdown"]
+    assert lab.manager.getComponent(component.getInstanceName()) is None
+
+
+def test_each_phase_runs_over_all_participants(lab: Lab) -> None:
+    import RTC
+
+    order: list[str] = []
+
+    def note(name: str) -> Any:
+        def callback(self: Any, ec_id: int) -> Any:
+            order.append(f"{name} {ec_id >= 1000}")
+            return RTC.RTC_OK
+
+        return callback
+
+    first, second = (
+        lab.component(onExecute=note("execute"), onStateUpdate=note("update"))
+        for _ in range(2)
+    )
+    context = lab.context(first)
+    assert context.add_component(second.getObjRef()) == RTC.RTC_OK
+    assert second.getObjRef().get_context_handle(context) == 1000
+    lab.activate(first)
+    context.activate_component(second.getObjRef())
+    order.clear()
+    lab.tick(first)
+    expected = ["execute False", "execute True", "update False", "update True"]
+    assert order == expected
+    assert context.remove_component(second.getObjRef()) == RTC.RTC_OK
+
+
+def test_arguments_of_a_creation_stay_for_the_next_one(lab: Lab) -> None:
+    kind = lab.kind("conf.default.gain", "1")
+    first = lab.create(f"{kind}?instance_name=Chosen{kind}&conf.default.gain=2")
+    second = lab.create(kind)
+    for component in (first, second):
+        assert component.getInstanceName() == f"Chosen{kind}"
+        assert component.getProperties().getProperty("conf.default.gain") == "2"
+
+
+def test_instances_are_numbered_from_zero(lab: Lab) -> None:
+    kind = lab.kind()
+    assert [lab.create(kind).getInstanceName() for _ in range(2)] == [
+        f"{kind}0",
+        f"{kind}1",
+    ]
+
+
+def test_a_profile_has_what_the_specification_says(lab: Lab) -> None:
+    component = lab.component("own.property", "seen")
+    profile = component.getObjRef().get_component_profile()
+    assert profile.instance_name == component.getInstanceName()
+    assert profile.type_name == component.getTypeName()
+    assert (profile.description, profile.version) == ("a test", "1.0")
+    assert (profile.vendor, profile.category) == ("labs", "lab")
+    told = lab.rtm.get_component_profile(component.getObjRef())
+    assert told.getProperty("own.property") == "seen"

@@ -118,7 +118,7 @@ class InPortConnector(Connector):
 
     def read(self, data: Any = None) -> tuple[int, Any]:
         """Status and value; the value is `data` if there was none to read."""
-        status, octets = self._octets()
+        status, octets = self.readBuff()
         if status != DataPortStatus.PORT_OK:
             return status, data
         try:
@@ -127,7 +127,8 @@ class InPortConnector(Connector):
             return DataPortStatus.UNKNOWN_ERROR, data
         return status, value
 
-    def _octets(self) -> tuple[int, bytes]:
+    def readBuff(self) -> tuple[int, bytes]:
+        """Status and octets."""
         return self._buffer.read()
 
 
@@ -153,7 +154,7 @@ class InPortPullConnector(InPortConnector):
         super().__init__(info, like)
         self._peer = peer
 
-    def _octets(self) -> tuple[int, bytes]:
+    def readBuff(self) -> tuple[int, bytes]:
         try:
             status, octets = self._peer.get()
         except CORBA.Exception:

@@ -1,0 +1,147 @@
+"""Components made on the spot, for tests of what OpenRTM does."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable
+from typing import Any
+
+import middleware
+
+NUMBERS = itertools.count()
+CALLBACKS = (
+    *("onInitialize", "onFinalize", "onStartup", "onShutdown", "onActivated"),
+    *("onDeactivated", "onExecute", "onStateUpdate", "onRateChanged"),
+    *("onAborting", "onError", "onReset"),
+)
+
+
+def until(condition: Callable[[], object], seconds: float = 5.0) -> None:
+    """Waits for something that another thread does."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.002)
+
+
+class Lab:
+    """Makes components of a manager, drives and connects them, and ends them."""
+
+    def __init__(self, rtm: Any, manager: Any) -> None:
+        self.rtm = rtm
+        self.manager = manager
+        self.made: list[Any] = []
+
+    def kind(self, *specification: str, **callbacks: Any) -> str:
+        """Registers a class of components and gives its name.
+
+        `callbacks` become its methods; `calls` of a component lists those that ran.
+        """
+        import RTC
+
+        name = f"Lab{next(NUMBERS)}"
+        rtm = self.rtm
+
+        def begin(self: Any, manager: Any) -> None:
+            self.calls = []
+            rtm.DataFlowComponentBase.__init__(self, manager)
+
+        methods = {
+            each: _noted(each, callbacks.get(each), RTC.RTC_OK) for each in CALLBACKS
+        }
+        made = type(name, (rtm.DataFlowComponentBase,), {"__init__": begin, **methods})
+        profile = rtm.Properties(
+            defaults_str=[
+                *("implementation_id", name, "type_name", name, "category", "lab"),
+                *("description", "a test", "version", "1.0", "vendor", "labs"),
+                *specification,
+                "",
+            ]
+        )
+        assert self.manager.registerFactory(profile, made, rtm.Delete)
+        return name
+
+    def create(self, text: str) -> Any:
+        """What `createComponent` makes."""
+        made = self.manager.createComponent(text)
+        if made is not None:
+            self.made.append(made)
+        return made
+
+    def component(self, *specification: str, **callbacks: Any) -> Any:
+        """A component of a class of its own."""
+        return self.create(self.kind(*specification, **callbacks))
+
+    def close(self) -> None:
+        for component in self.made:
+            component.exit()
+
+    def context(self, component: Any) -> Any:
+        return component.getObjRef().get_owned_contexts()[0]
+
+    def activate(self, component: Any) -> Any:
+        return self.rtm.activate(component.getObjRef())
+
+    def deactivate(self, component: Any) -> Any:
+        return self.rtm.deactivate(component.getObjRef())
+
+    def reset(self, component: Any) -> Any:
+        return self.rtm.reset(component.getObjRef())
+
+    def state(self, component: Any) -> Any:
+        return self.rtm.get_state(component.getObjRef())[1]
+
+    def tick(self, component: Any) -> list[str]:
+        """One cycle of the component's own context; gives the callbacks that ran in it."""
+        import OpenRTM
+
+        before = len(component.calls)
+        self.context(component)._narrow(OpenRTM.ExtTrigExecutionContextService).tick()
+        if middleware.REAL:
+            time.sleep(0.05)
+        found: list[str] = component.calls[before:]
+        return found
+
+    def connect(self, first: Any, second: Any, **properties: str) -> Any:
+        """Connects data ports; keywords are properties `dataport.`, with `__` for a dot."""
+        asked = self.rtm.Properties()
+        for key, value in properties.items():
+            asked.setProperty("dataport." + key.replace("__", "."), value)
+        return self.join(first, second, asked)
+
+    def join(self, first: Any, second: Any, properties: Any = None) -> Any:
+        """Connects ports."""
+        asked = self.rtm.Properties() if properties is None else properties
+        return self.rtm.connect("wire", asked, first.getPortRef(), second.getPortRef())
+
+    def out_port(self, value: Any, name: str = "data") -> Any:
+        """An OutPort of a new component."""
+        return self._with_port(self.rtm.OutPort(name, value), "addOutPort", name)
+
+    def in_port(self, value: Any, name: str = "data") -> Any:
+        """An InPort of a new component."""
+        return self._with_port(self.rtm.InPort(name, value), "addInPort", name)
+
+    def _with_port(self, port: Any, add: str, name: str) -> Any:
+        assert getattr(self.component(), add)(name, port)
+        return port
+
+
+def _noted(name: str, callback: Any, code: Any) -> Callable[..., Any]:
+    def noted(self: Any, *arguments: Any) -> Any:
+        self.calls.append(name)
+        return code if callback is None else callback(self, *arguments)
+
+    noted.__name__ = name
+    return noted
+
+
+def answers(*codes: Any) -> Callable[..., Any]:
+    """A callback that gives one code after the other, then the last one on and on."""
+    left = list(codes)
+
+    def callback(self: Any, *arguments: Any) -> Any:
+        return left.pop(0) if len(left) > 1 else left[0]
+
+    return callback
