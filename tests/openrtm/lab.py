@@ -25,6 +25,23 @@ def until(condition: Callable[[], object], seconds: float = 5.0) -> None:
         time.sleep(0.002)
 
 
+def resolved(rtm: Any, naming_service: str, name: str) -> Any:
+    """The component of a name, as soon as there is one."""
+    import RTC
+    from omniORB import CORBA
+
+    naming = rtm.CorbaNaming(rtm.Manager.instance().getORB(), naming_service)
+
+    def found() -> Any:
+        try:
+            return naming.resolve(name)._narrow(RTC.RTObject)
+        except CORBA.Exception:
+            return None
+
+    until(found, 20.0)
+    return found()
+
+
 class Lab:
     """Makes components of a manager, drives and connects them, and ends them."""
 

@@ -90,3 +90,22 @@ def _answers(port: int, process: subprocess.Popen[bytes]) -> None:
                 return
         time.sleep(0.05)
     raise AssertionError("omniNames does not answer")
+
+
+@contextmanager
+def launched(
+    module: Path, options: dict[str, str], environment: dict[str, str], folder: Path
+) -> Iterator[subprocess.Popen[bytes]]:
+    """A module in a manager of its own process, which works in `folder`."""
+    settings = [text for item in options.items() for text in ("-o", ":".join(item))]
+    command = [sys.executable, str(module), *settings]
+    log = folder / f"{module.stem}.out"
+    with log.open("wb") as out:
+        process = subprocess.Popen(
+            command, cwd=folder, env=environment, stdout=out, stderr=subprocess.STDOUT
+        )
+    try:
+        yield process
+    finally:
+        process.terminate()
+        process.wait()

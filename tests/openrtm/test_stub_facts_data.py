@@ -256,9 +256,8 @@ def test_octets_are_plain_cdr(lab: Lab, endian: str) -> None:
     _, octets = inp.connectors()[0].readBuff()
     order = endian.partition(",")[0]
     assert len(octets) == 14
-    assert octets == b"".join(
-        number.to_bytes(4, order) for number in (1, 2, 2)  # type: ignore[arg-type]
-    ) + (b"ab")
+    numbers = struct.pack("<3L" if order == "little" else ">3L", 1, 2, 2)
+    assert octets == numbers + b"ab"
     assert inp.read().data == b"ab"
 
 
