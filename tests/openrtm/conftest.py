@@ -110,3 +110,15 @@ def facts(manager: Any, tmp_path_factory: pytest.TempPathFactory) -> Any:
     middleware.compile_idl(folder, [Path(__file__).with_name("facts.idl")])
     sys.path.append(str(folder))
     return importlib.import_module("Facts")
+
+
+@pytest.fixture(scope="session")
+def orb(rtm_folders: list[Path]) -> Any:
+    """omniORB in this process, as a manager starts it; it lives as long as the process."""
+    sys.path.extend(str(path) for path in rtm_folders if str(path) not in sys.path)
+    corba = importlib.import_module("omniORB.CORBA")
+    told = ["-ORBnativeCharCodeSet", "UTF-8", "-ORBendPoint", "giop:tcp:127.0.0.1:0"]
+    running = corba.ORB_init(["tests", *told])
+    poa = running.resolve_initial_references("RootPOA")
+    poa._get_the_POAManager().activate()
+    return running

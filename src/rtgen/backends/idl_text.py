@@ -81,10 +81,12 @@ def idl_text(
 ) -> str:
     """The declarations as IDL, each module opened and closed as need be.
 
+    What else the model has is taken for declared before, as by included files.
     `guard` gives the macro under which a declaration stands only once among several files that
     have it; empty for none. What is declared inside of another declaration comes with that one.
     """
-    writer = _Writer(model, annotations)
+    declarations = tuple(declarations)
+    writer = _Writer(model, annotations, declarations)
     parts: list[str] = []
     scope: ScopedName = ()
     for declaration in declarations:
@@ -167,11 +169,18 @@ def _to(scope: ScopedName, wanted: ScopedName) -> Iterator[str]:
 
 
 class _Writer:
-    def __init__(self, model: Model, annotations: bool) -> None:
+    def __init__(
+        self, model: Model, annotations: bool, declarations: Sequence[Declaration]
+    ) -> None:
         self._model = model
         self._with_annotations = annotations
         self._names = {declaration.name for declaration in model.declarations}
-        self._written: set[ScopedName] = set()
+        own = {declaration.name for declaration in declarations}
+        self._written = {
+            name
+            for name in self._names
+            if own.isdisjoint(name[:depth] for depth in range(1, len(name) + 1))
+        }
         self._bound_names: dict[ScopedName, frozenset[str]] = {}
         self._inside: dict[ScopedName, list[Declaration]] = {}
         for declaration in model.declarations:

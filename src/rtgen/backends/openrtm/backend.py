@@ -7,7 +7,9 @@ from collections.abc import Iterator
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check
 from rtgen.backends.openrtm import rules
+from rtgen.backends.openrtm.conversions import conversions
 from rtgen.backends.openrtm.plan import ROOT, ComponentPlan, Unit, plans
+from rtgen.backends.openrtm.wire_idl import WireIdl
 from rtgen.backends.tecs.backend import rtc_packages
 from rtgen.diagnostics import has_errors
 from rtgen.model import Model
@@ -31,12 +33,18 @@ class OpenRtmBackend:
             findings.append(
                 rules.PACKAGE.at(None, f"the package cannot be called {ROOT!r}")
             )
+        idl = {unit.options.package: WireIdl(unit) for unit in units}
+        for plan in planned:
+            findings += idl[plan.unit.options.package].findings(plan)
         if has_errors(findings):
             return Emission((), findings)
         origin = tuple(dict.fromkeys(plan.source.key for plan in planned))
         artifacts = [Artifact(f"{ROOT}/.gitignore", _IGNORED, origin)] * bool(planned)
+        for unit in units:
+            artifacts += conversions(unit) if unit.components else ()
         for plan in planned:
             artifacts += _of_component(plan)
+            artifacts += idl[plan.unit.options.package].artifacts(plan)
         return Emission(artifacts, findings)
 
 

@@ -76,4 +76,26 @@ modules. Rename one of them.
 """,
 )
 
-RULES = (RENAMED, SAME_NAME, TWO_NAMES, PACKAGE, SAME_FOLDER)
+NOT_CLASSIC = Rule(
+    "RTC0570",
+    "type that OpenRTM cannot have",
+    Severity.ERROR,
+    """
+Data and calls of an OpenRTM component are omniORB's, so its types and interfaces have to be such as
+omniidl 4.3 compiles: the IDL of CORBA 2.6, without `long double`. It has no `map`, `bitset`,
+`bitmask`, `int8` and `uint8`, no optional members, no enumerators with values of their own.
+
+```idl
+struct Readings { map<string, double> by_name; };
+component Logger {
+    consumes Readings readings;    // RTC0570
+};
+```
+
+Use classic types at the ports, such as a sequence of structs for a map, or generate for the target
+`embedded` alone. Inheritance of structs is no problem: what omniidl compiles has the members of the
+bases in each struct.
+""",
+)
+
+RULES = (RENAMED, SAME_NAME, TWO_NAMES, PACKAGE, SAME_FOLDER, NOT_CLASSIC)

@@ -1,0 +1,217 @@
+"""What of a model classic IDL and omniORBpy have: the IDL of CORBA 2.6 without `long double`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+
+from rtgen.model import (
+    ArrayType,
+    Bitmask,
+    Bitset,
+    Component,
+    Const,
+    Declaration,
+    Enum,
+    ExceptionDecl,
+    FixedType,
+    Home,
+    Interface,
+    MapType,
+    Model,
+    NamedType,
+    Native,
+    Operation,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    Struct,
+    Type,
+    Typedef,
+    Union,
+    ValueBox,
+    Valuetype,
+)
+from rtgen.model.declarations import OPAQUE
+
+_UNKNOWN = {
+    Primitive.INT8: "IDL has no `int8` before version 4",
+    Primitive.UINT8: "IDL has no `uint8` before version 4",
+    Primitive.LONG_DOUBLE: "omniORBpy has no `long double`",
+    Primitive.VALUE_BASE: "omniORBpy cannot marshal a `ValueBase`",
+}
+
+_NO_SWITCH = (Primitive.OCTET, Primitive.WCHAR)
+"""What IDL 4 alone has as the type of a discriminator."""
+
+
+class Classic:
+    """Tells why a declaration cannot be compiled by omniidl, if so."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self._reasons: dict[ScopedName, str] = {}
+        self._waiting: set[ScopedName] = set()
+
+    def reason(self, name: ScopedName) -> str:
+        """Why there is no such type or interface there; empty where there is."""
+        if name in self._waiting:
+            return ""
+        if name not in self._reasons:
+            self._waiting.add(name)
+            found = next(self._problems(self._model.find(name)), "")
+            self._waiting.remove(name)
+            self._reasons[name] = found
+        return self._reasons[name]
+
+    def holds_values(self, type_: Type) -> bool:
+        """Whether valuetypes are in the data: they may be shared, so that a value is a graph."""
+        return not self._names_in(type_).isdisjoint(self._with_values)
+
+    def members(self, struct: Struct) -> list[tuple[Struct, int]]:
+        """The members with those of the bases, each as its struct and place there."""
+        found: list[tuple[Struct, int]] = []
+        if struct.base is not None:
+            base = self._model.find(struct.base)
+            assert isinstance(base, Struct)
+            found = self.members(base)
+        return found + [(struct, place) for place in range(len(struct.members))]
+
+    def _problems(self, declaration: Declaration) -> Iterator[str]:
+        if declaration.annotation(OPAQUE) is not None:
+            yield f"`{declaration.scoped}` is not known"
+        match declaration:
+            case Bitset() | Bitmask():
+                kind = type(declaration).__name__.lower()
+                yield f"`{declaration.scoped}` is a {kind}, which IDL has since version 4"
+            case Native():
+                yield f"`{declaration.scoped}` is native"
+            case Component() | Home():
+                yield f"`{declaration.scoped}` is no type"
+            case Enum(members=members):
+                if [member.value for member in members] != list(range(len(members))):
+                    yield f"`{declaration.scoped}` has enumerators with values of their own"
+            case Typedef(type=type_) | Const(type=type_) | ValueBox(type=type_):
+                yield from self._in_type(type_)
+            case Struct():
+                yield from self._in_struct(declaration)
+            case ExceptionDecl(members=members):
+                for member in members:
+                    yield from self._in_type(member.type)
+            case Union():
+                yield from self._in_union(declaration)
+            case Interface():
+                yield from self._in_interface(declaration)
+            case Valuetype():
+                yield from self._in_valuetype(declaration)
+
+    def _in_struct(self, struct: Struct) -> Iterator[str]:
+        members = self.members(struct)
+        if not members:
+            yield f"`{struct.scoped}` has no members"
+        for holder, place in members:
+            member = holder.members[place]
+            if member.optional:
+                yield f"`{struct.scoped}` has the optional member `{member.name}`"
+            yield from self._in_type(member.type)
+
+    def _in_union(self, union: Union) -> Iterator[str]:
+        switch = self._model.unalias(union.switch)
+        if isinstance(switch, PrimitiveType) and switch.kind in _NO_SWITCH:
+            yield f"`{union.scoped}` is switched by `{switch}`, as IDL has it since version 4"
+        yield from self._in_type(union.switch)
+        for case in union.cases:
+            yield from self._in_type(case.type)
+
+    def _in_interface(self, interface: Interface) -> Iterator[str]:
+        if interface.forward:
+            yield f"`{interface.scoped}` is declared, but not defined"
+        if interface.local or interface.abstract:
+            kind = "a local" if interface.local else "an abstract"
+            yield f"`{interface.scoped}` is {kind} interface"
+        yield from map(self.reason, filter(self.reason, interface.bases))
+        for attribute in interface.attributes:
+            yield from self._in_type(attribute.type)
+            for name in (*attribute.get_raises, *attribute.set_raises):
+                yield from filter(None, (self.reason(name),))
+        for operation in interface.operations:
+            yield from self._in_operation(interface, operation)
+
+    def _in_operation(
+        self, interface: Interface, operation: Operation
+    ) -> Iterator[str]:
+        if operation.context:
+            yield f"`{interface.scoped}::{operation.name}` has a context"
+        for type_ in (operation.returns, *(p.type for p in operation.parameters)):
+            yield from self._in_type(type_)
+        yield from filter(None, map(self.reason, operation.raises))
+
+    def _in_valuetype(self, valuetype: Valuetype) -> Iterator[str]:
+        if valuetype.forward:
+            yield f"`{valuetype.scoped}` is declared, but not defined"
+        if valuetype.abstract or valuetype.custom:
+            kind = "an abstract" if valuetype.abstract else "a custom"
+            yield f"`{valuetype.scoped}` is {kind} valuetype"
+        for name in (*valuetype.bases, *valuetype.supports):
+            yield from filter(None, (self.reason(name),))
+        for member in valuetype.state:
+            yield from self._in_type(member.type)
+
+    def _in_type(self, type_: Type) -> Iterator[str]:
+        match type_:
+            case PrimitiveType(kind) if kind in _UNKNOWN:
+                yield _UNKNOWN[kind]
+            case MapType():
+                yield "IDL has no `map` before version 4"
+            case FixedType(digits=0):
+                yield "a `fixed` needs digits and scale"
+            case SequenceType(element) | ArrayType(element):
+                yield from self._in_type(element)
+            case NamedType(name):
+                yield from filter(None, (self.reason(name),))
+
+    @cached_property
+    def _with_values(self) -> frozenset[ScopedName]:
+        """The declared types in whose data valuetypes are."""
+        found = {
+            d.name
+            for d in self._model.declarations
+            if isinstance(d, Valuetype | ValueBox)
+        }
+        holders = {
+            d.name: self._held(d)
+            for d in self._model.declarations
+            if isinstance(d, Struct | Union | ExceptionDecl | Typedef)
+        }
+        size = -1
+        while size != len(found):
+            size = len(found)
+            found.update(n for n, held in holders.items() if not held.isdisjoint(found))
+        return frozenset(found)
+
+    def _held(
+        self, declaration: Struct | Union | ExceptionDecl | Typedef
+    ) -> set[ScopedName]:
+        types: list[Type]
+        match declaration:
+            case Typedef(type=type_):
+                types = [type_]
+            case Union(cases=cases):
+                types = [case.type for case in cases]
+            case _:
+                types = [member.type for member in declaration.members]
+        held = {name for type_ in types for name in self._names_in(type_)}
+        if isinstance(declaration, Struct) and declaration.base is not None:
+            held.add(declaration.base)
+        return held
+
+    def _names_in(self, type_: Type) -> set[ScopedName]:
+        match type_:
+            case SequenceType(element) | ArrayType(element):
+                return self._names_in(element)
+            case MapType(key, value):
+                return self._names_in(key) | self._names_in(value)
+            case NamedType(name):
+                return {name}
+        return set()

@@ -1,0 +1,387 @@
+"""The statements and expressions that convert values to omniORB's objects and back.
+
+What goes out is filled in field by field, in a kept object or in a new one that is made without
+its constructor; what comes in is made by constructors, from the inside out. Structs in structs are
+converted in place up to `_INLINE` fields; beyond that, and for the items of sequences, by calls.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+from rtgen.backends.openrtm.classic import Classic
+from rtgen.backends.openrtm.wire_names import WireNames, mangled
+from rtgen.backends.openrtm.wire_scope import WireScope
+from rtgen.backends.python_text import number_literal, string_literal
+from rtgen.model import (
+    ArrayType,
+    Case,
+    ConstantValue,
+    Enum,
+    EnumeratorName,
+    ExceptionDecl,
+    FixedType,
+    Interface,
+    Model,
+    NamedType,
+    Primitive,
+    PrimitiveType,
+    SequenceType,
+    Struct,
+    Type,
+    Union,
+    ValueBox,
+    Valuetype,
+)
+
+_INLINE = 48
+"""The most fields, those of inner structs included, that are converted in one function."""
+
+_BY_OCTETS = {
+    Primitive.ANY: "ANYTHING",
+    Primitive.TYPE_CODE: "TYPE_CODE",
+    Primitive.OBJECT: "OBJECT",
+}
+
+
+class _Convert(Protocol):
+    def __call__(self, type_: Type, expression: str, depth: int = 1) -> str: ...
+
+
+@dataclass(frozen=True, slots=True)
+class _Field:
+    """A member on both sides."""
+
+    ours: str
+    theirs: str
+    type: Type
+
+
+class ConversionCode:
+    """Writes conversions into one module."""
+
+    def __init__(
+        self, model: Model, names: WireNames, classic: Classic, scope: WireScope
+    ) -> None:
+        self._model = model
+        self._names = names
+        self._classic = classic
+        self._py = scope
+
+    # Structs, exceptions, unions: bodies of functions.
+
+    def fill(self, declaration: Struct | Union) -> list[str]:
+        """The body of what fills `wire` in place from `value`."""
+        if self._holds_values(declaration):
+            fresh = f"{self._py.octets(declaration)}.to(value)"
+            return [f"wire.__dict__.update({fresh}.__dict__)"]
+        if isinstance(declaration, Union):
+            return list(self._fill_union(declaration))
+        return list(self._fill_struct(declaration, "wire", "value", False, set()))
+
+    def to(self, declaration: Struct | Union | ExceptionDecl) -> list[str]:
+        """The body of what makes a wire object of `value`."""
+        if self._holds_values(declaration):
+            return [f"return {self._py.octets(declaration)}.to(value)"]
+        class_ = self._py.wire_class(declaration)
+        if isinstance(declaration, ExceptionDecl):
+            parts = (
+                self._outgoing(field.type, f"value.{field.ours}")
+                for field in self._fields(declaration)
+            )
+            return [f"return {class_}({', '.join(parts)})"]
+        lines = [f"wire = new({class_})"]
+        if isinstance(declaration, Union):
+            fill = self._py.function("fill", declaration.name)
+            return [*lines, f"{fill}(wire, value)", "return wire"]
+        lines += self._fill_struct(declaration, "wire", "value", True, set())
+        return [*lines, "return wire"]
+
+    def of(self, declaration: Struct | Union | ExceptionDecl) -> list[str]:
+        """The body of what makes a value of `wire`."""
+        ours = self._py.type(declaration.name)
+        if self._holds_values(declaration):
+            octets = self._py.octets(declaration)
+            return [f"value: {ours} = {octets}.of(wire)", "return value"]
+        if isinstance(declaration, Union):
+            return list(self._of_union(declaration))
+        lines: list[str] = []
+        made = self._made(declaration, "wire", lines, set())
+        return [*lines, f"return {made}"]
+
+    def _holds_values(self, declaration: Struct | Union | ExceptionDecl) -> bool:
+        return self._classic.holds_values(NamedType(declaration.name))
+
+    def _fields(self, declaration: Struct | ExceptionDecl) -> list[_Field]:
+        if isinstance(declaration, ExceptionDecl):
+            names = self._names.python.members(declaration)
+            return [
+                _Field(names[m.name], mangled(m.name), m.type)
+                for m in declaration.members
+            ]
+        found = []
+        for struct, place in self._classic.members(declaration):
+            member = struct.members[place]
+            name = self._names.python.members(struct)[member.name]
+            found.append(_Field(name, mangled(member.name), member.type))
+        return found
+
+    def _fill_struct(
+        self, struct: Struct, wire: str, value: str, fresh: bool, used: set[str]
+    ) -> Iterator[str]:
+        for field in self._fields(struct):
+            there, here = f"{wire}.{field.theirs}", f"{value}.{field.ours}"
+            inner = self._inner(field.type)
+            if inner is None:
+                yield self._fill_field(field.type, there, here, fresh)
+                continue
+            inner_wire = _variable(f"{wire}_{field.theirs}", used)
+            inner_value = _variable(f"{value}_{field.ours}", used)
+            made = f"{there} = new({self._py.wire_class(inner)})" if fresh else there
+            yield f"{inner_wire} = {made}"
+            yield f"{inner_value} = {here}"
+            yield from self._fill_struct(inner, inner_wire, inner_value, fresh, used)
+
+    def _fill_field(self, type_: Type, there: str, here: str, fresh: bool) -> str:
+        if not fresh:
+            plain = self._model.unalias(type_)
+            if self._is_same(plain):
+                return f"{there} = {here}"
+            struct = self._struct(plain)
+            if struct is not None:
+                return f"{self._py.function('fill', struct.name)}({there}, {here})"
+            element = self._kept_element(plain)
+            if element is not None:
+                fill = self._py.function("fill", element.name)
+                to = self._py.function("to", element.name)
+                refill = self._py.helper("refill")
+                return f"{refill}({there}, {here}, {fill}, {to})"
+        return f"{there} = {self._outgoing(type_, here)}"
+
+    def _kept_element(self, plain: Type) -> Struct | None:
+        """The struct that a list consists of whose wire objects are kept."""
+        match plain:
+            case SequenceType(element) | ArrayType(element, (_,)):
+                return self._struct(self._model.unalias(element))
+        return None
+
+    def _struct(self, plain: Type) -> Struct | None:
+        if isinstance(plain, NamedType):
+            declaration = self._model.find(plain.name)
+            if isinstance(declaration, Struct):
+                return declaration
+        return None
+
+    def _inner(self, type_: Type) -> Struct | None:
+        """The struct of a member that is converted where the member is."""
+        struct = self._struct(self._model.unalias(type_))
+        if struct is None or self._holds_values(struct):
+            return None
+        return struct if self._size(struct) <= _INLINE else None
+
+    def _size(self, struct: Struct) -> int:
+        """The number of fields, those of inner structs included, or more than `_INLINE`."""
+        size = 0
+        for field in self._fields(struct):
+            inner = self._struct(self._model.unalias(field.type))
+            size += 1 if inner is None else self._size(inner)
+            if size > _INLINE:
+                break
+        return size
+
+    def _made(
+        self,
+        declaration: Struct | ExceptionDecl,
+        wire: str,
+        lines: list[str],
+        used: set[str],
+    ) -> str:
+        """The expression that makes a value; `lines` gets what has to stand before it."""
+        parts = []
+        for field in self._fields(declaration):
+            there = f"{wire}.{field.theirs}"
+            inner = self._inner(field.type)
+            if inner is None:
+                parts.append(self._incoming(field.type, there))
+                continue
+            name = _variable(f"{wire}_{field.theirs}", used)
+            lines.append(f"{name} = {there}")
+            parts.append(self._made(inner, name, lines, used))
+        return f"{self._py.type(declaration.name)}({', '.join(parts)})"
+
+    # Unions.
+
+    def _fill_union(self, union: Union) -> Iterator[str]:
+        switch = self._outgoing(union.switch, "value.discriminator")
+        yield "state = wire.__dict__"
+        yield f'state["_d"] = {switch}'
+        any_type = self._py.helper("Any", "typing")
+        if all(self._is_immutable(self._model.unalias(c.type)) for c in union.cases):
+            yield 'state["_v"] = value.value'
+            return
+        yield f"part: {any_type} = value.value"
+        yield "match value.discriminator:"
+        yield from self._branches(union, self._outgoing)
+        yield 'state["_v"] = part'
+
+    def _of_union(self, union: Union) -> Iterator[str]:
+        ours = self._py.type(union.name)
+        switch = self._incoming(union.switch, "wire._d")
+        if all(self._is_immutable(self._model.unalias(c.type)) for c in union.cases):
+            yield f"return {ours}({switch}, wire._v)"
+            return
+        yield f"made = {switch}"
+        yield f"part: {self._py.helper('Any', 'typing')} = wire._v"
+        yield "match made:"
+        yield from self._branches(union, self._incoming)
+        yield f"return {ours}(made, part)"
+
+    def _branches(self, union: Union, convert: _Convert) -> Iterator[str]:
+        """The arms for all branches; a discriminator without one has no value."""
+        default: Case | None = None
+        for case in union.cases:
+            if case.default:
+                default = case
+                continue
+            labels = " | ".join(self._label(union, label) for label in case.labels)
+            yield f"    case {labels}:"
+            yield f"        {self._arm(case, convert)}"
+        if default is not None and not self.is_same(default.type):
+            yield "    case _:"
+            yield f"        {self._arm(default, convert)}"
+
+    def _arm(self, case: Case, convert: _Convert) -> str:
+        made = convert(case.type, "part")
+        return "pass" if made == "part" else f"part = {made}"
+
+    def _label(self, union: Union, label: ConstantValue) -> str:
+        switch = self._model.unalias(union.switch)
+        if isinstance(label, EnumeratorName) and isinstance(switch, NamedType):
+            _, member = self._names.python.enumerator(label.name)
+            return f"{self._py.type(switch.name)}.{member}"
+        if isinstance(label, bool):
+            return str(label)
+        return (
+            string_literal(label) if isinstance(label, str) else number_literal(label)  # type: ignore[arg-type]
+        )
+
+    # Expressions.
+
+    def outgoing(self, type_: Type, expression: str) -> str:
+        """An expression for the wire form of an argument or result: objects are references."""
+        interface = self._interface(type_)
+        if interface is None:
+            return self._outgoing(type_, expression)
+        return f"{self._py.function('objects', interface.name)}.to({expression})"
+
+    def incoming(self, type_: Type, expression: str) -> str:
+        """An expression for the value of an argument or result: objects are stubs."""
+        interface = self._interface(type_)
+        if interface is None:
+            return self._incoming(type_, expression)
+        return f"{self._py.function('objects', interface.name)}.of({expression})"
+
+    def is_same(self, type_: Type) -> bool:
+        """Whether an argument or result is the same object on both sides."""
+        return self._is_immutable(self._model.unalias(type_))
+
+    def _interface(self, type_: Type) -> Interface | None:
+        plain = self._model.unalias(type_)
+        if isinstance(plain, NamedType):
+            declaration = self._model.find(plain.name)
+            if isinstance(declaration, Interface):
+                return declaration
+        return None
+
+    def _outgoing(self, type_: Type, expression: str, depth: int = 1) -> str:
+        """An expression for a wire form that shares nothing with the value."""
+        plain = self._model.unalias(type_)
+        if self._is_immutable(plain):
+            return expression
+        match plain:
+            case FixedType(digits, scale):
+                to_fixed = self._py.helper("to_fixed")
+                return f"{to_fixed}({expression}, {digits}, {scale})"
+            case SequenceType() | ArrayType():
+                return self._items(plain, expression, depth, self._outgoing)
+            case NamedType(name):
+                declaration = self._model.find(name)
+                match declaration:
+                    case Enum():
+                        return f"{self._py.items(declaration)}[{expression}]"
+                    case Struct() | Union():
+                        return f"{self._py.function('to', name)}({expression})"
+        return f"{self._octets(plain)}.to({expression})"
+
+    def _incoming(self, type_: Type, expression: str, depth: int = 1) -> str:
+        """An expression for a value that shares nothing with the wire form."""
+        plain = self._model.unalias(type_)
+        if self._is_immutable(plain):
+            return expression
+        match plain:
+            case FixedType():
+                return f"{self._py.helper('from_fixed')}({expression})"
+            case SequenceType() | ArrayType():
+                return self._items(plain, expression, depth, self._incoming)
+            case NamedType(name):
+                declaration = self._model.find(name)
+                match declaration:
+                    case Enum():
+                        return f"{self._py.members(declaration)}[{expression}._v]"
+                    case Struct() | Union():
+                        return f"{self._py.function('of', name)}({expression})"
+        return f"{self._octets(plain)}.of({expression})"
+
+    def _items(
+        self,
+        type_: SequenceType | ArrayType,
+        expression: str,
+        depth: int,
+        convert: _Convert,
+    ) -> str:
+        element: Type = type_.element
+        if isinstance(type_, ArrayType) and len(type_.dimensions) > 1:
+            element = ArrayType(type_.element, type_.dimensions[1:])
+        if self._is_immutable(self._model.unalias(element)):
+            return f"list({expression})"
+        item = "item" if depth == 1 else f"item_{depth}"
+        made = convert(element, item, depth + 1)
+        return f"[{made} for {item} in {expression}]"
+
+    def _octets(self, plain: Type) -> str:
+        if isinstance(plain, PrimitiveType):
+            return self._py.helper(_BY_OCTETS[plain.kind])
+        assert isinstance(plain, NamedType)
+        declaration = self._model.find(plain.name)
+        assert isinstance(declaration, Interface | Valuetype | ValueBox)
+        return self._py.octets(declaration)
+
+    def _is_immutable(self, plain: Type) -> bool:
+        """Whether both sides have the same values, which nobody can change."""
+        match plain:
+            case PrimitiveType(kind):
+                return kind not in _BY_OCTETS
+            case FixedType():
+                return False
+            case SequenceType() | ArrayType():
+                return self._names.mapping.is_text(plain)
+            case NamedType():
+                return False
+        return True
+
+    def _is_same(self, plain: Type) -> bool:
+        """Whether omniORB marshals our value as it is: what is immutable, and lists of it."""
+        if self._is_immutable(plain):
+            return True
+        if isinstance(plain, SequenceType | ArrayType):
+            return self._is_same(self._model.unalias(plain.element))
+        return False
+
+
+def _variable(name: str, used: set[str]) -> str:
+    while name in used:
+        name += "_"
+    used.add(name)
+    return name

@@ -1,0 +1,112 @@
+"""The IDL files that omniidl compiles for a component: classic IDL, printed from the model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from functools import cached_property
+
+from rtgen.backends import Artifact
+from rtgen.backends.idl_text import idl_text
+from rtgen.backends.openrtm import rules
+from rtgen.backends.openrtm.classic import Classic
+from rtgen.backends.openrtm.plan import ComponentPlan, IdlFile, Unit
+from rtgen.backends.python_text import header, header_comment
+from rtgen.backends.rendering import render
+from rtgen.diagnostics import Diagnostic
+from rtgen.model import Component, Declaration, Home, Model, Struct
+from rtgen.model.declarations import OPAQUE
+
+
+class WireIdl:
+    """Prints the IDL files of a unit."""
+
+    def __init__(self, unit: Unit) -> None:
+        self._unit = unit
+        self._classic = Classic(unit.model)
+
+    def artifacts(self, plan: ComponentPlan) -> Iterator[Artifact]:
+        """The files of a component: its IDL but for OpenRTM's own, and what compiles it."""
+        for file in plan.own_idl_files:
+            sources = [f for f in self._unit.model.files if f.name in file.files]
+            keys = tuple(dict.fromkeys(source.key for source in sources))
+            path = f"{plan.folder}/idl/{file.stem}.idl"
+            yield Artifact(path, self.text(file), keys)
+        source = plan.source
+        pairs = [(source.key, source.sha256)]
+        version = self._unit.options.version
+        values = {
+            "name": plan.name,
+            "own": [file.stem for file in plan.own_idl_files],
+            "stock": [file.stem for file in plan.idl_files if file.stock],
+        }
+        for name, head in (
+            ("idlcompile.sh", header_comment(version, pairs)),
+            ("idlcompile.bat", header(version, pairs)),
+        ):
+            text = render(f"openrtm/{name}.j2", header=head, **values)
+            yield Artifact(f"{plan.folder}/{name}", text, (source.key,))
+
+    def findings(self, plan: ComponentPlan) -> Iterator[Diagnostic]:
+        """An error for each port whose type or interface classic IDL cannot have."""
+        data = [(port.port, port.type) for port in (*plan.in_ports, *plan.out_ports)]
+        services = [
+            (interface.port, interface.type)
+            for port in plan.service_ports
+            for interface in port.interfaces
+        ]
+        for port, type_ in (*data, *services):
+            reason = self._classic.reason(type_.name)
+            if reason and type_.annotation(OPAQUE) is None:
+                message = f"OpenRTM cannot have the port `{port.name}`: {reason}"
+                yield rules.NOT_CLASSIC.at(port.span, message)
+
+    def text(self, file: IdlFile) -> str:
+        """The text of a file, with the files included that it needs."""
+        sources = [f for f in self._unit.model.files if f.name in file.files]
+        pairs = dict.fromkeys((source.key, source.sha256) for source in sources)
+        head = "".join(
+            f"// {line}\n" for line in header(self._unit.options.version, list(pairs))
+        )
+        macro = f"RTGEN_{file.stem.upper()}_IDL"
+        includes = "".join(
+            f'#include "{needed.stem}.idl"\n' for needed in self._unit.needs(file)
+        )
+        body = idl_text(
+            self._model,
+            [d for d in self._model.declarations if d.file in file.files],
+            annotations=False,
+        )
+        parts = (
+            f"#ifndef {macro}\n#define {macro}\n",
+            includes,
+            body,
+            f"#endif // {macro}\n",
+        )
+        return head + "\n" + "\n".join(part for part in parts if part)
+
+    @cached_property
+    def _model(self) -> Model:
+        """The model without what classic IDL has not, and with the members of bases in structs."""
+        return replace(
+            self._unit.model,
+            declarations=tuple(self._classic_ones(self._unit.model.declarations)),
+        )
+
+    def _classic_ones(
+        self, declarations: Iterable[Declaration]
+    ) -> Iterator[Declaration]:
+        for declaration in declarations:
+            if isinstance(declaration, Component | Home):
+                continue
+            if self._classic.reason(declaration.name):
+                continue
+            if isinstance(declaration, Struct) and declaration.base is not None:
+                members = self._classic.members(declaration)
+                yield replace(
+                    declaration,
+                    base=None,
+                    members=tuple(struct.members[place] for struct, place in members),
+                )
+                continue
+            yield declaration

@@ -1,0 +1,104 @@
+"""The names of conversions between our values and omniORB's, as everything that uses them needs."""
+
+from __future__ import annotations
+
+import keyword
+from dataclasses import dataclass
+from functools import cached_property
+
+from rtgen.backends.openrtm.plan import Unit
+from rtgen.model import Declaration, Interface, ScopedName
+from rtgen.typemap.idl_python import PythonMapping, PythonNames
+
+CORBA_PACKAGE = "_corba"
+"""The package of the conversions, beside `_idl`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Conversions:
+    """What there is for a declared type or interface: names in a module.
+
+    `package` is the absolute name of the package that has it, `module` the implementation module
+    there, `name` the class of the type in it.
+    """
+
+    package: str
+    module: str
+    name: str
+
+    @property
+    def path(self) -> str:
+        """The absolute name of the module with the conversions."""
+        return f"{self.package}.{CORBA_PACKAGE}.{self.module}"
+
+    @property
+    def new(self) -> str:
+        """The function that makes a wire object with initial values."""
+        return f"new_{self.name}"
+
+    @property
+    def fill(self) -> str:
+        """The function that fills a wire object in place: `(wire, value)`."""
+        return f"fill_{self.name}"
+
+    @property
+    def to(self) -> str:
+        """The function that makes a new wire object of a value."""
+        return f"to_{self.name}"
+
+    @property
+    def of(self) -> str:
+        """The function that makes a value of a wire object."""
+        return f"from_{self.name}"
+
+    @property
+    def objects(self) -> str:
+        """The conversion of objects of an interface that operations take or give."""
+        return f"{self.name}Objects"
+
+    @property
+    def servant(self) -> str:
+        """The class that serves an interface to omniORB: made with a servant of ours."""
+        return f"{self.name}Servant"
+
+    @property
+    def stub(self) -> str:
+        """The class that calls an omniORB object: made with a function that gives it, or None."""
+        return f"{self.name}Stub"
+
+
+class WireNames:
+    """The names of a unit's types on our side and on omniORB's."""
+
+    def __init__(self, unit: Unit) -> None:
+        self._unit = unit
+        self.python = PythonNames(unit.model, unit.options.package)
+        self.mapping = PythonMapping(unit.model, ".".join)
+
+    def conversions(self, declaration: Declaration) -> Conversions:
+        """Where the conversions of a struct, union, exception or interface are."""
+        path, name = self.python.implementation(declaration.name)
+        package = self._unit.package_of(declaration.file)
+        return Conversions(package, path.removeprefix("_idl."), name)
+
+    def stub_path(self, name: ScopedName) -> str:
+        """A declared type in omniidl's packages: `IIS.TimedPose2D`, `_GlobalIDL.RefHard`."""
+        scope = () if name[:1] in self._modules else ("_GlobalIDL",)
+        return ".".join(map(mangled, (*scope, *name)))
+
+    def skeleton_path(self, interface: Interface) -> str:
+        """The class that a servant derives from: `_GlobalIDL__POA.RefHard`."""
+        package, _, rest = self.stub_path(interface.name).partition(".")
+        return f"{package}__POA.{rest}"
+
+    @cached_property
+    def _modules(self) -> frozenset[ScopedName]:
+        declarations = self._unit.model.declarations
+        declared = {d.name for d in declarations}
+        first = {d.name[:1] for d in declarations if len(d.name) > 1}
+        return frozenset(first - declared)
+
+
+def mangled(name: str) -> str:
+    """How omniidl writes an identifier in Python: keywords get an underscore in front."""
+    return f"_{name}" if keyword.iskeyword(name) else name

@@ -1,0 +1,144 @@
+"""The names of one module of conversions: what it imports, and what it looks up when imported."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from rtgen.backends.openrtm.plan import Unit
+from rtgen.backends.openrtm.wire_names import CORBA_PACKAGE, WireNames
+from rtgen.backends.python_text import string_literal
+from rtgen.model import Declaration, Enum, ScopedName
+from rtgen.typemap.python_names import identifier
+
+WIRE = "rtgen.runtime.openrtm.wire"
+"""The module of the runtime that conversions use."""
+
+_VARIABLES = ("value", "wire", "item", "part", "state", "made", "error", "result")
+"""What names of variables in the functions begin with."""
+
+
+class WireScope:
+    """Hands out names, and remembers what has to stand at the top of the module for them.
+
+    `defined` are the names that the module defines itself, `parameters` those that variables of
+    its functions have.
+    """
+
+    def __init__(
+        self,
+        unit: Unit,
+        names: WireNames,
+        module: str,
+        defined: Iterable[str],
+        parameters: Iterable[str],
+    ) -> None:
+        self.defined = frozenset(defined)
+        self._unit = unit
+        self._names = names
+        self._module = module
+        self._taken = {*self.defined, *parameters}
+        self._imports: dict[tuple[str, str], str] = {}
+        self._constants: dict[tuple[str, ScopedName], tuple[str, str]] = {}
+
+    # What is imported.
+
+    def helper(self, name: str, module: str = WIRE) -> str:
+        """A name of the runtime or of the standard library."""
+        return self._imported(module, name)
+
+    def spell(self, module: str, name: str) -> str:
+        """The same as the mapping table asks for it; builtins have no module."""
+        return self._imported(module, name) if module else name
+
+    def type(self, name: ScopedName) -> str:
+        """Our class of a declared type or interface: `extended_data_types.Point2D`."""
+        known = self._names.conversions(self._unit.model.find(name))
+        home = self._relative(known.package, "_idl")
+        return f"{self._imported(home, known.module)}.{known.name}"
+
+    def function(self, kind: str, name: ScopedName) -> str:
+        """A conversion of a declared type: `kind` is an attribute of `Conversions`."""
+        known = self._names.conversions(self._unit.model.find(name))
+        function: str = getattr(known, kind)
+        if known.package == self._unit.options.package and known.module == self._module:
+            return function
+        home = self._relative(known.package, CORBA_PACKAGE)
+        joint = "" if home.endswith(".") else "."
+        return self._imported(f"{home}{joint}{known.module}", function)
+
+    def _relative(self, package: str, inner: str) -> str:
+        """A package of rtgen's as this module writes it."""
+        if package != self._unit.options.package:
+            return f"{package}.{inner}"
+        return "." if inner == CORBA_PACKAGE else f"..{inner}"
+
+    def _imported(self, module: str, name: str) -> str:
+        key = module, name
+        if key not in self._imports:
+            self._imports[key] = self._free(name)
+        return self._imports[key]
+
+    # What is looked up at import.
+
+    def wire_class(self, declaration: Declaration) -> str:
+        """omniORB's class of a struct, union or exception: `_Point2D`."""
+        made = f"{self.helper('class_of')}({self._id(declaration)})"
+        return self._constant(declaration, "", made)
+
+    def items(self, enum: Enum) -> str:
+        """omniORB's enumerators of an enum, by number."""
+        made = f"{self.helper('items_of')}({self._id(enum)})"
+        return self._constant(enum, "_items", made)
+
+    def members(self, enum: Enum) -> str:
+        """Our enumerators of an enum, by number."""
+        made = f"tuple({self.type(enum.name)})"
+        return self._constant(enum, "_members", made)
+
+    def octets(self, declaration: Declaration) -> str:
+        """The conversion of a declared type by way of CDR."""
+        ours = f"{self.type(declaration.name)}._descriptor_"
+        made = f"{self.helper('Octets')}({ours}, {self._id(declaration)})"
+        return self._constant(declaration, "_octets", made)
+
+    def _id(self, declaration: Declaration) -> str:
+        return string_literal(declaration.repository_id)
+
+    def _constant(self, declaration: Declaration, suffix: str, made: str) -> str:
+        key = suffix, declaration.name
+        if key not in self._constants:
+            known = self._names.conversions(declaration)
+            self._constants[key] = self._free(f"_{known.name}{suffix}"), made
+        return self._constants[key][0]
+
+    def _free(self, name: str) -> str:
+        name = identifier(name)
+        while name in self._taken or name.startswith(_VARIABLES):
+            name = f"{name}_" if name in self._taken else f"_{name}"
+        self._taken.add(name)
+        return name
+
+    def constant_lines(self) -> list[str]:
+        """The statements for what is looked up."""
+        return [f"{name} = {made}" for name, made in self._constants.values()]
+
+    def import_lines(self) -> list[list[str]]:
+        """The import statements: standard library, runtime, own packages."""
+        modules: dict[str, list[str]] = {}
+        for (module, name), local in sorted(self._imports.items()):
+            text = name if name == local else f"{name} as {local}"
+            modules.setdefault(module, []).append(text)
+        blocks: list[list[str]] = [[], [], []]
+        for module, names in modules.items():
+            own = module.startswith(".") or f".{CORBA_PACKAGE}" in module
+            own |= module.endswith("._idl")
+            rank = 2 if own else 1 if module.startswith("rtgen.") else 0
+            names.sort(key=_order)
+            blocks[rank].append(f"from {module} import {', '.join(names)}")
+        return [block for block in blocks if block]
+
+
+def _order(name: str) -> tuple[int, str]:
+    """Constants, classes, functions, as isort has them."""
+    bare = name.partition(" ")[0]
+    return (0 if bare.isupper() else 1 if bare[0].isupper() else 2, name)

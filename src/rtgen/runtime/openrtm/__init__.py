@@ -1,0 +1,1 @@
+"""What generated modules for OpenRTM-aist-Python use; it needs omniORBpy."""

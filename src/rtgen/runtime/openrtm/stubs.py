@@ -1,0 +1,46 @@
+"""Stubs that omniidl made, for types that OpenRTM may have as well."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+
+from rtgen.runtime.errors import RtcError
+
+SCRIPT = "idlcompile.sh"
+"""What makes the stubs of a component, in its folder."""
+
+
+class StubsMissingError(RtcError):
+    """omniidl's stubs are not there, or lack a type."""
+
+    def __init__(self, missing: str) -> None:
+        super().__init__(
+            f"there is no stub of {missing}; run {SCRIPT} in the component's folder"
+        )
+
+
+def load(folder: Path | str, stems: Iterable[str]) -> None:
+    """Imports the stubs of the IDL files with these stems, each after what it includes.
+
+    OpenRTM comes first, where it is installed, and the folder is the last of `sys.path`: an IDL
+    file may reopen the module RTC, or have interfaces outside of modules, and then there is a
+    package `RTC` or `_GlobalIDL` in the folder, which must not stand for OpenRTM's. Raises
+    StubsMissingError.
+    """
+    if find_spec("OpenRTM_aist") is not None:
+        import_module("OpenRTM_aist")
+    path = str(Path(folder).resolve())
+    if path not in sys.path:
+        sys.path.append(path)
+    for stem in stems:
+        name = f"{stem}_idl"
+        try:
+            import_module(name)
+        except ModuleNotFoundError as error:
+            if error.name != name:
+                raise
+            raise StubsMissingError(f"{stem}.idl in {path}") from error

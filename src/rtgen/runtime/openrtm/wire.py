@@ -1,0 +1,170 @@
+"""What generated conversions use: omniORB's classes of types, and those that are no plain data.
+
+The classes are looked up by repository id in what the stubs told omniORB, so it does not matter
+in which package they are, nor what it is called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from decimal import Decimal
+from typing import Any, TypeAlias
+
+import omniORB
+from omniORB import CORBA, tcInternal
+
+from rtgen.runtime.cdr_faults import decoded, encoded
+from rtgen.runtime.descriptors import ANY, Descriptor, PrimitiveDescriptor
+from rtgen.runtime.openrtm.stubs import StubsMissingError
+from rtgen.runtime.services import (
+    BadOperation,
+    MarshalError,
+    ObjectNotExist,
+    ServiceError,
+    UnknownException,
+)
+
+Reference: TypeAlias = Callable[[], Any]
+"""Gives the omniORB object that a stub calls, or None where there is none (yet)."""
+
+
+def class_of(repository_id: str) -> Any:
+    """omniORB's class of a struct, union or exception. Raises StubsMissingError."""
+    return _described(repository_id)[1]
+
+
+def items_of(repository_id: str) -> tuple[Any, ...]:
+    """omniORB's enumerators of an enum, by number. Raises StubsMissingError."""
+    items: tuple[Any, ...] = _described(repository_id)[3]
+    return items
+
+
+def _described(repository_id: str) -> Any:
+    found = omniORB.findType(repository_id)
+    while found is not None and found[0] == tcInternal.tv__indirect:
+        found = found[1][0]
+    if not isinstance(found, tuple):
+        raise StubsMissingError(repository_id)
+    return found
+
+
+def refill(
+    wires: list[Any],
+    values: Sequence[Any],
+    fill: Callable[[Any, Any], None],
+    to: Callable[[Any], Any],
+) -> None:
+    """Makes the list of wire objects that of the values, keeping those that it has."""
+    del wires[len(values) :]
+    for wire, value in zip(wires, values, strict=False):
+        fill(wire, value)
+    for value in values[len(wires) :]:
+        wires.append(to(value))
+
+
+def to_fixed(value: Decimal, digits: int, scale: int) -> Any:
+    """A fixed-point number. Raises CORBA.DATA_CONVERSION for one out of range."""
+    return omniORB.fixed(digits, scale, f"{value:f}")
+
+
+def from_fixed(wire: Any) -> Decimal:
+    """The number that omniORB's stands for."""
+    return Decimal(str(wire))
+
+
+class Octets:
+    """Conversion by way of CDR, for what refers to types or objects: `any`, values, references.
+
+    `code` is a type code of omniORB, or the repository id of a type in the stubs.
+    """
+
+    def __init__(self, descriptor: Descriptor, code: Any) -> None:
+        self._descriptor = descriptor
+        self._code = omniORB.findTypeCode(code) if isinstance(code, str) else code
+        if self._code is None:
+            raise StubsMissingError(code)
+
+    def to(self, value: Any) -> Any:
+        """The wire object of a value. Raises CdrError or a CORBA system exception."""
+        octets = encoded(self._descriptor, value, True)
+        return omniORB.cdrUnmarshal(self._code, octets, 1)
+
+    def of(self, wire: Any) -> Any:
+        """The value of a wire object. Raises CdrError or a CORBA system exception."""
+        octets = omniORB.cdrMarshal(self._code, wire, 1)
+        return decoded(self._descriptor, octets, True)
+
+
+ANYTHING = Octets(ANY, CORBA.TC_any)
+TYPE_CODE = Octets(PrimitiveDescriptor("CORBA::TypeCode"), CORBA.TC_TypeCode)
+OBJECT = Octets(PrimitiveDescriptor("Object"), CORBA.TC_Object)
+"""Conversions of the basic types that are no plain data."""
+
+
+class Objects:
+    """Conversion of the objects of an interface that operations take or give.
+
+    `servant` is the generated class that serves one of ours to omniORB, `stub` the one that calls
+    one of omniORB's. An object that was handed out once stays there until the process ends.
+    """
+
+    def __init__(self, repository_id: str, servant: type[Any], stub: type[Any]) -> None:
+        skeleton = omniORB.skeletonMapping.get(repository_id)
+        if skeleton is None:
+            raise StubsMissingError(repository_id)
+        self._class = type(servant.__name__, (servant, skeleton), {})
+        self._stub = stub
+        self._served: dict[int, tuple[Any, Any]] = {}
+
+    def to(self, value: Any) -> Any:
+        """The omniORB reference to an object; None for none."""
+        if value is None:
+            return None
+        if isinstance(value, self._stub):
+            return value._reference()
+        if id(value) not in self._served:
+            self._served[id(value)] = value, self._class(value)._this()
+        return self._served[id(value)][1]
+
+    def of(self, wire: Any) -> Any:
+        """A stub for an omniORB reference; None for none."""
+        return None if wire is None else self._stub(lambda: wire)
+
+
+_NONE: Mapping[type[Any], Callable[[Any], Exception]] = {}
+
+
+def called(reference: Reference) -> Any:
+    """The object to call. Raises ObjectNotExist where there is none."""
+    found = reference()
+    if found is None:
+        raise ObjectNotExist("no provider is connected")
+    return found
+
+
+def raised(
+    error: Exception, declared: Mapping[type[Any], Callable[[Any], Exception]] = _NONE
+) -> Exception:
+    """What a call through a stub raises for what omniORB raised.
+
+    `declared` are the exceptions of the operation. What is none of CORBA's is raised as it is.
+    """
+    convert = declared.get(type(error))
+    if convert is not None:
+        return convert(error)
+    if not isinstance(error, CORBA.SystemException):
+        raise error
+    kind = _SYSTEM.get(type(error), ServiceError)
+    return kind(f"{type(error).__name__}: {error}")
+
+
+_SYSTEM: dict[type[Any], type[ServiceError]] = {
+    CORBA.OBJECT_NOT_EXIST: ObjectNotExist,
+    CORBA.INV_OBJREF: ObjectNotExist,
+    CORBA.UNKNOWN: UnknownException,
+    CORBA.BAD_OPERATION: BadOperation,
+    CORBA.NO_IMPLEMENT: BadOperation,
+    CORBA.BAD_PARAM: MarshalError,
+    CORBA.DATA_CONVERSION: MarshalError,
+    CORBA.MARSHAL: MarshalError,
+}

@@ -1,0 +1,207 @@
+"""Generated conversions at work in this process, beside omniORBpy's own marshalling."""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import middleware
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "interop"))
+
+import samples
+from padding import masked, padding
+
+from rtgen.backends import Options
+from rtgen.backends.openrtm.conversions import conversions
+from rtgen.backends.openrtm.plan import Unit
+from rtgen.backends.openrtm.wire_idl import WireIdl
+from rtgen.backends.types import BACKEND
+from rtgen.diagnostics import has_errors
+from rtgen.frontends.idl import load
+from rtgen.runtime.cdr_faults import encoded
+from rtgen.runtime.descriptors import (
+    ArrayDescriptor,
+    Descriptor,
+    ExceptionDescriptor,
+    LinkDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    plain,
+)
+from rtgen.runtime.openrtm import stubs
+
+__all__ = ["Kind", "Wires", "agree", "samples", "wired", "wired_text"]
+
+_numbers = itertools.count()
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A type with conversions: our class, and the module and suffix of the functions."""
+
+    type: type[Any]
+    module: ModuleType
+
+    @property
+    def descriptor(self) -> Any:
+        return self.type._descriptor_
+
+    @property
+    def is_exception(self) -> bool:
+        return isinstance(self.descriptor, ExceptionDescriptor)
+
+    def __getattr__(self, name: str) -> Any:
+        """`new`, `fill`, `to` or `of`."""
+        word = {"of": "from"}.get(name, name)
+        return getattr(self.module, f"{word}_{self.type.__name__}")
+
+    @property
+    def code(self) -> Any:
+        """omniORB's type code."""
+        omniorb = importlib.import_module("omniORB")
+        return omniorb.findTypeCode(self.descriptor.repository_id)
+
+
+class Wires:
+    """A generated package with its conversions, imported."""
+
+    def __init__(self, package: str) -> None:
+        self.package = package
+        self.folder = Path(str(importlib.import_module(package).__file__)).parent
+        self.types: dict[str, type[Any]] = {}
+        self.kinds: list[Kind] = []
+        for file in sorted((self.folder / "_corba").glob("[a-z]*.py")):
+            types = importlib.import_module(f"{package}._idl.{file.stem}")
+            module = importlib.import_module(f"{package}._corba.{file.stem}")
+            for type_ in _declared(types):
+                self.types[type_._descriptor_.repository_id] = type_
+                if hasattr(module, f"to_{type_.__name__}"):
+                    self.kinds.append(Kind(type_, module))
+
+    def kind(self, scoped: str) -> Kind:
+        """The type of that name."""
+        return next(k for k in self.kinds if k.descriptor.name == scoped)
+
+    def module(self, name: str) -> Any:
+        """A module of conversions."""
+        return importlib.import_module(f"{self.package}._corba.{name}")
+
+    def declared(self, name: str) -> Any:
+        """A module of types and interfaces."""
+        return importlib.import_module(f"{self.package}._idl.{name}")
+
+
+def _declared(module: ModuleType) -> Iterator[type[Any]]:
+    for value in vars(module).values():
+        own = isinstance(value, type) and value.__module__ == module.__name__
+        if own and hasattr(value, "_descriptor_"):
+            yield value
+
+
+def emit(folder: Path, paths: Sequence[Path]) -> Unit:
+    """A package `wired_<number>` and a folder `idl` of what the back end makes of IDL files."""
+    result = load(paths, root=paths[0].parent)
+    assert not has_errors(result.diagnostics), result.diagnostics
+    options = Options(f"wired_{next(_numbers)}", "skeletons", "0.0.0", "openrtm")
+    unit = Unit(result.model, options)
+    emission = BACKEND.emit(result.model, options)
+    assert not emission.diagnostics
+    for artifact in (*emission.artifacts, *conversions(unit)):
+        path = folder / artifact.path
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(artifact.text, encoding="utf-8")
+    idl = WireIdl(unit)
+    for file in unit.idl_files:
+        path = folder / "idl" / f"{file.stem}.idl"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(idl.text(file), encoding="utf-8")
+    return unit
+
+
+def wired(folder: Path, paths: Sequence[Path]) -> Wires:
+    """The same, compiled by omniidl and imported."""
+    unit = emit(folder, paths)
+    made = folder / "stubs"
+    made.mkdir()
+    files = [folder / "idl" / f"{file.stem}.idl" for file in unit.idl_files]
+    middleware.compile_idl(made, files, [folder / "idl"])
+    stubs.load(made, [file.stem for file in unit.idl_files])
+    return imported(folder, unit.options.package)
+
+
+def wired_text(folder: Path, text: str, stem: str) -> Wires:
+    """The same for one IDL text; `stem` is a name that no other test has."""
+    path = folder / f"{stem}.idl"
+    path.write_text(text, encoding="utf-8")
+    return wired(folder, [path])
+
+
+def imported(folder: Path, package: str) -> Wires:
+    """A package in a folder, whose stubs are loaded."""
+    sys.path.insert(0, str(folder))
+    try:
+        importlib.invalidate_caches()
+        return Wires(package)
+    finally:
+        sys.path.remove(str(folder))
+
+
+def marshalled(kind: Kind, wire: Any, little_endian: bool = True) -> bytes:
+    """omniORB's octets; of an exception without the repository id in front."""
+    omniorb = importlib.import_module("omniORB")
+    octets: bytes = omniorb.cdrMarshal(kind.code, wire, int(little_endian))
+    return octets
+
+
+def agree(kind: Kind, value: Any, kept: Any, little_endian: bool) -> None:
+    """A value is the same on both sides, in octets and as an object, by every conversion.
+
+    `kept` is a wire object that earlier values were filled into.
+    """
+    omniorb = importlib.import_module("omniORB")
+    octets = value.to_cdr(little_endian)
+    new = kind.to(value)
+    sent = marshalled(kind, new, little_endian)
+    if kind.is_exception:
+        assert sent.endswith(octets[-1:])
+        assert kind.of(new).to_cdr() == value.to_cdr()
+        return
+    places = padding(kind.descriptor, octets, little_endian)
+    assert masked(sent, places) == octets
+    kind.fill(kept, value)
+    assert masked(marshalled(kind, kept, little_endian), places) == octets
+    assert kind.of(new) == value
+    assert kind.of(kept) == value
+    if not holds(kind.descriptor, "wchar"):
+        back = omniorb.cdrUnmarshal(kind.code, octets, int(little_endian))
+        assert kind.of(back) == value
+
+
+def holds(descriptor: Descriptor, primitive: str, depth: int = 0) -> bool:
+    """Whether a type has such a part; omniORBpy 4.3.3 cannot read a wchar that it wrote."""
+    if isinstance(descriptor, LinkDescriptor) and depth > 2:
+        return False
+    match plain(descriptor):
+        case StructDescriptor(members=fields) | ExceptionDescriptor(members=fields):
+            return any(holds(m.type, primitive, depth + 1) for m in fields)
+        case UnionDescriptor() as union:
+            parts = [union.switch, *(branch.type for branch in union.branches)]
+            return any(holds(part, primitive, depth + 1) for part in parts)
+        case SequenceDescriptor(element) | ArrayDescriptor(element):
+            return holds(element, primitive, depth + 1)
+    return plain(descriptor) == PrimitiveDescriptor(primitive)
+
+
+def type_code_octets(descriptor: Descriptor) -> bytes:
+    """A type code of ours."""
+    return encoded(PrimitiveDescriptor("CORBA::TypeCode"), descriptor, True)
