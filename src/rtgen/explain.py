@@ -13,6 +13,7 @@ MODULES = (
     "rtgen.backends.canopen.rules",
     "rtgen.backends.components.rules",
     "rtgen.backends.openrtm.rules",
+    "rtgen.backends.openrtm.system_rules",
     "rtgen.backends.tecs.rules",
     "rtgen.backends.types.rules",
     "rtgen.frontends.bus.rules",

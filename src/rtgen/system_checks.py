@@ -47,6 +47,12 @@ UNKNOWN_PORT = Rule(
 `rts:portName` of a connector's end names no port that the component's definition has: no data port
 for a data connector, no service port for a service connector. The prefix `<Instance>.` may stand
 there once.
+
+A component's behaviour may make ports of its own, of which the definition knows nothing. Say so:
+
+```xml
+<rtsExt:Properties rtsExt:name="rtgen.own_port" rtsExt:value="Board0.voltage"/>
+```
 """,
 )
 
@@ -131,6 +137,8 @@ def check(system: System, known: Mapping[str, Known]) -> list[Diagnostic]:
         found += _component(c, known)
     ends = {c.instance: known[c.type] for c in system.components if c.type in known}
     for connection in system.connections:
+        if connector_properties.OWN_PORT in dict(connection.properties):
+            continue
         if {connection.source.instance, connection.target.instance} <= ends.keys():
             joined = _service if connection.service else _data
             found += joined(connection, ends)
@@ -149,10 +157,12 @@ def check_properties(system: System) -> Iterator[Diagnostic]:
     """The findings about connectors that need no definitions."""
     for connection in system.connections:
         table = connector_properties.table(service=connection.service)
-        for key, text in connection.properties:
-            if connection.service and connector_properties.is_pair(key):
+        for written, text in connection.properties:
+            key = written.removeprefix(connector_properties.OVERRIDE)
+            is_pair = connection.service and connector_properties.is_pair(key)
+            if is_pair or key == connector_properties.OWN_PORT:
                 continue
-            span = connection.places.get(key, connection.span)
+            span = connection.places.get(written, connection.span)
             value = table.get(key)
             if value is None:
                 yield from _unknown_property(key, table, span)

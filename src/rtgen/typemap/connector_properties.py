@@ -7,6 +7,13 @@ from collections.abc import Callable, Mapping
 from math import isfinite
 
 SUBSCRIPTIONS = ("flush", "new", "periodic")
+OWN_PORT = "rtgen.own_port"
+"""rtgen's property of a connector with an end, `INSTANCE.PORT`, that no definition has: a behaviour
+makes the port itself."""
+
+OVERRIDE = "rtgen.openrtm."
+"""What stands before a property that is meant for the target openrtm alone."""
+
 STRICTNESS = "port.connection.strictness"
 
 _ENDS = ("", "inport.", "outport.")

@@ -9,6 +9,7 @@ from rtgen.backends.components.checks import check
 from rtgen.backends.openrtm import rules
 from rtgen.backends.openrtm.conversions import conversions
 from rtgen.backends.openrtm.plan import ROOT, ComponentPlan, Unit, plans
+from rtgen.backends.openrtm.systems import system_artifacts
 from rtgen.backends.openrtm.wire_idl import WireIdl
 from rtgen.backends.tecs.backend import rtc_packages
 from rtgen.diagnostics import has_errors
@@ -45,14 +46,18 @@ class OpenRtmBackend:
         for plan in planned:
             artifacts += _of_component(plan)
             artifacts += idl[plan.unit.options.package].artifacts(plan)
+        systems, found = system_artifacts(model.systems, planned, options.version)
+        findings += found
+        artifacts += systems
         return Emission(artifacts, findings)
 
 
 BACKEND = OpenRtmBackend()
 
 _IGNORED = """\
-# Made where the modules run: stubs by idlcompile.sh, logs by managers.
+# Made where the modules run: stubs by idlcompile.sh, run by start.sh, logs by managers.
 stubs/
+run/
 *.log
 """
 

@@ -1,1 +1,1 @@
-"""What generated modules for OpenRTM-aist-Python use; it needs omniORBpy."""
+"""What modules and systems on OpenRTM-aist-Python share; it needs omniORBpy."""

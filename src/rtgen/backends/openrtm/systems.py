@@ -1,0 +1,426 @@
+"""Systems for OpenRTM: scripts that start, connect and stop one, its RtsProfile, its conf files."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+
+from rtgen.backends import Artifact
+from rtgen.backends.openrtm import system_rules as rules
+from rtgen.backends.openrtm.plan import (
+    ROOT,
+    ComponentPlan,
+    openrtm_port_name,
+    openrtm_port_names,
+)
+from rtgen.backends.python_text import (
+    comment_text,
+    fit,
+    header,
+    number_literal,
+    string_literal,
+)
+from rtgen.backends.rendering import render
+from rtgen.backends.rts_profile import InstancePorts, system_text
+from rtgen.diagnostics import Diagnostic, Span
+from rtgen.model import (
+    Activation,
+    Connection,
+    PortKind,
+    PortReference,
+    System,
+    SystemComponent,
+)
+from rtgen.model.system_links import (
+    Known,
+    Pair,
+    interface_key,
+    interfaces,
+    service_pairs,
+)
+from rtgen.typemap.connector_properties import (
+    OVERRIDE,
+    OWN_PORT,
+    STRICTNESS,
+    is_foreign,
+)
+from rtgen.typemap.parameters import Parameters
+
+PER_CYCLE = "rtgen.openrtm.per_cycle"
+"""The property of a system that lists the parameters meant for one execution."""
+
+_DEFAULTS = {
+    "dataport.dataflow_type": "push",
+    "dataport.interface_type": "corba_cdr",
+    "dataport.subscription_type": "flush",
+    "dataport.publisher.push_policy": "new",
+    "dataport.serializer.cdr.endian": "little,big",
+    "dataport.buffer.length": "8",
+    "dataport.buffer.write.full_policy": "overwrite",
+    "dataport.buffer.write.timeout": "1.0",
+    "dataport.buffer.read.empty_policy": "readback",
+    "dataport.buffer.read.timeout": "1.0",
+}
+"""All is stated: what one connection of a port says can leak into a later one that does not."""
+
+_STEM = re.compile(r"[^/\\:\x00-\x1f]+")
+_PLAIN = re.compile(r"[^\s\\](?:[^\r\n\\]*[^\s\\])?")
+"""What a .conf file holds as it is written; other values come from connect.py alone."""
+
+_CONF_LINE = re.compile(
+    r"\s*conf\.(?P<set>[^.\s]+)\.(?P<name>[^:=\s]+)\s*[:=](?P<text>.*)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class _Instance:
+    """A component of a system and its plan; `per_cycle` are values by parameter."""
+
+    component: SystemComponent
+    plan: ComponentPlan
+    per_cycle: Mapping[str, float]
+
+    @property
+    def rate(self) -> float:
+        return self.component.rate or self.plan.component.rate
+
+
+def system_artifacts(
+    systems: Sequence[System], plans: Iterable[ComponentPlan], version: str
+) -> tuple[list[Artifact], list[Diagnostic]]:
+    """The folders of all systems, and what is wrong with them for OpenRTM alone.
+
+    Systems have no errors: their components, ports and types are there.
+    """
+    by_type = {plan.name: plan for plan in plans}
+    folders = {
+        plan.name.casefold(): f"component {plan.name}" for plan in by_type.values()
+    }
+    made: list[Artifact] = []
+    findings: list[Diagnostic] = []
+    for system in systems:
+        name = folder_name(system)
+        taken = folders.setdefault(name.casefold(), f"system {system.file}")
+        if taken != f"system {system.file}":
+            message = f"the {taken} has the folder `{ROOT}/{name}` already"
+            span = Span(system.file, 1, 1, 1, 2)
+            findings.append(
+                rules.SYSTEM_FOLDER.at(span, message, hint="rename the file")
+            )
+            continue
+        writer = _Writer(system, name, by_type, version)
+        findings += writer.findings
+        made += writer.artifacts()
+    return made, findings
+
+
+def folder_name(system: System) -> str:
+    """The folder of a system: the stem of its file, or of its folder for `system.xml`."""
+    parts = system.key.split("/")
+    stem = parts[-1].rpartition(".")[0]
+    if stem == "system" and len(parts) > 1:
+        stem = parts[-2]
+    return stem if _STEM.fullmatch(stem) else "system"
+
+
+class _Writer:
+    """Makes the files of one system."""
+
+    def __init__(
+        self,
+        system: System,
+        name: str,
+        plans: Mapping[str, ComponentPlan],
+        version: str,
+    ) -> None:
+        self.findings: list[Diagnostic] = []
+        self._name = name
+        self._folder = f"{ROOT}/{name}"
+        self._version = version
+        self._plans = {c.instance: plans[c.type] for c in system.components}
+        self._ends = {
+            instance: Known(plan.component, plan.unit.model)
+            for instance, plan in self._plans.items()
+        }
+        self._pairs: dict[int, list[Pair]] = {}
+        self._connections = [
+            self._connection(c) for c in system.connections if self._is_possible(c)
+        ]
+        self._system = replace(
+            system,
+            connections=tuple(self._connections),
+            activation=self._activation(system),
+        )
+        per_cycle = self._per_cycle(plans)
+        self._instances = {
+            c.instance: _Instance(c, plans[c.type], per_cycle.get(c.instance, {}))
+            for c in system.components
+        }
+
+    def artifacts(self) -> Iterator[Artifact]:
+        """All files."""
+        yield self._artifact("start.sh", self._script("start.sh.j2"))
+        yield self._artifact("connect.py", self._connect_script())
+        yield self._artifact("stop.sh", self._script("stop.sh.j2"))
+        yield self._artifact(f"{self._name}.xml", self._profile())
+        for instance in self._instances.values():
+            yield self._artifact(
+                f"{instance.component.instance}.conf", self._conf(instance)
+            )
+
+    def _artifact(self, name: str, text: str) -> Artifact:
+        return Artifact(f"{self._folder}/{name}", text, (self._system.key,))
+
+    def _header(self) -> tuple[str, ...]:
+        return header(self._version, [(self._system.key, self._system.sha256)])
+
+    # Connections.
+
+    def _is_possible(self, connection: Connection) -> bool:
+        own = dict(connection.properties).get(OWN_PORT)
+        if own is not None:
+            message = (
+                f"the connector is left out: {own} is a port of the behaviour's own"
+            )
+            self.findings.append(rules.OWN_PORT.at(connection.span, message))
+        return own is None
+
+    def _connection(self, connection: Connection) -> Connection:
+        """The connection as OpenRTM wants it: its names of the ports, all properties stated."""
+        source: PortKind | None = None
+        target: PortKind | None = None
+        given = {k: t for k, t in connection.properties if not is_foreign(k)}
+        if connection.service:
+            pairs, lonely = service_pairs(connection, self._ends)
+            for end, consumer in lonely:
+                message = (
+                    f"{end}: its consumer of {consumer.type} would find no provider"
+                )
+                found = rules.LONELY_CONSUMER.at(end.span or connection.span, message)
+                self.findings.append(found)
+            self._pairs[id(connection)] = pairs
+            properties = {
+                STRICTNESS: "best_effort" if lonely else "strict",
+                **{
+                    interface_key(self._renamed(p.consumer_end, None), p.consumer): (
+                        interface_key(self._renamed(p.provider_end, None), p.provider)
+                    )
+                    for p in pairs
+                },
+            }
+        else:
+            own = {
+                key.removeprefix(OVERRIDE): text
+                for key, text in connection.properties
+                if key.startswith(OVERRIDE)
+            }
+            properties = {**_DEFAULTS, **given, **own}
+            properties["dataport.data_type"] = self._data_type(connection.source)
+            source, target = PortKind.OUTPORT, PortKind.INPORT
+        return replace(
+            connection,
+            source=self._renamed(connection.source, source),
+            target=self._renamed(connection.target, target),
+            properties=tuple(properties.items()),
+        )
+
+    def _renamed(self, end: PortReference, kind: PortKind | None) -> PortReference:
+        """The end by OpenRTM's name of its port; `kind` None for a service port."""
+        component = self._ends[end.instance].component
+        ports = (
+            interfaces(end, self._ends)
+            if kind is None
+            else [p for p in component.ports if p.kind is kind and p.name == end.port]
+        )
+        return replace(end, port=openrtm_port_name(component, ports[0]))
+
+    def _data_type(self, end: PortReference) -> str:
+        ports = self._plans[end.instance].out_ports
+        return next(p.type.repository_id for p in ports if p.port.name == end.port)
+
+    # Order and rates.
+
+    def _activation(self, system: System) -> tuple[Activation, ...]:
+        """The order of the system, but providers before those that call them."""
+        needs: dict[str, set[str]] = {c.instance: set() for c in system.components}
+        for pairs in self._pairs.values():
+            for pair in pairs:
+                needs[pair.consumer_end.instance].add(pair.provider_end.instance)
+        told = {step.instance: step for step in system.activation}
+        waiting = list(told)
+        ordered: list[Activation] = []
+        while waiting:
+            pending = set(waiting)
+            # Components that call each other in a ring go by the system's order.
+            ready = next(
+                (i for i in waiting if not needs[i] & (pending - {i})), waiting[0]
+            )
+            waiting.remove(ready)
+            step = told[ready]
+            before = {step.instance for step in ordered}
+            after = (*step.after, *sorted(needs[ready] - {ready}))
+            ordered.append(
+                replace(
+                    step,
+                    sequence=len(ordered) + 1,
+                    after=tuple(i for i in dict.fromkeys(after) if i in before),
+                )
+            )
+        return tuple(ordered)
+
+    def _per_cycle(
+        self, plans: Mapping[str, ComponentPlan]
+    ) -> dict[str, dict[str, float]]:
+        """The parameters that the system lists, with the values that they have in it."""
+        listed = dict(self._system.properties).get(PER_CYCLE, "")
+        components = {c.instance: c for c in self._system.components}
+        found: dict[str, dict[str, float]] = {}
+        for entry in filter(None, map(str.strip, listed.split(","))):
+            instance, _, name = entry.partition(".")
+            c = components.get(instance)
+            value = None if c is None else _value(c, plans[c.type], name)
+            if value is None:
+                message = f"`{PER_CYCLE}`: {entry} is no parameter with a number"
+                span = Span(self._system.file, 1, 1, 1, 2)
+                self.findings.append(rules.PER_CYCLE.at(span, message))
+            else:
+                found.setdefault(instance, {})[name] = value
+        return found
+
+    # Files.
+
+    def _profile(self) -> str:
+        ports = {}
+        for instance, known in self._ends.items():
+            names = openrtm_port_names(known.component)
+            data = [names[key] for key in names if key[0] != "service"]
+            service = [names[key] for key in names if key[0] == "service"]
+            ports[instance] = InstancePorts(tuple(data), tuple(service))
+        components = [
+            replace(i.component, rate=i.rate, path_uri=f"localhost/{name}.rtc")
+            for name, i in self._instances.items()
+        ]
+        system = replace(self._system, components=tuple(components))
+        return system_text(system, ports, self._header())
+
+    def _conf(self, instance: _Instance) -> str:
+        c = instance.component
+        return render(
+            "openrtm/instance.conf.j2",
+            header=self._header(),
+            instance=comment_text(c.instance),
+            rate=number_literal(instance.rate),
+            beside=c.conf.strip().splitlines(),
+            sets=[
+                (set_id, name, text)
+                for set_id, values in c.configuration
+                for name, text in values
+                if _PLAIN.fullmatch(text)
+            ],
+            active=c.active_set,
+        )
+
+    def _script(self, template: str) -> str:
+        order = [step.instance for step in self._system.activation]
+        return render(
+            f"openrtm/{template}",
+            header=self._header(),
+            name=comment_text(self._name),
+            instances=[
+                {
+                    "name": shlex.quote(name),
+                    "type": shlex.quote(self._instances[name].plan.name),
+                    "option": shlex.quote(
+                        f"{self._instances[name].plan.component.category}.{name}"
+                        f".config_file:../{self._name}/{name}.conf"
+                    ),
+                    "log": shlex.quote(f"../{self._name}/run/{name}.log"),
+                    "stubs": bool(self._instances[name].plan.own_idl_files),
+                }
+                for name in order
+            ],
+        )
+
+    def _connect_script(self) -> str:
+        steps = {step.instance: step for step in self._system.activation}
+        instances = [
+            _instance_text(self._instances[name], step.wait_ms)
+            for name, step in steps.items()
+        ]
+        connections = [_connection_text(c) for c in self._connections]
+        system = (
+            f"SYSTEM = System(name={string_literal(self._name)}, "
+            f"instances={_tuple(instances)}, connections={_tuple(connections)})"
+        )
+        has_data = any(not c.service for c in self._connections)
+        return render(
+            "openrtm/connect.py.j2",
+            header=self._header(),
+            name=comment_text(self._name),
+            data=fit(f"DATA = {_mapping(_DEFAULTS)}") if has_data else "",
+            system=fit(system),
+        )
+
+
+def _value(c: SystemComponent, plan: ComponentPlan, name: str) -> float | None:
+    """The number that a parameter has: of the system, of a conf file, of the definition."""
+    parameter = next((p for p in plan.component.configuration if p.name == name), None)
+    if parameter is None:
+        return None
+    texts = [Parameters(plan.unit.model).default_text(parameter)]
+    for line in c.conf.splitlines():
+        found = _CONF_LINE.fullmatch(line)
+        if found and (found["set"], found["name"]) == (c.active_set, name):
+            texts.append(found["text"].strip())
+    for set_id, values in c.configuration:
+        texts += [t for n, t in values if (set_id, n) == (c.active_set, name)]
+    try:
+        value = float(texts[-1])
+    except ValueError:
+        return None
+    return value if isfinite(value) else None
+
+
+def _instance_text(instance: _Instance, wait_ms: int) -> str:
+    c = instance.component
+    parts = [string_literal(c.instance), f"rate={number_literal(instance.rate)}"]
+    if c.configuration:
+        sets = (
+            f"{string_literal(set_id)}: {_mapping(dict(values))}"
+            for set_id, values in c.configuration
+        )
+        parts.append(f"configuration={{{', '.join(sets)}}}")
+    if c.active_set != "default":
+        parts.append(f"active_set={string_literal(c.active_set)}")
+    if instance.per_cycle:
+        pairs = (
+            f"{string_literal(n)}: {number_literal(v)}"
+            for n, v in instance.per_cycle.items()
+        )
+        parts.append(f"per_cycle={{{', '.join(pairs)}}}")
+    if wait_ms:
+        parts.append(f"wait={number_literal(wait_ms / 1000)}")
+    return f"Instance({', '.join(parts)})"
+
+
+def _connection_text(connection: Connection) -> str:
+    texts = (connection.name, str(connection.source), str(connection.target))
+    properties = dict(connection.properties)
+    if connection.service:
+        told = _mapping(properties)
+    else:
+        own = {k: v for k, v in properties.items() if _DEFAULTS.get(k) != v}
+        told = _mapping(own, "**DATA")
+    return f"Connection({', '.join(map(string_literal, texts))}, {told})"
+
+
+def _mapping(pairs: Mapping[str, str], *first: str) -> str:
+    items = (f"{string_literal(k)}: {string_literal(v)}" for k, v in pairs.items())
+    return f"{{{', '.join((*first, *items))}}}"
+
+
+def _tuple(items: Sequence[str]) -> str:
+    return f"({', '.join(items)}{',' * (len(items) == 1)})"

@@ -1,0 +1,334 @@
+"""A system on OpenRTM-aist: its components found, connected, configured, activated, and ended.
+
+The client side of `connect.py`: names are resolved in one naming service, everything else is CORBA
+calls by OpenRTM_aist's own functions. All waiting has a limit. What is done already is left as it
+is, so that the script may run again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+OK, FAILED = 0, 3
+"""Exit codes."""
+
+_STRICTNESS = "port.connection.strictness"
+_PAUSE = 0.05
+_CALL_TIMEOUT = 10_000
+"""Milliseconds, as OpenRTM's managers have it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Instance:
+    """A component: `rate` in Hz, the values of its sets, the set that is active, how long to wait
+    before it is activated [s].
+
+    `per_cycle` are parameters that are meant for one execution, with their values at `rate`: they
+    grow as the rate is scaled down.
+    """
+
+    name: str
+    rate: float | None = None
+    configuration: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    active_set: str = "default"
+    per_cycle: Mapping[str, float] = field(default_factory=dict)
+    wait: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """A connection of two ports, each `INSTANCE.PORT`, data ports or service ports."""
+
+    name: str
+    source: str
+    target: str
+    properties: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """A system: `instances` in the order of their activation."""
+
+    name: str
+    instances: Sequence[Instance]
+    connections: Sequence[Connection]
+
+
+class StartError(Exception):
+    """Why a system does not come up."""
+
+
+def main(system: System, arguments: Sequence[str] | None = None) -> int:
+    """Carries out the command line; gives the exit code."""
+    options = _options(system, arguments)
+    try:
+        if options.probe:
+            Client(options.nameserver, options.timeout).naming()
+            return OK
+        if not options.rate_scale > 0:
+            raise StartError("--rate-scale is a number above 0")
+        client = Client(options.nameserver, options.timeout)
+        if options.stop:
+            for line in client.stop(system):
+                _tell(line)
+            return OK
+        for line in client.start(system, options.rate_scale):
+            _tell(line)
+    except StartError as error:
+        print(f"{system.name}: {error}", file=sys.stderr)
+        return FAILED
+    return OK
+
+
+def _options(system: System, arguments: Sequence[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        description=f"Connects, configures and activates the system {system.name}."
+    )
+    parser.add_argument(
+        "--nameserver",
+        metavar="HOST:PORT",
+        default="127.0.0.1:2809",
+        help="[%(default)s]",
+    )
+    parser.add_argument(
+        "--rate-scale",
+        type=float,
+        default=1.0,
+        metavar="X",
+        help="run all components at X times their rates",
+    )
+    parser.add_argument(
+        "--timeout",
+        type=float,
+        default=30.0,
+        metavar="SECONDS",
+        help="how long to wait for each step [%(default)s]",
+    )
+    what = parser.add_mutually_exclusive_group()
+    what.add_argument(
+        "--stop", action="store_true", help="deactivate and end all components"
+    )
+    what.add_argument(
+        "--probe",
+        action="store_true",
+        help="only ask whether the naming service answers",
+    )
+    return parser.parse_args(arguments)
+
+
+def _tell(line: str) -> None:
+    print(line, flush=True)
+
+
+class Client:
+    """A CORBA client of the components of a system; `timeout` [s] limits each wait."""
+
+    def __init__(self, nameserver: str, timeout: float) -> None:
+        self._nameserver = nameserver
+        self._timeout = timeout
+        try:
+            self._corba: Any = import_module("omniORB.CORBA")
+            self._rtc: Any = import_module("RTC")
+            self._openrtm: Any = import_module("OpenRTM_aist")
+        except ImportError as error:
+            raise StartError(f"OpenRTM-aist-Python is needed: {error}") from None
+        argv = ["connect.py"]
+        argv += ["-ORBclientCallTimeOutPeriod", str(_CALL_TIMEOUT)]
+        argv += ["-ORBnativeCharCodeSet", "UTF-8"]
+        self._orb = self._corba.ORB_init(argv, self._corba.ORB_ID)
+        self._components: dict[str, Any] = {}
+
+    def naming(self) -> Any:
+        """The naming service. Raises StartError if it does not answer."""
+        try:
+            naming = self._openrtm.CorbaNaming(self._orb, self._nameserver)
+            naming.getRootContext()._non_existent()
+        except Exception as error:
+            message = f"no naming service at {self._nameserver}: {_told(error)}"
+            raise StartError(message) from None
+        return naming
+
+    def start(self, system: System, rate_scale: float = 1.0) -> Iterator[str]:
+        """Brings a system up, and tells each step. Raises StartError."""
+        self._find(system)
+        for connection in system.connections:
+            self._connect(connection)
+        yield f"{len(system.connections)} connections"
+        for instance in system.instances:
+            self._configure(instance, rate_scale)
+        yield f"{len(system.instances)} components configured"
+        for instance in system.instances:
+            time.sleep(instance.wait)
+            yield f"{instance.name} {self._activate(instance.name)}"
+        yield "ready"
+
+    def stop(self, system: System) -> Iterator[str]:
+        """Deactivates and ends the components that there still are, the last one first."""
+        naming = self.naming()
+        for instance in reversed(system.instances):
+            component = self._resolved(naming, instance.name)
+            if component is None:
+                continue
+            try:
+                if self._state(component) == self._rtc.ACTIVE_STATE:
+                    self._openrtm.deactivate(component)
+                component.exit()
+            except self._corba.SystemException as error:
+                # A component that ends may not be there any more to answer.
+                yield f"{instance.name} does not answer: {_told(error)}"
+            else:
+                yield f"{instance.name} ended"
+
+    # Components.
+
+    def _find(self, system: System) -> None:
+        naming = self.naming()
+        missing = {instance.name for instance in system.instances}
+
+        def all_there() -> bool:
+            for name in sorted(missing):
+                component = self._resolved(naming, name)
+                if component is not None:
+                    self._components[name] = component
+                    missing.remove(name)
+            return not missing
+
+        if not self._wait(all_there):
+            names = ", ".join(sorted(missing))
+            raise StartError(f"not in the naming service {self._nameserver}: {names}")
+
+    def _resolved(self, naming: Any, name: str) -> Any:
+        """The living component that a name is bound to, else None."""
+        try:
+            component = naming.resolve(f"{name}.rtc")._narrow(self._rtc.RTObject)
+            alive = component is not None and not component._non_existent()
+        except Exception:  # not bound, or bound by a process that has ended
+            return None
+        return component if alive else None
+
+    def _wait(self, done: Callable[[], bool]) -> bool:
+        end = time.monotonic() + self._timeout
+        while not done():
+            if time.monotonic() > end:
+                return False
+            time.sleep(_PAUSE)
+        return True
+
+    def _context(self, component: Any) -> Any:
+        return component.get_owned_contexts()[0]
+
+    def _state(self, component: Any) -> Any:
+        return self._context(component).get_component_state(component)
+
+    def _activate(self, name: str) -> str:
+        component = self._components[name]
+        inactive = self._rtc.INACTIVE_STATE
+        with _Step(f"{name} cannot be activated"):
+            if self._state(component) == inactive:
+                code = self._openrtm.activate(component)
+                if code != self._rtc.RTC_OK:
+                    raise StartError(f"{code}")
+            if not self._wait(lambda: self._state(component) != inactive):
+                raise StartError(f"it is still inactive after {self._timeout:g} s")
+            state = self._state(component)
+            if state != self._rtc.ACTIVE_STATE:
+                raise StartError(f"it is in {state}")
+        return str(state).removesuffix("_STATE")
+
+    # Configuration.
+
+    def _configure(self, instance: Instance, scale: float) -> None:
+        component = self._components[instance.name]
+        with _Step(f"{instance.name} cannot be configured"):
+            values = {s: dict(pairs) for s, pairs in instance.configuration.items()}
+            for name, value in instance.per_cycle.items() if scale != 1.0 else ():
+                values.setdefault(instance.active_set, {})[name] = repr(value / scale)
+            sets = component.get_configuration()
+            for set_id, pairs in values.items():
+                self._set(sets, set_id, pairs)
+            if values:
+                sets.activate_configuration_set(instance.active_set)
+            if scale != 1.0 and instance.rate is not None:
+                code = self._context(component).set_rate(instance.rate * scale)
+                if code != self._rtc.RTC_OK:
+                    raise StartError(f"rate {instance.rate * scale:g} Hz: {code}")
+
+    def _set(self, sets: Any, set_id: str, values: Mapping[str, str]) -> None:
+        found = sets.get_configuration_set(set_id)
+        known = {item.name for item in found.configuration_data}
+        unknown = sorted(values.keys() - known)
+        if unknown and set_id == "default":
+            raise StartError(f"it has no parameter {', '.join(unknown)}")
+        any_ = import_module("omniORB.any")
+        pairs = import_module("SDOPackage").NameValue
+        for item in found.configuration_data:
+            if item.name in values:
+                item.value = any_.to_any(values[item.name])
+        found.configuration_data += [
+            pairs(name, any_.to_any(values[name])) for name in unknown
+        ]
+        sets.set_configuration_set_values(found)
+
+    # Connections.
+
+    def _connect(self, connection: Connection) -> None:
+        with _Step(f"{connection.source} and {connection.target} cannot be joined"):
+            ports = [self._port(end) for end in (connection.source, connection.target)]
+            if self._joined(*ports):
+                return
+            properties = self._openrtm.Properties()
+            for key, text in connection.properties.items():
+                properties.setProperty(key, text)
+            code = self._openrtm.connect(connection.name, properties, *ports)
+            if code != self._rtc.RTC_OK:
+                strict = connection.properties.get(_STRICTNESS) == "strict"
+                why = (
+                    ": a consumer finds no provider of its interface" if strict else ""
+                )
+                raise StartError(f"{code}{why}")
+            if not self._joined(*ports):
+                raise StartError("there is no connector although the call was answered")
+
+    def _port(self, end: str) -> Any:
+        instance = max(
+            (name for name in self._components if end.startswith(f"{name}.")), key=len
+        )
+        ports = self._components[instance].get_ports()
+        names = [port.get_port_profile().name for port in ports]
+        for port, name in zip(ports, names, strict=True):
+            if name in (end, end.removeprefix(f"{instance}.")):
+                return port
+        raise StartError(f"{instance} has the ports {', '.join(names)}")
+
+    def _joined(self, one: Any, other: Any) -> bool:
+        return any(
+            port._is_equivalent(other)
+            for connector in one.get_connector_profiles()
+            for port in connector.ports
+        )
+
+
+class _Step:
+    """What is tried: CORBA's exceptions and StartErrors in it begin with its text."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, kind: type[BaseException] | None, error: Any, _: object) -> None:
+        if kind is not None and issubclass(kind, Exception):
+            raise StartError(f"{self._text}: {_told(error)}") from None
+
+
+def _told(error: BaseException) -> str:
+    if isinstance(error, StartError):
+        return str(error)
+    return f"{type(error).__name__}: {error}"

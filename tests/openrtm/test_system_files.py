@@ -1,0 +1,186 @@
+"""What the target openrtm has for a system: scripts, RtsProfile, conf files."""
+
+from __future__ import annotations
+
+import runpy
+import subprocess
+from pathlib import Path
+
+import black
+import pytest
+from rts_rules import broken_rules
+
+from rtgen.cli import run
+from rtgen.frontends import rts_profile
+from rtgen.model import System
+from rtgen.runtime.openrtm import systems
+
+ROOT = Path(__file__).resolve().parents[2]
+SOURCES = {
+    path.stem: path
+    for path in ROOT.glob("specs/*/*.xml")
+    if b"RtsProfile" in path.read_bytes()[:2000]
+}
+
+
+def read(path: Path) -> System:
+    result = rts_profile.load(path)
+    assert result.diagnostics == ()
+    assert result.system is not None
+    return result.system
+
+
+def told(reference: Path, name: str) -> systems.System:
+    """What the connect.py of a system says."""
+    made = runpy.run_path(str(reference / "openrtm" / name / "connect.py"))
+    system = made["SYSTEM"]
+    assert isinstance(system, systems.System)
+    return system
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_the_profile_keeps_the_rules_and_says_the_same(
+    reference: Path, name: str
+) -> None:
+    file = reference / "openrtm" / name / f"{name}.xml"
+    assert broken_rules(file.read_text(encoding="utf-8")) == []
+    made, source = read(file), read(SOURCES[name])
+    assert [(c.instance, c.id, c.configuration) for c in made.components] == [
+        (c.instance, c.id, c.configuration) for c in source.components
+    ]
+    possible = [c for c in source.connections if "rtgen.own_port" not in c.places]
+    assert sorted(c.name for c in made.connections) == sorted(c.name for c in possible)
+    assert {s.instance for s in made.activation} == {
+        c.instance for c in made.components
+    }
+
+
+@pytest.mark.parametrize("name", SOURCES)
+def test_the_script_says_what_the_profile_says(reference: Path, name: str) -> None:
+    script = told(reference, name)
+    profile = read(reference / "openrtm" / name / f"{name}.xml")
+    assert [i.name for i in script.instances] == [
+        s.instance for s in profile.activation
+    ]
+    assert sorted((c.name, c.source, c.target) for c in script.connections) == sorted(
+        (c.name, str(c.source), str(c.target)) for c in profile.connections
+    )
+    known = {c.name: dict(c.properties) for c in profile.connections}
+    for connection in script.connections:
+        assert dict(connection.properties) == known[connection.name]
+    rates = {c.instance: c.rate for c in profile.components}
+    assert {i.name: i.rate for i in script.instances} == rates
+
+
+def test_ports_have_openrtm_s_names(reference: Path) -> None:
+    script = told(reference, "rh3_goal")
+    ends = {c.target: c.source for c in script.connections}
+    assert ends["PositionInput0.status"] == "OmniTo2WD0.status_out"
+    assert ends["OmniTo2WD0.goal"] == "PositionInput0..positon"
+
+
+def test_connectors_of_poses_are_new_and_those_of_paths_flush(reference: Path) -> None:
+    script = told(reference, "rh3_goal")
+    found = {
+        c.target: c.properties["dataport.subscription_type"] for c in script.connections
+    }
+    new = {end for end, subscription in found.items() if subscription == "new"}
+    assert new == {
+        "RefHardRh30.InTargetVelocity",
+        "Odometry0.CurrentWheelAngle",
+        "OmniTo2WD0.current_position",
+        "Navigation0.position",
+        "PathFollower0.position",
+    }
+    assert set(found.values()) == {"new", "flush"}
+    for connection in script.connections:
+        assert connection.properties["dataport.buffer.read.empty_policy"] == "readback"
+
+
+def test_providers_are_activated_before_those_that_call_them(reference: Path) -> None:
+    order = [i.name for i in told(reference, "rh3_board").instances]
+    assert order.index("OpaqueRpcCommunication0") < order.index("MotorBoardMarshaller0")
+    profile = read(reference / "openrtm" / "rh3_board" / "rh3_board.xml")
+    steps = {s.instance: s for s in profile.activation}
+    assert "OpaqueRpcCommunication0" in steps["MotorBoardMarshaller0"].after
+
+
+def test_service_connectors_are_strict_and_name_their_pairs(reference: Path) -> None:
+    [connection] = [
+        c
+        for c in told(reference, "rh3_board").connections
+        if c.target == "OpaqueRpcCommunication0.service"
+    ]
+    assert connection.properties == {
+        "port.connection.strictness": "strict",
+        "MotorBoardMarshaller0.port.communication.required.OpaqueRpc.communication": (
+            "OpaqueRpcCommunication0.port.service.provided.OpaqueRpc.communication"
+        ),
+    }
+
+
+def test_the_conf_file_has_rate_values_and_what_stands_beside_the_system(
+    reference: Path,
+) -> None:
+    folder = reference / "openrtm" / "rh3_goal"
+    odometry = (folder / "Odometry0.conf").read_text(encoding="utf-8")
+    assert "\nexec_cxt.periodic.rate: 100.0\n" in odometry
+    assert "\nconf.default.lengthOfAxle: 0.464\n" in odometry
+    position_input = (folder / "PositionInput0.conf").read_text(encoding="utf-8")
+    assert "\nconf.default.01_th: -1.57\n" in position_input
+
+
+def test_what_a_scale_of_the_rates_changes(reference: Path) -> None:
+    [follower] = [
+        i for i in told(reference, "rh3_goal").instances if i.name == "PathFollower0"
+    ]
+    assert follower.per_cycle == {
+        "control_cycle": 0.001,
+        "max_acc_v": 0.0003,
+        "max_acc_w": 0.1,
+    }
+
+
+def test_scripts_can_be_read(reference: Path) -> None:
+    for name in SOURCES:
+        folder = reference / "openrtm" / name
+        for script in ("start.sh", "stop.sh"):
+            subprocess.run(["sh", "-n", str(folder / script)], check=True)
+        text = (folder / "connect.py").read_text(encoding="utf-8")
+        assert black.format_str(text, mode=black.Mode()) == text
+
+
+def test_a_folder_s_system_has_the_folder_s_name_and_odd_names_are_quoted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    (tmp_path / "demo.idl").write_text(
+        'struct S { long x; };\n@rtc(category="a b", vendor="v")\n'
+        "component C { publishes S made; attribute string text; };\n",
+        encoding="utf-8",
+    )
+    folder = tmp_path / "two words"
+    folder.mkdir()
+    (folder / "system.xml").write_text(
+        '<rts:RtsProfile rts:id="RTSystem:v:s:1" '
+        'xmlns:rts="http://www.openrtp.org/namespaces/rts">'
+        '<rts:Components rts:id="RTC:v:a b:C:1.0.0" rts:instanceName="it\'s $(x)">'
+        '<rts:ConfigurationSets rts:id="default">'
+        '<rts:ConfigurationData rts:name="text" rts:data="C:\\a&#10;b"/>'
+        "</rts:ConfigurationSets></rts:Components></rts:RtsProfile>",
+        encoding="utf-8",
+    )
+    told_ = ["generate", "demo.idl", "two words", "--target", "openrtm", "-q"]
+    assert run(told_) == 0
+    made = tmp_path / "generated/openrtm/two words"
+    script = (made / "start.sh").read_text(encoding="utf-8")
+    subprocess.run(["sh", "-n", str(made / "start.sh")], check=True)
+    assert "start 'it'\"'\"'s $(x)' C " in script
+    [instance] = runpy.run_path(str(made / "connect.py"))["SYSTEM"].instances
+    assert instance.name == "it's $(x)"
+    assert instance.configuration == {"default": {"text": "C:\\a\nb"}}
+    assert run(["check", "demo.idl", "two words", "--target", "openrtm", "-q"]) == 0
+    (made / "run").mkdir()
+    (made / "run" / "it.pid").write_text("1")
+    assert run(["check", "demo.idl", "two words", "--target", "openrtm", "-q"]) == 0
