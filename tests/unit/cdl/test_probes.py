@@ -62,7 +62,17 @@ signature s { void f( [in] const int8_t a[3], [in] const int8_t (*b)[4], [in] co
 signature s { void f( [in] const void *a ); }
 signature s { void f( [in,size_is(*n)] const int8_t *a, [out] int32_t *n ); }
 signature s { void f( [in] Descriptor( s ) a ); }
-signature s { struct tagUnknown *f( [in] const struct tagUnknown *a ); }
+struct t { int8_t a; struct t *next; struct u *other; }; signature s { struct t *f( [in] const struct t *a ); }
+signature s { void f( [in,string(true)] const char_t *a, [in,size_is(4.0)] const int8_t *b ); }
+signature s { void f( [in,count_is(n),nullable] const int8_t *a, [in] int32_t n ); }
+signature s { void f( [in,size_is(n)] const void **a, [in] int32_t n ); }
+const bool_t A = 1.5, B = "text", C = (int8_t *)1
+const int32_t A = 1 + true, B = 7 % 4; const float32_t C = 5.5 % 2; const bool_t D = 1 == true
+const uint16_t *const A = (int16_t *)0x10; const int8_t *const B = 0, **const C = (uint8_t **)1
+typedef int16_t T; const T *const A = (T *)0x10; typedef T U; const U *const B = (T *)1
+struct t { int8_t a; }; celltype c { attr { struct t a = { 1 }; }; var { struct t b = a; }; }
+celltype c { attr { int8_t *a; }; var { int16_t *b = a; }; }
+struct t { int8_t a; }; celltype c { attr { bool_t a = "x", b = 0.5; struct t *c = C_EXP( "X" ); }; }
 signature a { void f( void ); }; signature s { void f( [send(a)] int8_t *x, [receive(a)] int8_t **y ); }
 signature s { void in( [in] int8_t out, [out] int8_t *through ); }
 celltype t { attr { int32_t id = 1; }; }
@@ -90,8 +100,11 @@ WARNED = [
         "CDL0812",
         "struct t { int8_t a; }; [active] celltype c { attr { struct t a = { 1, 2 }; }; };",
     ),
+    ("S2017", "CDL0430", "signature s { void f( [in,size_is(2*n)] const int8_t *a, [in] int8_t n ); };"),
+    ("S2017", "CDL0430", "signature s { void f( [in,size_is((n))] const int8_t *a, [in] int8_t n ); };"),
+    ("S2017", "CDL0430", "signature s { void f( [in,size_is(n<<1)] const int8_t *a, [in] int8_t n ); };"),
     ("", "CDL0308", "signature s { void f( [in] enum e a ); };"),
-]
+]  # fmt: skip
 
 REFUSED = [
     ("G1001", "CDL0406", "signature s { void f( int8_t a ); };"),
@@ -158,7 +171,28 @@ REFUSED = [
     ("S2018", "CDL0421", "signature s { void f( [in,size_is(0)] const int8_t *a ); };"),
     ("S2020", "CDL0420", "signature s { void f( [in,count_is(1.5)] const int8_t *a ); };"),
     ("S2021", "CDL0421", "signature s { void f( [in,count_is(-1)] const int8_t *a ); };"),
-    ("S2023", "CDL0420", "signature s { void f( [in,string(true)] const char_t *a ); };"),
+    ("S2023", "CDL0420", "signature s { void f( [in,string(n)] const char_t *a, [in] bool_t n ); };"),
+    ("S2025", "CDL0421", "signature s { void f( [in,string(false)] const char_t *a ); };"),
+    ("T1022", "CDL0302", "signature s { void f( [in] const struct u *a ); };"),
+    ("T1022", "CDL0302", "signature s { struct u *f( void ); };"),
+    ("T1022", "CDL0302", "typedef struct u *T;"),
+    ("T1022", "CDL0302", "typedef struct u T;"),
+    ("T1022", "CDL0302", "const struct u *const A = 0;"),
+    ("T1022", "CDL0302", "celltype c { attr { struct u *a = 0; }; };"),
+    ("T1022", "CDL0302", "celltype c { var { struct u **a; }; };"),
+    ("G1016", "CDL0401", "signature s { [oneway,oneway] void f( void ); };"),
+    ("T1031", "CDL0810", 'celltype c { attr { int8_t a[2] = C_EXP( "X" ); }; };'),
+    ("T1032", "CDL0811", "const int16_t *const A = (int8_t *)0x10;"),
+    ("T1032", "CDL0811", "const int8_t **const A = (int16_t **)1;"),
+    ("T1032", "CDL0811", "const float32_t *const A = (int32_t *)1;"),
+    ("T1032", "CDL0811", "const int8_t *const A = (int8_t *)1; const int16_t *const B = A;"),
+    ("T1032", "CDL0811", "typedef int16_t T; const T *const A = (int16_t *)0x10;"),
+    ("T1034", "CDL0811", 'typedef char_t T; const T *const A = "a";'),
+    ("T1040", "CDL0418", "signature s { void f( [in,size_is(1),string] const void **a ); };"),
+    ("V1001", "CDL0806", 'const bool_t A = "a" == "b";'),
+    ("V1001", "CDL0806", "const bool_t A = true + 1;"),
+    ("V1018", "CDL0807", "const float32_t A = 1.5 % 0;"),
+    ("V1019", "CDL0806", "const bool_t A = (bool_t)1.5;"),
     ("S2024", "CDL0421", "signature s { void f( [in,string(0)] const char_t *a ); };"),
     ("S2027", "CDL0306", "signature s { void f( [in] void a ); };"),
     ("S2028", "CDL0422", "signature s { void f( [in,size_is(n,0)] const int8_t *a, [in] int8_t n ); };"),

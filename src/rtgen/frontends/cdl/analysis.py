@@ -155,7 +155,7 @@ class Analysis:
             if entity is None:
                 continue
             type_ = self.types.declared(base, declarator, unit, scope)
-            if type_ is not None:
+            if type_ is not None and self.types.knows_struct(type_, unit, name):
                 entity.declaration = TecsTypedef(
                     name=entity.name,
                     file=unit.source.name,

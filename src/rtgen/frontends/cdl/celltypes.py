@@ -381,7 +381,6 @@ class Celltypes:
 
         Of a composite, what is inside counts.
         """
-        names = attribute_values(type_)
         for variable in type_.variables:
             value, size_is = variable.value, variable.size_is
             if size_is is None:
@@ -402,7 +401,7 @@ class Celltypes:
                     )
                 )
                 continue
-            size = self._values.constant(size_is, variable.place, names)
+            size = declared_size(self._values, type_, variable)
             check_length(variable, value, size, variable.place, self._report)
 
 
@@ -424,6 +423,20 @@ def attribute_values(type_: Celltype, cell: Cell | None = None) -> Names:
         return None
 
     return value
+
+
+def declared_size(values: Values, type_: Celltype, variable: Variable) -> object:
+    """The size of a list as the celltype has it. An attribute without a value counts as 0."""
+    given = attribute_values(type_)
+
+    def names(name: str) -> tuple[tree.Initialiser, Place] | None:
+        found = type_.members.get(name)
+        if isinstance(found, Variable) and found.kind == "attr" and found.value is None:
+            return tree.Number("0", 0, 0), found.place
+        return given(name)
+
+    assert variable.size_is is not None
+    return values.constant(variable.size_is, variable.place, names)
 
 
 def attribute_types(type_: Celltype) -> dict[str, CType]:
@@ -459,6 +472,9 @@ def check_length(
                 place.span(value),
                 f"{len(value.items)} values for {variable.name}, which holds {size}",
                 related=[Related(variable.span, "declared here")],
+                hint=(
+                    None if size else "give the size a value, or the list in the cells"
+                ),
             )
         )
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Rule
 from rtgen.frontends.cdl import tree
-from rtgen.frontends.cdl.expressions import BITS, UNSIGNED, Operand, Sort, sort_of
+from rtgen.frontends.cdl.expressions import Operand, Sort, limits, sort_of, width
 from rtgen.frontends.cdl.rules import constants as rules
 from rtgen.frontends.cdl.scopes import Kind, Scope
 from rtgen.frontends.cdl.types import is_const
@@ -16,7 +16,6 @@ from rtgen.frontends.cdl.unit import Unit
 from rtgen.model.tecs import (
     AggregateExpression,
     CArrayType,
-    CastExpression,
     CExpression,
     CPointerType,
     CScalarType,
@@ -24,6 +23,7 @@ from rtgen.model.tecs import (
     CType,
     Expression,
     Literal,
+    Reference,
     Scalar,
     TecsConst,
     TecsStruct,
@@ -55,6 +55,8 @@ class Constants:
                 base, declarator.declarator, unit, scope
             )
             if entity is None or type_ is None:
+                continue
+            if not self._analysis.types.knows_struct(type_, unit, name):
                 continue
             if not self._is_constant(type_, name, unit, declarator.value is not None):
                 continue
@@ -135,6 +137,9 @@ class _Initial:
     def of(self, value: tree.Initialiser, type_: CType) -> Expression | None:
         """The model of a value of that type; None if it does not fit, which is told."""
         if isinstance(value, tree.CExp):
+            if isinstance(resolve(type_), CArrayType):
+                self._tell(rules.SHAPE, value, "an array takes its values in braces")
+                return None
             return CExpression(value.text.text)
         if isinstance(value, tree.Aggregate):
             return self._aggregate(value, type_)
@@ -188,18 +193,22 @@ class _Initial:
             self._tell(rules.SHAPE, node, "an array takes its values in braces")
             return None
         if sort is Sort.STRUCT:
+            if found.type is not None and resolve(found.type) == target:
+                return found.model
             self._tell(rules.SHAPE, node, f"{target} takes its values in braces")
             return None
         if isinstance(target, CPointerType):
             return self._pointer(node, found, target)
         if sort is Sort.UNKNOWN or found.sort is Sort.UNKNOWN:
             return found.model
+        if sort is Sort.BOOL:
+            # Anything is a truth value to tecsgen; no text is a null pointer.
+            truth = found.sort is Sort.STRING or bool(found.value)
+            return found.model if found.value is None else Literal(truth)
         if found.sort in (Sort.STRING, Sort.POINTER, Sort.STRUCT):
             message = f"{found.sort.with_article} cannot be {type_}"
             self._tell(rules.OPERATOR_KIND, node, message)
             return None
-        if sort is Sort.BOOL:
-            return self._truth(node, found)
         if sort is Sort.INTEGER:
             return self._integer(node, found, type_)
         if found.sort is Sort.BOOL:
@@ -209,13 +218,6 @@ class _Initial:
         if isinstance(found.value, int | float):
             return Literal(_float(found.value))
         return found.model
-
-    def _truth(self, node: tree.Expression, found: Operand) -> Expression | None:
-        if found.sort is Sort.FLOAT:
-            message = "a floating-point number is no truth value"
-            self._tell(rules.OPERATOR_KIND, node, message, "compare it, or cast it")
-            return None
-        return found.model if found.value is None else Literal(bool(found.value))
 
     def _integer(
         self, node: tree.Expression, found: Operand, type_: CType
@@ -233,37 +235,32 @@ class _Initial:
             return found.model
         assert not isinstance(found.value, str)
         number = int(found.value)
-        target = resolve(type_)
-        assert isinstance(target, CScalarType)
-        bits = BITS.get(target.kind)
-        unsigned = target.kind in UNSIGNED
-        low, high = None, None
-        if bits is not None:
-            # A plain character may be signed or not.
-            high = (
-                1 << (bits if unsigned or target.kind is Scalar.CHAR else bits - 1)
-            ) - 1
-            low = 0 if unsigned else -(1 << (bits - 1))
-        elif unsigned:
-            low = 0
+        low, high = limits(type_)
         if (low is not None and number < low) or (high is not None and number > high):
-            limits = f": {low} to {high}" if high is not None else ", it is below zero"
-            self._tell(rules.RANGE, node, f"{number} does not fit {type_}{limits}")
+            why = f": {low} to {high}" if high is not None else ", it is below zero"
+            self._tell(rules.RANGE, node, f"{number} does not fit {type_}{why}")
             return None
         return Literal(number)
 
     def _pointer(
         self, node: tree.Expression, found: Operand, target: CPointerType
     ) -> Expression | None:
-        if found.sort is Sort.UNKNOWN or isinstance(found.model, CastExpression):
-            return found.model
-        if found.sort is Sort.STRING:
-            if is_character(target.target):
-                return found.model
+        if found.sort is Sort.STRING and not is_character(target.target):
             message = f"a string cannot be {target}"
             self._tell(rules.POINTER_VALUE, node, message)
             return None
-        if found.sort is Sort.POINTER:
+        of_attribute = (
+            isinstance(found.model, Reference) and found.model.name in self._names
+        )
+        if (
+            found.sort is Sort.POINTER
+            and not of_attribute
+            and not _alike(target, found.type)
+        ):
+            message = f"{found.type} is another pointer than {target}"
+            self._tell(rules.POINTER_VALUE, node, message, f"write ({_plain(target)})")
+            return None
+        if found.sort in (Sort.UNKNOWN, Sort.STRING, Sort.POINTER):
             return found.model
         if found.sort is Sort.INTEGER and found.value == 0:
             return found.model
@@ -278,8 +275,24 @@ def _plain(type_: CType) -> str:
 
 
 def is_character(type_: CType) -> bool:
-    found = resolve(type_)
-    return isinstance(found, CScalarType) and found.kind in _CHARACTERS
+    """Whether a string may be what a pointer to it leads to; tecsgen takes no typedef."""
+    return isinstance(type_, CScalarType) and type_.kind in _CHARACTERS
+
+
+def _alike(one: CType, other: CType | None) -> bool:
+    """Whether tecsgen takes two pointers for one: it compares what they lead to, level by level,
+    by its kind and width."""
+    while isinstance(one, CPointerType) and isinstance(other, CPointerType):
+        one, other = one.target, other.target
+        if type(one) is not type(other):
+            return False
+        if (
+            isinstance(one, CScalarType)
+            and isinstance(other, CScalarType)
+            and width(one.kind) != width(other.kind)
+        ):
+            return False
+    return True
 
 
 def _float(value: float) -> float:

@@ -159,6 +159,7 @@ class Expressions:
         found = self.look(written, unit, scope, names)
         if found is None:
             return None
+        found = whole_number(found)
         if found.sort not in (Sort.INTEGER, Sort.UNKNOWN):
             message = f"a size is an integer, not {found.sort.with_article}"
             self._analysis.report(rules.OPERATOR_KIND.at(unit.place(written), message))
@@ -349,7 +350,8 @@ class Look:
         numbers = (Sort.BOOL, Sort.INTEGER, Sort.FLOAT, Sort.UNKNOWN)
         fits = (
             operand.sort is Sort.UNKNOWN
-            or (sort in numbers and operand.sort in numbers)
+            or (sort is Sort.BOOL and operand.sort in (Sort.BOOL, Sort.INTEGER))
+            or (sort in numbers and sort is not Sort.BOOL and operand.sort in numbers)
             or (sort is Sort.INTEGER and operand.sort is Sort.POINTER)
             or (sort is Sort.POINTER and operand.sort in (Sort.INTEGER, Sort.POINTER))
         )
@@ -364,8 +366,9 @@ class Look:
         if sort is Sort.FLOAT and not isinstance(value, str):
             return _made(sort, _as_float(value), model, type_)
         if sort is Sort.INTEGER and not isinstance(value, str):
-            whole = value if not isinstance(value, float) or math.isfinite(value) else 0
-            return _made(sort, wrapped(int(whole), type_), model, type_)
+            if isinstance(value, float):
+                return _made(sort, _clipped(value, type_), model, type_)
+            return _made(sort, wrapped(int(value), type_), model, type_)
         return Operand(sort, None, model, type_)
 
     def _conditional(self, node: tree.Conditional) -> Operand:
@@ -412,13 +415,17 @@ class Look:
             return _made(Sort.BOOL, truth, model)
         if Sort.UNKNOWN in (left.sort, right.sort):
             return Operand(Sort.UNKNOWN, None, model)
+        if left.sort in _ARITHMETIC and right.sort is Sort.BOOL:
+            # tecsgen takes 0 or 1 for a truth value on the right of a number.
+            number = None if right.value is None else int(right.value)
+            right = Operand(Sort.INTEGER, number, right.model)
         if mark in _COMPARISONS:
             return self._comparison(node, mark, left, right, model)
         if mark in ("+", "-") and Sort.POINTER in (left.sort, right.sort):
             if Sort.FLOAT in (left.sort, right.sort) or left.value is not None:
                 raise self._unfit(node, mark, right)
             return Operand(Sort.POINTER, None, model, left.type or right.type)
-        wanted = _ARITHMETIC if mark in "+-*/" else (Sort.INTEGER,)
+        wanted = _ARITHMETIC if mark in "+-*/%" else (Sort.INTEGER,)
         for operand in (left, right):
             if operand.sort not in wanted:
                 raise self._unfit(node, mark, operand)
@@ -453,9 +460,7 @@ class Look:
     ) -> Operand:
         numbers = (Sort.INTEGER, Sort.FLOAT)
         fits = (left.sort in numbers and right.sort in numbers) or (
-            left.sort is right.sort
-            and (left.sort is not Sort.BOOL or mark in ("==", "!="))
-            and left.sort is not Sort.STRUCT
+            left.sort is right.sort is Sort.BOOL and mark in ("==", "!=")
         )
         if not fits:
             one, two = left.sort.with_article, right.sort.with_article
@@ -570,6 +575,13 @@ UNSIGNED = frozenset(
 )
 
 
+def width(kind: Scalar) -> str:
+    """What tecsgen compares of basic types that pointers lead to: all but the sign."""
+    if kind in (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR):
+        return Scalar.CHAR
+    return kind.removeprefix("unsigned ").removeprefix("u")
+
+
 def wrapped(value: int, type_: CType) -> int:
     """An integer as a cast to a type with a size leaves it."""
     found = resolve(type_)
@@ -580,6 +592,36 @@ def wrapped(value: int, type_: CType) -> int:
     if found.kind not in UNSIGNED and value >> (bits - 1):
         value -= 1 << bits
     return value
+
+
+def limits(type_: CType) -> tuple[int | None, int | None]:
+    """The least and the greatest value of an integer type, where they are known."""
+    found = resolve(type_)
+    assert isinstance(found, CScalarType)
+    bits, unsigned = BITS.get(found.kind), found.kind in UNSIGNED
+    if bits is None:
+        return (0 if unsigned else None), None
+    # A plain character may be signed or not.
+    full = unsigned or found.kind is Scalar.CHAR
+    return (0 if unsigned else -(1 << (bits - 1))), (1 << (bits - (not full))) - 1
+
+
+def _clipped(value: float, type_: CType) -> int:
+    """A floating-point number as a cast to an integer type leaves it: the nearest it can hold."""
+    low, high = limits(type_)
+    if not math.isfinite(value):
+        return (high or 0) if value > 0 else (low or 0)
+    whole = int(value)
+    whole = whole if low is None else max(whole, low)
+    return whole if high is None else min(whole, high)
+
+
+def whole_number(found: Operand) -> Operand:
+    """A constant as tecsgen counts with it: a truth value is 0 or 1, 2.0 is 2."""
+    value = found.value
+    if isinstance(value, bool) or (isinstance(value, float) and value.is_integer()):
+        return Operand(Sort.INTEGER, int(value), Literal(int(value)))
+    return found
 
 
 def references(expression: Expression) -> Iterator[str]:

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import re
+
 from rtgen.diagnostics import Related
 from rtgen.frontends.cdl import tree
+from rtgen.frontends.cdl.constants import is_character
 from rtgen.frontends.cdl.entities import Celltype, Report, Values, Variable
 from rtgen.frontends.cdl.rules import celltypes as rules
 from rtgen.frontends.suggestions import nearest
+from rtgen.model.tecs import CPointerType, resolve
+
+_CONVERSION = re.compile(
+    r"%(?P<flags>[-+ #0]*[\d*]*(?:\.[\d*]+)?)(?P<letter>.|$)", re.S
+)
+_NUMBERS = frozenset("diouxXbBeEfgGaA")
+_LETTERS = _NUMBERS | frozenset("csp")
 
 
 class Factories:
@@ -64,6 +74,8 @@ class Factories:
                 )
             )
             return
+        if call.arguments:
+            self._format(type_, call)
         for argument in call.arguments:
             if isinstance(argument, tree.Text):
                 continue
@@ -81,3 +93,43 @@ class Factories:
                     hint=f"did you mean {near}?" if near else None,
                 )
             )
+
+    def _format(self, type_: Celltype, call: tree.FactoryCall) -> None:
+        """Whether the format fits what is behind it, as Ruby's `printf` asks."""
+        text = self._values.constant(call.format, type_.place)
+        if not isinstance(text, str):
+            return
+        left = list(call.arguments)
+        message = None
+        for found in _CONVERSION.finditer(text):
+            letter = found["letter"]
+            if letter == "%" and not found["flags"]:
+                continue
+            if letter in "$<{" and letter:
+                return  # values by number or name
+            if letter not in _LETTERS:
+                message = f"{found[0]!r} is no conversion"
+            elif not left:
+                message = (
+                    f"the format has more places than values ({len(call.arguments)})"
+                )
+            elif letter in _NUMBERS and _is_no_number(type_, left.pop(0)):
+                message = f"{found[0]} wants a number"
+            elif letter not in _NUMBERS:
+                left.pop(0)
+            if message is not None:
+                span = type_.place.span(call.format)
+                self._report(rules.FACTORY_FORMAT.at(span, message))
+                return
+
+
+def _is_no_number(type_: Celltype, argument: tree.Name | tree.Text) -> bool:
+    if isinstance(argument, tree.Text):
+        return not argument.text.lstrip("-").isdecimal()
+    found = type_.members.get(argument.text)
+    if not isinstance(found, Variable) or found.type is None:
+        return False
+    kind = resolve(found.type)
+    if isinstance(kind, CPointerType):
+        return is_character(kind.target)
+    return isinstance(found.value, tree.Boolean)

@@ -83,6 +83,25 @@ _STANDARD: Mapping[str, str] = {
 }
 """Standard headers that are known without their files, as far as types go."""
 
+_COMPILER: Mapping[str, str] = {
+    f"__{name}__": value
+    for name, value in (
+        *(("GNUC", "12"), ("GNUC_MINOR", "2"), ("GNUC_PATCHLEVEL", "0")),
+        *(("STDC", "1"), ("STDC_HOSTED", "1"), ("STDC_VERSION", "201710L")),
+        *(("x86_64", "1"), ("LP64", "1"), ("linux", "1"), ("unix", "1")),
+        *(("CHAR_BIT", "8"), ("SIZEOF_SHORT", "2"), ("SIZEOF_INT", "4")),
+        *(("SIZEOF_LONG", "8"), ("SIZEOF_LONG_LONG", "8"), ("SIZEOF_POINTER", "8")),
+        *(("SCHAR_MAX", "0x7f"), ("SHRT_MAX", "0x7fff"), ("INT_MAX", "0x7fffffff")),
+        *(("LONG_MAX", "0x7fffffffffffffffL"), ("SIZE_TYPE", "long unsigned int")),
+        *(("INT8_TYPE", "signed char"), ("UINT8_TYPE", "unsigned char")),
+        *(("INT16_TYPE", "short int"), ("UINT16_TYPE", "short unsigned int")),
+        *(("INT32_TYPE", "int"), ("UINT32_TYPE", "unsigned int")),
+        *(("INT64_TYPE", "long int"), ("UINT64_TYPE", "long unsigned int")),
+        *(("INTPTR_TYPE", "long int"), ("UINTPTR_TYPE", "long unsigned int")),
+    )
+}
+"""What headers ask for of the compiler: tecsgen has them preprocessed by gcc."""
+
 _TOKEN = re.compile(
     r'\#line[ ](?P<line>\d+)(?:[ ]"(?P<file>[^"\n]*)")?[^\n]*'
     r"|\#[^\n]*"
@@ -127,7 +146,7 @@ class Headers:
             self._report(rules.HEADER_LIMIT.at(place, message))
             return Header(())
         run = _Preprocessor(self._library, file)
-        for name, value in {"TECSGEN": "1", **self._define}.items():
+        for name, value in {**_COMPILER, "TECSGEN": "1", **self._define}.items():
             run.define(f"{name} {value}")
         for definition in definitions:
             name, equals, value = definition.partition("=")

@@ -8,7 +8,6 @@ from rtgen.diagnostics import Related
 from rtgen.frontends.cdl import celltypes, tree
 from rtgen.frontends.cdl.entities import (
     Cell,
-    Celltype,
     Composite,
     Join,
     Place,
@@ -160,7 +159,9 @@ class OpenEnds:
         place = given.place if given is not None else variable.place
         value = given.value if given is not None else variable.value
         if isinstance(value, tree.Aggregate):
-            if given is None and self._known_before(cell.celltype, variable):
+            before = celltypes.declared_size(self._values, cell.celltype, variable)
+            told = isinstance(before, int) and before < len(value.items)
+            if given is None and told:
                 return
             celltypes.check_length(variable, value, size, place, self._report)
         elif given is not None and value is not None:
@@ -172,14 +173,6 @@ class OpenEnds:
                     hint="write { ... }",
                 )
             )
-
-    def _known_before(self, type_: Celltype, variable: Variable) -> bool:
-        """Whether the celltype alone tells the size, so that its value was checked there."""
-        assert variable.size_is is not None
-        names = celltypes.attribute_values(type_)
-        return isinstance(
-            self._values.constant(variable.size_is, variable.place, names), int
-        )
 
     def _names(self, expression: tree.Expression, place: Place) -> list[str]:
         code = place.unit.source.code[expression.start : expression.end]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Related, Rule
 from rtgen.frontends.cdl import tree
-from rtgen.frontends.cdl.expressions import Operand, Sort
+from rtgen.frontends.cdl.expressions import Operand, Sort, whole_number
 from rtgen.frontends.cdl.rules import signatures as rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules import types as type_rules
@@ -149,7 +149,10 @@ class _Signature:
     ) -> TecsFunction | None:
         oneway = False
         for specifier in item.specifiers.items if item.specifiers else ():
-            if specifier.word == "oneway":
+            if specifier.word == "oneway" and oneway:
+                message = "'oneway' is given already"
+                self._tell(rules.SPECIFIER_TWICE, specifier, message)
+            elif specifier.word == "oneway":
                 oneway = True
             else:
                 message = f"'{specifier.word}' cannot stand before a function"
@@ -187,9 +190,7 @@ class _Signature:
             message = f"'{name.text}' returns a pointer"
             hint = "give it back by an out parameter, or write [deviate] before the signature"
             self._tell(rules.RETURNS_POINTER, name, message, hint)
-        if not is_void(returns) and not types.is_value(
-            returns, self._unit, name, self._scope
-        ):
+        if not is_void(returns) and not types.is_value(returns, self._unit, name):
             return None
         if parameters is None:
             return None
@@ -329,10 +330,8 @@ class _Parameters(_Signature):
             message = f"the parameter '{name.text}' cannot be a function"
             self._tell(rules.FUNCTION_PARAMETER, name, message, "use a pointer to it")
             return None
-        if isinstance(inner, CStructType | CArrayType):
-            parameter.good &= self._analysis.types.is_value(
-                type_, self._unit, name, self._scope
-            )
+        if isinstance(inner, CStructType | CArrayType | CPointerType):
+            parameter.good &= self._analysis.types.is_value(type_, self._unit, name)
         if isinstance(inner, CEnumType):
             message = f"'{name.text}' is an enum, which tecsgen cannot make code for"
             hint = "use an integer and constants"
@@ -442,12 +441,13 @@ class _Parameters(_Signature):
             target = inner.target
         if is_pointer:
             self._constness(parameter, target)
-        if (size or string) and is_void(target):
+        sized = depth - (direction is TecsDirection.RECEIVE and depth > 1)
+        if (string or (size and sized == 1)) and is_void(target):
             words = " and ".join(word for word in _LENGTHS if word in given)
             message = f"{words} cannot apply to a pointer to void"
             self._tell(rules.SIZE_OF_VOID, name, message)
             parameter.good = False
-        if "nullable" in given and size:
+        if "nullable" in given and "size_is" in given:
             message = "an array cannot be nullable"
             hint = "a NULL array has size 0"
             self._tell(rules.NULLABLE_SIZE, given["nullable"], message, hint)
@@ -490,6 +490,10 @@ class _Parameters(_Signature):
                 parameter.good = False
                 continue
             values[word] = found
+            if found.value is None and not _tecsgen_knows(specifier.arguments[0]):
+                message = f"tecsgen does not understand this argument of {word}"
+                hint = "begin with the parameter, without parentheses: n * 2 + 1"
+                self._tell(rules.SIZE_FORM, specifier, message, hint)
             self._way(parameter, word, specifier, found.model, directions)
             if word == "size_is" and len(specifier.arguments) > 1:
                 max_size = self._limit(parameter, specifier, found)
@@ -514,6 +518,7 @@ class _Parameters(_Signature):
         found = self._analysis.expressions.look(written, self._unit, self._scope, names)
         if found is None:
             return None
+        found = whole_number(found)
         if found.sort not in (Sort.INTEGER, Sort.UNKNOWN):
             message = f"the argument of {word} is an integer, not a {found.sort}"
             hint = None
@@ -533,7 +538,7 @@ class _Parameters(_Signature):
         written = specifier.arguments[1]
         assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
         found = self._analysis.expressions.look(written, self._unit, self._scope)
-        limit = found.value if found is not None else None
+        limit = whole_number(found).value if found is not None else None
         if type(limit) is not int or limit <= 0:
             if found is not None:
                 message = "the limit of size_is is a constant above zero"
@@ -583,6 +588,21 @@ class _Parameters(_Signature):
             assert not isinstance(written, tree.Allocation | tree.Restriction)
             self._tell(rules.LENGTH_DIRECTION, written, message)
             parameter.good = False
+
+
+def _tecsgen_knows(size: object) -> bool:
+    """Whether tecsgen finds the type of a size that is not constant: it takes that of the first
+    operand, and knows parameters, what they point to, and arithmetic of these alone."""
+    match size:
+        case tree.ScopedName():
+            return True
+        case tree.Unary(operator="*", operand=operand):
+            return isinstance(operand, tree.ScopedName)
+        case tree.Unary(operator="+" | "-" | "~", operand=operand):
+            return _tecsgen_knows(operand)
+        case tree.Chain(first=first, rest=rest):
+            return all(m in "+-*/%" for m, _ in rest) and _tecsgen_knows(first)
+    return False
 
 
 def _leads_to_struct(type_: CType) -> bool:

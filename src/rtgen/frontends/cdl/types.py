@@ -260,7 +260,7 @@ class Types:
                     )
                     good = False
                 else:
-                    good &= self.is_value(type_, unit, name, scope)
+                    good &= self.is_value(type_, unit, name, member=True)
                     found[name.text] = (item, name, type_)
         types = {name: type_ for name, (_, _, type_) in found.items()}
         members = []
@@ -433,8 +433,13 @@ class Types:
                 parameters.append(type_)
         return CFunctionType(returns, tuple(parameters))
 
-    def is_value(self, type_: CType, unit: Unit, name: tree.Name, scope: Scope) -> bool:
-        """Whether something can be of that type; tells what is wrong if not."""
+    def is_value(
+        self, type_: CType, unit: Unit, name: tree.Name, *, member: bool = False
+    ) -> bool:
+        """Whether something can be of that type; tells what is wrong if not.
+
+        Only a struct member may point to a struct that is not known.
+        """
         span = unit.place(name)
         inner = type_
         while isinstance(inner, CArrayType):
@@ -449,7 +454,7 @@ class Types:
             if entity is None:
                 if not self._analysis.incomplete:
                     message = f"the members of {found} are not known"
-                    hint = "declare it before, or use a pointer"
+                    hint = "declare it before"
                     self._report(rules.UNKNOWN_STRUCT.at(span, message, hint=hint))
                 return False
             if entity.declaration is None and not entity.broken:
@@ -457,4 +462,24 @@ class Types:
                 hint = "use a pointer"
                 self._report(rules.UNKNOWN_STRUCT.at(span, message, hint=hint))
                 return False
-        return True
+        return member or self.knows_struct(inner, unit, name)
+
+    def knows_struct(self, type_: CType, unit: Unit, name: tree.Name) -> bool:
+        """Whether the struct that a type is or leads to is known; tells if it is not."""
+        target = type_
+        while isinstance(target, CPointerType | CArrayType):
+            target = (
+                target.target if isinstance(target, CPointerType) else target.element
+            )
+        if (
+            not isinstance(target, CStructType)
+            or target.tag[0].startswith(_OPAQUE)
+            or self._analysis.tag(target.tag) is not None
+        ):
+            return True
+        if not self._analysis.incomplete:
+            message = f"{target} is not known here"
+            hint = "declare it before; only a struct member may point to a later one"
+            span = unit.place(name)
+            self._report(rules.UNKNOWN_STRUCT.at(span, message, hint=hint))
+        return False

@@ -38,7 +38,7 @@ class AnalysisValues:
             name = part.declarator.name
             assert name is not None
             type_ = types.declared(base, part.declarator, unit, scope)
-            if type_ is not None and not types.is_value(type_, unit, name, scope):
+            if type_ is not None and not types.is_value(type_, unit, name):
                 type_ = None
             found.append(Declared(name, type_, part.value))
         return found

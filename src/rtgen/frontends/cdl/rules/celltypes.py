@@ -732,6 +732,24 @@ composite tBox {
 """,
 )
 
+FACTORY_FORMAT = Rule(
+    "CDL0547",
+    "format that does not fit its values",
+    Severity.ERROR,
+    """
+The format of `write` has more places than there are values, a place that is none, or one for
+numbers where a string or `true` and `false` stand: use `%s` for these. tecsgen fails when it
+writes.
+
+```cdl
+// gives this finding
+signature sWork {};
+celltype tWorker { entry sWork eWork; attr { int32_t n = 1; };
+  factory { write( "a.cfg", "%d %d", n ); }; };
+```
+""",
+)
+
 RULES: tuple[Rule, ...] = (
     UNKNOWN_SIGNATURE,
     NOT_A_SIGNATURE,
@@ -748,6 +766,7 @@ RULES: tuple[Rule, ...] = (
     UNKNOWN_FACTORY_FUNCTION,
     FACTORY_TEXT,
     FACTORY_ARGUMENT,
+    FACTORY_FORMAT,
     SIZE_IS_OF_NO_POINTER,
     SIZED_INITIALISER,
     UNSIZED_INITIALISER,

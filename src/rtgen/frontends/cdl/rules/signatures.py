@@ -24,8 +24,8 @@ SPECIFIER_TWICE = Rule(
     "specifier given twice",
     Severity.ERROR,
     """
-`context`, `size_is`, `count_is` and `string` stand once in a bracket. tecsgen: S1001, S2011,
-S2012, S2013.
+`context`, `oneway`, `size_is`, `count_is` and `string` stand once in a bracket. tecsgen: S1001,
+S2011, S2012, S2013, G1016.
 
 ```cdl
 ER put( [in,size_is(2),size_is(3)] const int8_t *p );   // wrong
@@ -279,7 +279,7 @@ NULLABLE_SIZE = Rule(
     "array that may be NULL",
     Severity.ERROR,
     """
-A NULL array has size 0; `nullable` is not for arrays. tecsgen: T9999.
+A NULL array has size 0; `nullable` does not go with `size_is`. tecsgen: T9999.
 
 ```cdl
 ER put( [in,size_is(n),nullable] const int8_t *p, [in] int32_t n );   // wrong
@@ -424,6 +424,22 @@ ER watch( [in] void notify( void ) );   // wrong
 """,
 )
 
+SIZE_FORM = Rule(
+    "CDL0430",
+    "size that tecsgen does not understand",
+    Severity.WARNING,
+    """
+tecsgen takes the type of the first operand of a size for the type of the whole, and does not know
+that of a number, of parentheses, of a shift or a comparison, or of a member of a struct. The codec
+made here works; the board's half cannot be made. tecsgen: S2017, S2020, S2023, E1004, E1005, E1014.
+
+```cdl
+ER put( [in,size_is(n * 2)] const int8_t *p, [in] int32_t n );   // right
+ER put( [in,size_is(2 * n)] const int8_t *p, [in] int32_t n );   // tecsgen refuses it
+```
+""",
+)
+
 RULES = (
     CONTEXT_UNKNOWN,
     SPECIFIER_TWICE,
@@ -455,4 +471,5 @@ RULES = (
     ONEWAY_PARAMETER,
     PARAMETER_TWICE,
     FUNCTION_PARAMETER,
+    SIZE_FORM,
 )

@@ -40,10 +40,11 @@ UNKNOWN_STRUCT = Rule(
     "unknown struct",
     Severity.ERROR,
     """
-A struct is used by value, but its members are not known at that place. A pointer to it would do.
+A struct is used, by itself or behind a pointer, that is not declared before. Only a member of a
+struct may point to one that comes later. tecsgen: T1022.
 
 ```cdl
-signature sPose { ER put( [in] struct tagPose pose ); };   // wrong without the next line before
+signature sPose { ER put( [in] const struct tagPose *pose ); };   // wrong: the next line goes first
 struct tagPose { float32_t x, y; };
 ```
 """,
