@@ -250,8 +250,8 @@ HEADERS = {
     "#pragma pack(1)\ntypedef int T;": "int",
     "#ifdef TECSGEN\ntypedef int T;\n#else\n#error no\n#endif": "int",
     "#define DECLARE(name) typedef int name\nDECLARE(T);": "int",
-    "#if __GNUC__ && __SIZEOF_LONG__ == 8\ntypedef __INT64_TYPE__ T;\n#else\n#error who\n#endif": "long",
-    '#define Inline static __inline\nInline void f(void) { __asm__ volatile("nop"); }\ntypedef int T;': "int",
+    "#if __GNUC__ && __LP64__\ntypedef __INT64_TYPE__ T;\n#else\n#error who\n#endif": "long",
+    '#define I static __inline\nI void f(void) { __asm__ volatile("nop"); }\ntypedef int T;': "int",
 }
 
 
