@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 from typing import TYPE_CHECKING
 
-from rtgen.runtime.return_codes import RTC_OK
+from rtgen.runtime.return_codes import RTC_ERROR, RTC_OK, ReturnCode_t
 
 if TYPE_CHECKING:
     from rtgen.runtime.component import Component
@@ -36,11 +36,19 @@ def note_exception(component: Component, callback: str, error: Exception) -> Non
     """Notes that a callback raised."""
     log.debug("%s.%s", component.instance_name, callback, exc_info=error)
     told = str(error)
+    _keep_answer(component, callback, RTC_ERROR)
     kind = type(error).__name__
     component._note_failure(callback, f"{kind}: {told}" if told else kind, forced=True)
 
 
 def note_answer(component: Component, callback: str, code: object) -> None:
     """Notes that a callback returned something else than RTC_OK."""
+    _keep_answer(component, callback, code)
     shown = getattr(code, "name", repr(code))
     component._note_failure(callback, f"returned {shown}")
+
+
+def _keep_answer(component: Component, callback: str, code: object) -> None:
+    # on_aborting follows upon another failure, which is the one to be told.
+    if callback != "on_aborting":
+        component._answer = code if isinstance(code, ReturnCode_t) else RTC_ERROR

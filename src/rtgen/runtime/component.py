@@ -83,6 +83,8 @@ class Component:
         self._clock: Clock = SimulatedClock()
         self._alive = False
         self._failing = ""
+        self._answer = RTC_ERROR
+        """What the callback that failed last has returned."""
         self._awaited = ""
         self._active_contexts = 0
         self._contexts: dict[int, ExecutionContext] = {}

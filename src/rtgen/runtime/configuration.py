@@ -84,12 +84,16 @@ class ConfigurationSets:
 
     def check(self, parameter: str, text: str) -> None:
         """Raises what `set` would raise, and sets nothing."""
+        self.value(parameter, text)
+
+    def value(self, parameter: str, text: str) -> Any:
+        """The value that a text gives a parameter. Raises what `set` would raise."""
         if parameter not in self._converters:
             known = ", ".join(self._converters) or "none"
             raise UnknownParameterError(
                 f"{self._owner} has no configuration parameter {parameter!r}; known: {known}"
             )
-        self._converters[parameter](text)
+        return self._converters[parameter](text)
 
     def activate(self, set_id: str) -> None:
         """Makes a set the active one. Raises UnknownConfigurationSetError."""

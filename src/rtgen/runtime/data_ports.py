@@ -30,6 +30,7 @@ class InPort(Generic[T]):
     __slots__ = (
         "_arrivals",
         "_connectors",
+        "_feed",
         "_guard",
         "_last",
         "_lost_when_cut",
@@ -49,6 +50,8 @@ class InPort(Generic[T]):
         self._last: T | None = None
         self._lost_when_cut = 0
         self._arrivals: deque[RingBuffer[T]] | None = None
+        self._feed: Callable[[], None] | None = None
+        """Brings a sample into a buffer of this port, if one waits elsewhere."""
         # The samples of the only buffer, where one thread alone comes here: the short way.
         self._sole: deque[T] = _NOTHING
         self._unread: deque[Any] = _NOTHING
@@ -61,6 +64,10 @@ class InPort(Generic[T]):
 
     def is_new(self) -> bool:
         """Whether there is an unread sample. Of a pull connection too, unlike in OpenRTM."""
+        if self._unread:
+            return True
+        if self._feed is not None:
+            self._feed()
         return bool(self._unread)
 
     def read(self) -> T | None:
@@ -123,7 +130,7 @@ class InPort(Generic[T]):
         return None
 
     def _oldest(self) -> RingBuffer[T] | None:
-        if not self._unread:
+        if not self.is_new():
             return None
         return self._arrivals[0] if self._arrivals else self._connectors[0].buffer
 

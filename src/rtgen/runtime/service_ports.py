@@ -6,7 +6,7 @@ call runs in the caller's thread, beside the provider's own ticks.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from rtgen.runtime.services import ObjectNotExist, Servant, Skeleton
 
@@ -14,6 +14,17 @@ if TYPE_CHECKING:
     from rtgen.runtime.component import Component
 
 S = TypeVar("S", bound=Servant)
+
+
+class Carrier(Protocol):
+    """Where the calls of a consumer go: a provider, or what carries them to one elsewhere."""
+
+    @property
+    def reachable(self) -> bool:
+        """Whether there is an object to be called, ACTIVE or not."""
+
+    def call(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """Carries out a call. Raises what the IDL allows, or a ServiceError."""
 
 
 class Provider(Generic[S]):
@@ -50,6 +61,11 @@ class Provider(Generic[S]):
         """Sets the object that carries out the calls, usually in `on_initialize`."""
         self._skeleton = self.interface._skeleton_(servant)
 
+    @property
+    def reachable(self) -> bool:
+        """See `Carrier`."""
+        return True
+
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Carries out a call. Raises what the IDL allows, ObjectNotExist or UnknownException.
 
@@ -79,7 +95,7 @@ class Consumer(Generic[S]):
         self.instance = instance
         self.interface = interface
         self.owner = owner
-        self._provider: Provider[Any] | None = None
+        self._provider: Carrier | None = None
         self._stub: S = interface._stub_(self._call)
 
     def __str__(self) -> str:
@@ -96,7 +112,7 @@ class Consumer(Generic[S]):
     @property
     def connected(self) -> bool:
         """Whether there is a provider, ACTIVE or not."""
-        return self._provider is not None
+        return self._provider is not None and self._provider.reachable
 
     @property
     def object(self) -> S:

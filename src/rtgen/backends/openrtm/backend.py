@@ -7,8 +7,9 @@ from collections.abc import Iterator
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check
 from rtgen.backends.openrtm import rules
+from rtgen.backends.openrtm.component_files import component_files
 from rtgen.backends.openrtm.conversions import conversions
-from rtgen.backends.openrtm.plan import ROOT, ComponentPlan, Unit, plans
+from rtgen.backends.openrtm.plan import ROOT, Unit, plans
 from rtgen.backends.openrtm.systems import system_artifacts
 from rtgen.backends.openrtm.wire_idl import WireIdl
 from rtgen.backends.tecs.backend import rtc_packages
@@ -44,7 +45,7 @@ class OpenRtmBackend:
         for unit in units:
             artifacts += conversions(unit) if unit.components else ()
         for plan in planned:
-            artifacts += _of_component(plan)
+            artifacts += component_files(plan)
             artifacts += idl[plan.unit.options.package].artifacts(plan)
         systems, found = system_artifacts(model.systems, planned, options.version)
         findings += found
@@ -70,7 +71,3 @@ def _of_tecs(model: Model, options: Options) -> Iterator[Unit]:
             {**found.factories, **options.factories},
             found.external,
         )
-
-
-def _of_component(plan: ComponentPlan) -> Iterator[Artifact]:
-    yield from ()

@@ -1,0 +1,41 @@
+"""The files of a component but those of its IDL: module, configuration, profile."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.backends import Artifact
+from rtgen.backends.openrtm.component_module import component_module
+from rtgen.backends.openrtm.plan import ComponentPlan
+from rtgen.backends.python_text import comment_text, header_comment, number_literal
+from rtgen.backends.rendering import render
+from rtgen.backends.rtc_profile import profile_text
+from rtgen.typemap.parameters import Parameters
+
+
+def component_files(plan: ComponentPlan) -> Iterator[Artifact]:
+    """`<Component>.py`, `<Component>.conf`, `rtc.conf` and `RTC.xml`."""
+    component, options, source = plan.component, plan.unit.options, plan.source
+    parameters = Parameters(plan.unit.model)
+    values = {
+        "header": header_comment(options.version, [(source.key, source.sha256)]),
+        "name": plan.name,
+        "category": component.category,
+        "execution": component.execution,
+        "rate": number_literal(float(component.rate)),
+    }
+    conf = render(
+        "openrtm/component.conf.j2",
+        parameters=[
+            (each.parameter.name, comment_text(parameters.default_text(each.parameter)))
+            for each in plan.parameters
+        ],
+        **values,
+    )
+    for name, text in (
+        (f"{plan.name}.py", component_module(plan)),
+        (f"{plan.name}.conf", conf),
+        ("rtc.conf", render("openrtm/rtc.conf.j2", **values)),
+        ("RTC.xml", profile_text(plan.unit.model, component, options)),
+    ):
+        yield Artifact(f"{plan.folder}/{name}", text, (source.key,))

@@ -1,0 +1,326 @@
+"""The text of `<Component>.py`: the module that OpenRTM's manager loads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+
+from rtgen.backends.components.imports import import_from
+from rtgen.backends.components.places import heading, summary
+from rtgen.backends.openrtm.plan import (
+    ComponentPlan,
+    DataPort,
+    PlannedParameter,
+    ServiceInterface,
+    ServicePort,
+)
+from rtgen.backends.openrtm.wire_names import WireNames
+from rtgen.backends.python_text import (
+    docstring,
+    fit_text,
+    header_comment,
+    number_literal,
+    string_literal,
+)
+from rtgen.backends.rendering import render
+from rtgen.model import Interface, SequenceType, StringType
+from rtgen.model.constraints import text_of
+from rtgen.typemap.component_actions import ACTIONS
+from rtgen.typemap.parameters import Parameters
+from rtgen.typemap.python_names import identifier
+
+_TAKEN = frozenset(
+    {
+        *("Any", "FOLDER", "Host", "MyModuleInit", "OpenRTM_aist", "Path", "RTC"),
+        *("annotations", "instance_arguments", "main", "path", "place", "stubs", "sys"),
+        *("int", "str", "host", "manager", "profile", "self", "ec_id"),
+    }
+)
+_PLACE = "# The module spec."
+"""Stands for it until the text is fitted: black leaves it as it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Servant:
+    """The class of what serves an interface: conversions, and omniORB's skeleton."""
+
+    name: str
+    calls: str
+    skeleton: str
+    interface: str
+
+
+def component_module(plan: ComponentPlan) -> str:
+    """The whole module."""
+    return _ComponentModule(plan).text()
+
+
+class _ComponentModule:
+    def __init__(self, plan: ComponentPlan) -> None:
+        self._plan = plan
+        self._wire = WireNames(plan.unit)
+        self._parameters = Parameters(plan.unit.model)
+        self._class = identifier(plan.name, _TAKEN)
+        self._taken = {*_TAKEN, self._class}
+        self._specification = self._own(f"{plan.name.lower()}_spec")
+        self._own(f"{plan.name}Init")
+        self._modules: dict[str, str] = {}
+        self._stubs: dict[str, str] = {}
+        self._servants: dict[str, _Servant] = {}
+
+    def _own(self, name: str) -> str:
+        """A name that the module binds, unlike all others."""
+        name = identifier(name, self._taken)
+        self._taken.add(name)
+        return name
+
+    def text(self) -> str:
+        plan = self._plan
+        options, component = plan.unit.options, plan.component
+        module, _, made = ":".join(plan.behaviour).partition(":")
+        head, dot, rest = made.partition(".")
+        behaviour = self._own(f"{identifier(head)}Behaviour")
+        members = list(self._members())
+        initialization = list(self._initialization())
+        source = plan.source
+        imports = [f"from {module} import {identifier(head)} as {behaviour}"]
+        imports += [
+            self._import(path, local) for path, local in sorted(self._modules.items())
+        ]
+        names = ["Host", "instance_arguments", "main"]
+        stems = [file.stem for file in plan.own_idl_files]
+        outside = "/".join(".." for _ in PurePosixPath(plan.folder).parts)
+        places = [f"{outside}/{options.skeleton_path}", outside]
+        text = render(
+            "openrtm/component.py.j2",
+            header=header_comment(options.version, [(source.key, source.sha256)]),
+            docstring=docstring(heading(component), 0),
+            class_docstring=docstring(component.doc or heading(component), 4),
+            places=_tuple(map(string_literal, places)),
+            runtime=", ".join([*names, *["stubs"] * bool(stems)]),
+            stubs=_tuple(map(string_literal, stems)) if stems else "",
+            stub_imports=[
+                f"import {name}" if name == local else f"import {name} as {local}"
+                for name, local in sorted(self._stubs.items())
+            ],
+            imports=sorted(imports),
+            specification=_PLACE,
+            specification_name=self._specification,
+            servants=list(self._servants.values()),
+            name=self._class,
+            component=plan.name,
+            behaviour=behaviour + dot + rest,
+            members=members,
+            initialization=initialization,
+            callbacks=[
+                (f"o{action.element[1:]}", action.method)
+                for action in ACTIONS
+                if action.parameters
+            ],
+            type_name=string_literal(plan.name),
+            category=string_literal(component.category),
+        )
+        return fit_text(text).replace(_PLACE, self._specification_text(), 1)
+
+    def _specification_text(self) -> str:
+        """The module spec: a pair a line, as everybody writes it."""
+        pairs = (map(string_literal, pair) for pair in self._entries())
+        lines = "".join(f"    {', '.join(pair)},\n" for pair in pairs)
+        return f'# fmt: off\n{self._specification} = [\n{lines}    "",\n]\n# fmt: on'
+
+    def _import(self, path: str, local: str) -> str:
+        package, _, name = path.rpartition(".")
+        item = name if name == local else f"{name} as {local}"
+        return import_from(package, [item])
+
+    # The module spec.
+
+    def _entries(self) -> Iterator[tuple[str, str]]:
+        component = self._plan.component
+        yield "implementation_id", self._plan.name
+        yield "type_name", self._plan.name
+        yield "description", summary(component)
+        yield "version", component.version
+        yield "vendor", component.vendor
+        yield "category", component.category
+        yield "activity_type", component.component_type
+        yield "max_instance", str(component.max_instances)
+        yield "language", "Python"
+        yield "lang_type", "SCRIPT"
+        yield "exec_cxt.periodic.type", component.execution
+        yield "exec_cxt.periodic.rate", number_literal(float(component.rate))
+        for planned in self._plan.parameters:
+            yield from self._parameter_entries(planned)
+
+    def _parameter_entries(
+        self, planned: PlannedParameter
+    ) -> Iterator[tuple[str, str]]:
+        parameter = planned.parameter
+        name = parameter.name
+        constraint = self._parameters.constraint(parameter)
+        yield f"conf.default.{name}", self._parameters.default_text(parameter)
+        yield f"conf.__widget__.{name}", parameter.widget or "text"
+        if constraint is not None:
+            yield f"conf.__constraints__.{name}", text_of(constraint)
+        yield f"conf.__type__.{name}", self._parameters.profile_type(parameter.type)
+
+    # What the constructor makes.
+
+    def _members(self) -> Iterator[str]:
+        plan = self._plan
+        for ports, kind in ((plan.in_ports, "In"), (plan.out_ports, "Out")):
+            for port in ports:
+                datum, member = _datum(port), _member(port, kind)
+                yield f"self.{datum} = {self._of_type(port, 'new')}()"
+                made = f"OpenRTM_aist.{kind}Port({_quoted(port.name)}, self.{datum})"
+                yield f"self.{member} = {made}"
+        for service in plan.service_ports:
+            made = f"OpenRTM_aist.CorbaPort({_quoted(service.name)})"
+            yield f"self.{_service_member(service)} = {made}"
+            for interface in service.interfaces:
+                if not interface.provided:
+                    stub = self._stub(self._wire.stub_path(interface.type.name))
+                    made = f"OpenRTM_aist.CorbaConsumer(interfaceType={stub})"
+                    yield f"self.{_interface_member(interface)} = {made}"
+        for planned in plan.parameters:
+            initial = self._initial(planned)
+            annotation = ": list[Any]" * (initial == "[]")
+            yield f"self.{_variable(planned)}{annotation} = [{initial}]"
+
+    def _of_type(self, port: DataPort, which: str) -> str:
+        found = self._wire.conversions(port.type)
+        return f"{self._module(found.path)}.{getattr(found, which)}"
+
+    def _module(self, path: str) -> str:
+        """A module with conversions, under its local name."""
+        known = self._modules.get(path)
+        if known is None:
+            known = self._modules[path] = self._own(path.rpartition(".")[2])
+        return known
+
+    def _stub(self, path: str) -> str:
+        """A class of stubs, its package imported."""
+        package, dot, rest = path.partition(".")
+        if package not in self._stubs:
+            fine = package == "RTC" or package not in self._taken
+            self._stubs[package] = package if fine else self._own(package)
+            self._taken.add(package)
+        return self._stubs[package] + dot + rest
+
+    def _initial(self, planned: PlannedParameter) -> str:
+        """The default as a value of Python: tools tell the type by it."""
+        parameter = planned.parameter
+        type_ = self._plan.unit.model.unalias(parameter.type)
+        default = parameter.default
+        if isinstance(type_, SequenceType):
+            items = self._parameters.default_items(parameter)
+            inner = self._plan.unit.model.unalias(type_.element)
+            values = [self._parameters.parse_item(inner, item) for item in items]
+            plain = all(isinstance(value, int | float | str) for value in values)
+            shown = values if plain else items
+            return f"[{', '.join(map(_literal, shown))}]"
+        if isinstance(default, bool | int | float | str):
+            return _literal(default)
+        text = self._parameters.default_text(parameter)
+        word = self._parameters.profile_type(parameter.type)
+        if default is None and not isinstance(type_, StringType) and word != "string":
+            return text if word != "bool" else "False"
+        return string_literal(text)
+
+    # What onInitialize does.
+
+    def _initialization(self) -> Iterator[str]:
+        plan = self._plan
+        for planned in plan.parameters:
+            name = _quoted(planned.parameter.name)
+            # An empty default would not be bound.
+            default = self._parameters.default_text(planned.parameter) or " "
+            yield (
+                f"self.bindParameter({name}, self.{_variable(planned)}, "
+                f"{_quoted(default)}, host.parameter({name}))"
+            )
+        for port in plan.in_ports:
+            yield from self._added(port, "In", ("of",))
+        for port in plan.out_ports:
+            yield from self._added(port, "Out", ("fill", "to"))
+        for service in plan.service_ports:
+            yield from self._served(service)
+
+    def _added(
+        self, port: DataPort, kind: str, conversions: Sequence[str]
+    ) -> Iterator[str]:
+        member = f"self.{_member(port, kind)}"
+        yield f"self.add{kind}Port({_quoted(port.name)}, {member})"
+        functions = ", ".join(self._of_type(port, which) for which in conversions)
+        yield (
+            f"host.{kind.lower()}_port({_quoted(port.port.name)}, {member}, "
+            f"self.{_datum(port)}, {functions})"
+        )
+
+    def _served(self, service: ServicePort) -> Iterator[str]:
+        port = f"self.{_service_member(service)}"
+        for interface in service.interfaces:
+            member = f"self.{_interface_member(interface)}"
+            type_ = _quoted(interface.type.scoped)
+            instance = _quoted(interface.port.instance)
+            place = f"{_quoted(service.port)}, {instance}"
+            if interface.provided:
+                servant = self._servant(interface)
+                yield f"{member} = {servant}(host.servant({place}))"
+                yield f"{port}.registerProvider({instance}, {type_}, {member})"
+            else:
+                found = self._wire.conversions(interface.type)
+                stub = f"{self._module(found.path)}.{found.stub}"
+                yield f"{port}.registerConsumer({instance}, {type_}, {member})"
+                yield f"host.consumer({place}, {member}, {stub})"
+        yield f"self.addPort({port})"
+
+    def _servant(self, interface: ServiceInterface) -> str:
+        type_ = interface.type
+        assert isinstance(type_, Interface), "checked before anything is emitted"
+        if type_.scoped not in self._servants:
+            found = self._wire.conversions(type_)
+            self._servants[type_.scoped] = _Servant(
+                name=self._own(f"{type_.name[-1]}_i"),
+                calls=f"{self._module(found.path)}.{found.servant}",
+                skeleton=self._stub(self._wire.skeleton_path(type_)),
+                interface=type_.scoped,
+            )
+        return self._servants[type_.scoped].name
+
+
+def _datum(port: DataPort) -> str:
+    return f"_d_{port.attribute}"
+
+
+def _member(port: DataPort, kind: str) -> str:
+    return f"_{port.attribute}{kind}"
+
+
+def _service_member(service: ServicePort) -> str:
+    return f"_{identifier(service.name)}Port"
+
+
+def _interface_member(interface: ServiceInterface) -> str:
+    return f"_s_{interface.attribute}"
+
+
+def _variable(planned: PlannedParameter) -> str:
+    # Not the tools' `_<name>`: OpenRTM's own members are called so, as `_properties`.
+    return f"_c_{planned.attribute}"
+
+
+def _quoted(text: str) -> str:
+    return string_literal(text)
+
+
+def _literal(value: object) -> str:
+    if isinstance(value, str):
+        return string_literal(value)
+    return number_literal(value) if isinstance(value, float) else repr(value)
+
+
+def _tuple(items: Iterator[str] | map[str]) -> str:
+    listed = list(items)
+    return f"({', '.join(listed)}{',' * (len(listed) == 1)})"

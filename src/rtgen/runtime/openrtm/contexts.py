@@ -1,0 +1,107 @@
+"""OpenRTM's execution contexts as behaviours see them."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Any
+
+from rtgen.runtime.clocks import RealClock
+from rtgen.runtime.component import Component
+from rtgen.runtime.execution_context import ExecutionContext
+from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
+
+_LOOK_AGAIN = 0.001
+
+
+class PollingGuard:
+    """A guard for what nobody announces: samples wait in OpenRTM until they are looked for."""
+
+    def __init__(self) -> None:
+        self._condition = threading.Condition()
+
+    def __enter__(self) -> bool:
+        return self._condition.__enter__()
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_val: BaseException | None,
+        exc_tb: TracebackType | None,
+        /,
+    ) -> None:
+        self._condition.__exit__(exc_type, exc_val, exc_tb)
+
+    def notify_all(self) -> None:
+        """See `Guard`."""
+        self._condition.notify_all()
+
+    def wait_for(
+        self, predicate: Callable[[], bool], timeout: float | None = None
+    ) -> bool:
+        """Looks every millisecond whether the predicate holds, at most `timeout` seconds long."""
+        end = None if timeout is None else time.monotonic() + timeout
+        while not predicate():
+            if end is not None and time.monotonic() >= end:
+                return False
+            self._condition.wait(_LOOK_AGAIN)
+        return True
+
+
+class MachineClock(RealClock):
+    """Real time, as OpenRTM's own time stamps: UTC since 1970."""
+
+    def guard(self) -> PollingGuard:
+        return PollingGuard()
+
+
+class HostContext(ExecutionContext):
+    """A context whose ticks OpenRTM makes. What a behaviour requests of it is told to `wake`.
+
+    `reference` gives the context of OpenRTM.
+    """
+
+    def __init__(
+        self,
+        reference: Callable[[], Any],
+        owner: Component | None,
+        wake: Callable[[], None],
+    ) -> None:
+        super().__init__(owner=owner)
+        self._reference = reference
+        self._wake = wake
+
+    def get_rate(self) -> float:
+        """The rate in Hz that OpenRTM's context has now."""
+        return float(self._reference().get_rate())
+
+    def set_rate(self, rate: float) -> ReturnCode_t:
+        """Sets the rate of OpenRTM's context; see `ExecutionContext`."""
+        return ReturnCode_t[str(self._reference().set_rate(float(rate)))]
+
+    def set_running(self, running: bool) -> None:
+        """Notes that OpenRTM has started or stopped the context."""
+        self._running = running
+
+    def activate_component(self, component: Component) -> ReturnCode_t:
+        """See `ExecutionContext`."""
+        return self._woken(super().activate_component(component))
+
+    def deactivate_component(self, component: Component) -> ReturnCode_t:
+        """See `ExecutionContext`."""
+        return self._woken(super().deactivate_component(component))
+
+    def reset_component(self, component: Component) -> ReturnCode_t:
+        """See `ExecutionContext`."""
+        return self._woken(super().reset_component(component))
+
+    def fail_component(self, component: Component, reason: str) -> ReturnCode_t:
+        """See `ExecutionContext`."""
+        return self._woken(super().fail_component(component, reason))
+
+    def _woken(self, code: ReturnCode_t) -> ReturnCode_t:
+        if code is RTC_OK:
+            self._wake()
+        return code

@@ -1,0 +1,125 @@
+"""What OpenRTM does not do: ticks of INACTIVE components, and to follow what a behaviour does."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from rtgen.runtime.callbacks import log
+from rtgen.runtime.component import Component
+from rtgen.runtime.execution_context import Participant
+from rtgen.runtime.return_codes import (
+    ACTIVE_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    LifeCycleState,
+)
+
+_PERIOD = 0.005
+_PATIENCE = 2.0
+_STEPS = {
+    (INACTIVE_STATE, ACTIVE_STATE): "activate_component",
+    (INACTIVE_STATE, ERROR_STATE): "activate_component",
+    (ACTIVE_STATE, INACTIVE_STATE): "deactivate_component",
+    (ERROR_STATE, INACTIVE_STATE): "reset_component",
+    (ERROR_STATE, ACTIVE_STATE): "reset_component",
+}
+"""What OpenRTM's context is asked for, by its state of the component and the behaviour's.
+
+A behaviour in ERROR refuses to be activated, which leads to ERROR there as well.
+"""
+
+
+class Follower:
+    """A thread that works while there is something to do, begun by `wake`.
+
+    It makes the ticks of a component that OpenRTM has as INACTIVE, as far as something waits for
+    them (requests, the end of a cycle), and asks OpenRTM to follow the behaviour's state.
+    """
+
+    def __init__(
+        self,
+        behaviour: Component,
+        participants: Mapping[int, Participant],
+        context: Callable[[int], Any],
+        rtc: Any,
+    ) -> None:
+        self.states: dict[int, LifeCycleState] = {}
+        """The component's state in each of OpenRTM's contexts."""
+        self._behaviour = behaviour
+        self._participants = participants
+        self._context = context
+        self._rtc = rtc
+        self._lock = threading.Lock()
+        self._again = False
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def look(self, ec_id: int) -> None:
+        """Begins to work if there is something to do in a context."""
+        participant = self._participants.get(ec_id)
+        if participant is not None and self._has_work(ec_id, participant):
+            self.wake()
+
+    def wake(self) -> None:
+        """Begins to work."""
+        with self._lock:
+            self._again = True
+            if self._thread is None and not self._ended.is_set():
+                self._thread = threading.Thread(
+                    target=self._run,
+                    name=f"rtgen {self._behaviour.instance_name}",
+                    daemon=True,
+                )
+                self._thread.start()
+
+    def end(self) -> None:
+        """Ends the thread, after what it may be doing."""
+        with self._lock:
+            self._ended.set()
+            thread = self._thread
+        if thread is not None and thread is not threading.current_thread():
+            thread.join(_PATIENCE)
+
+    def _run(self) -> None:
+        while not self._ended.wait(_PERIOD):
+            with self._lock:
+                self._again = False
+            work = False
+            for ec_id, participant in tuple(self._participants.items()):
+                try:
+                    self._work(ec_id, participant)
+                except Exception as error:
+                    log.warning("%s: %s", self._behaviour.instance_name, error)
+                work |= self._has_work(ec_id, participant)
+            with self._lock:
+                if not work and not self._again:
+                    self._thread = None
+                    return
+
+    def _work(self, ec_id: int, participant: Participant) -> None:
+        with self._behaviour._turn:
+            if self._state(ec_id) is INACTIVE_STATE:
+                participant.carry_out_requests()
+                participant.finish()
+            step = self._step(ec_id, participant)
+        if step is not None:
+            # Not in the behaviour's turn: OpenRTM's callback takes it.
+            getattr(self._context(ec_id), step)(self._rtc.getObjRef())
+
+    def _state(self, ec_id: int) -> LifeCycleState:
+        return self.states.get(ec_id, INACTIVE_STATE)
+
+    def _step(self, ec_id: int, participant: Participant) -> str | None:
+        """What OpenRTM's context is to be asked for; nothing while the behaviour has a request."""
+        if participant._requests:
+            return None
+        return _STEPS.get((self._state(ec_id), participant.state))
+
+    def _has_work(self, ec_id: int, participant: Participant) -> bool:
+        if self._state(ec_id) is INACTIVE_STATE and (
+            participant._requests or participant._chores
+        ):
+            return True
+        return self._step(ec_id, participant) is not None

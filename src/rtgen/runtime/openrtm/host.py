@@ -1,0 +1,311 @@
+"""A behaviour as an OpenRTM component: OpenRTM's callbacks drive the runtime's life cycle."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any, TypeVar
+
+from rtgen.runtime.callbacks import log
+from rtgen.runtime.component import FIRST_FOREIGN_HANDLE, Component
+from rtgen.runtime.errors import ConfigurationError
+from rtgen.runtime.execution_context import Participant
+from rtgen.runtime.life_cycle import Request
+from rtgen.runtime.openrtm.contexts import HostContext, MachineClock
+from rtgen.runtime.openrtm.following import Follower
+from rtgen.runtime.openrtm.ports import Inflow, Outflow
+from rtgen.runtime.openrtm.services import RemoteProvider, servant_of
+from rtgen.runtime.openrtm.starting import log_to_manager
+from rtgen.runtime.return_codes import (
+    ACTIVE_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
+    RTC_ERROR,
+    RTC_OK,
+    LifeCycleState,
+)
+
+_T = TypeVar("_T")
+
+_PATIENCE = 0.3
+"""How long, in s, a transition may take that OpenRTM waits for: it gives up after 0.5 s."""
+
+FOLDER = "rtgen.folder"
+"""The component property with the folder that relative file names start from."""
+
+
+class Host:
+    """Runs a behaviour in an OpenRTM component.
+
+    The life cycle is that of the embedded runtime (`docs/life-cycle.md`), in OMG's order: OpenRTM's
+    calls of `onDeactivated` on the way to ERROR, and of `onAborting`, which has been called then,
+    do not reach the behaviour. A transition that takes long goes on while OpenRTM has made it
+    already; and what the behaviour brings about by itself, OpenRTM is asked to follow.
+    """
+
+    def __init__(self, rtc: Any, factory: Callable[[str], Component]) -> None:
+        """`rtc` is the OpenRTM component, `factory` makes a behaviour of an instance name."""
+        self._rtc = rtc
+        self._factory = factory
+        self._codes = import_module("RTC")
+        self._behaviour: Component | None = None
+        self._participants: dict[int, Participant] = {}
+        self._unapplied = False
+        self._follower: Follower | None = None
+
+    # Making the component, in its onInitialize.
+
+    def begin(self) -> Host:
+        """Makes the behaviour: the component has its instance name now."""
+        log_to_manager()
+        made = self._factory(self._rtc.getInstanceName())
+        made._join(MachineClock())
+        folder = self._rtc.getProperties().getProperty(FOLDER)
+        if folder:
+            made.folder = Path(folder)
+        self._behaviour = made
+        self._follower = Follower(made, self._participants, self._context, self._rtc)
+        return self
+
+    @property
+    def behaviour(self) -> Component:
+        """The behaviour. Raises RuntimeError before `begin`."""
+        if self._behaviour is None:
+            raise RuntimeError("the component is not initialized")
+        return self._behaviour
+
+    def parameter(self, name: str) -> Callable[[Any, str], tuple[bool, Any]]:
+        """The converter of a parameter for `bindParameter`.
+
+        A text that is no value of the parameter, or is not allowed, leaves the old one, and the
+        log says why. The behaviour sees the value in its next callback.
+        """
+        sets = self.behaviour.configuration_sets
+
+        def convert(old: _T, text: str) -> tuple[bool, _T]:
+            try:
+                value: _T = sets.value(name, text)
+                sets.set(name, text)
+            except ConfigurationError as error:
+                log.warning("%s: %s", self.behaviour.instance_name, error)
+                return True, old
+            self._unapplied = True
+            return True, value
+
+        return convert
+
+    def in_port(
+        self, name: str, port: Any, datum: Any, convert: Callable[[Any], Any]
+    ) -> None:
+        """Feeds the behaviour's InPort; `convert` makes a sample of a wire object as `datum`."""
+        Inflow(self.behaviour.in_ports[name], port, datum, convert)
+
+    def out_port(
+        self,
+        name: str,
+        port: Any,
+        datum: Any,
+        fill: Callable[[Any, Any], None],
+        make: Callable[[Any], Any],
+    ) -> None:
+        """Sends what the behaviour's OutPort gets: `datum`, filled by `fill`, or `make`'s."""
+        Outflow(self.behaviour.out_ports[name], port, datum, fill, make)
+
+    def servant(self, port: str, instance: str) -> Any:
+        """A servant that calls the behaviour's provider, while it is ACTIVE."""
+        return servant_of(self.behaviour.providers[port, instance])
+
+    def consumer(
+        self,
+        port: str,
+        instance: str,
+        consumer: Any,
+        stub: Callable[[Callable[[], Any]], Any],
+    ) -> None:
+        """Lets the behaviour's consumer call through OpenRTM's; see `RemoteProvider`."""
+        inner = self.behaviour.consumers[port, instance]
+
+        def reference() -> Any:
+            return consumer._ptr(True)
+
+        inner._provider = RemoteProvider(inner, reference, stub)
+
+    # OpenRTM's callbacks.
+
+    def on_initialize(self) -> Any:
+        """`onInitialize`, after everything is bound: CREATED to INACTIVE."""
+        behaviour = self.behaviour
+        behaviour._do_chores()
+        behaviour._answer = RTC_OK
+        return self._code(behaviour.initialize() is not RTC_OK)
+
+    def on_finalize(self) -> Any:
+        """`onFinalize`: leaves all contexts, deactivated if need be, then ends."""
+        if self._follower is not None:
+            self._follower.end()
+        behaviour = self._behaviour
+        if behaviour is None or not behaviour.is_alive():
+            return self._codes.RTC_OK
+        with behaviour._turn:
+            behaviour._answer = RTC_OK
+            return self._code(behaviour.exit() is not RTC_OK)
+
+    def on_startup(self, ec_id: int) -> Any:
+        """`onStartup`."""
+        return self._started(ec_id, True, Request.STARTUP)
+
+    def on_shutdown(self, ec_id: int) -> Any:
+        """`onShutdown`: of a component that has ended it was called before."""
+        if not self.behaviour.is_alive():
+            return self._codes.RTC_OK
+        return self._started(ec_id, False, Request.SHUTDOWN)
+
+    def on_activated(self, ec_id: int) -> Any:
+        """`onActivated`: RTC_OK as well where it takes longer, and may fail later."""
+        return self._requested(ec_id, Request.ACTIVATE, ACTIVE_STATE)
+
+    def on_deactivated(self, ec_id: int) -> Any:
+        """`onDeactivated`; nothing on the way to ERROR. Ends the wait for an activation."""
+        waiting = self._participant(ec_id)._requests
+        if Request.ACTIVATE in waiting:
+            waiting.remove(Request.ACTIVATE)
+        return self._requested(ec_id, Request.DEACTIVATE, INACTIVE_STATE)
+
+    def on_reset(self, ec_id: int) -> Any:
+        """`onReset`: the component stays in ERROR unless it is RTC_OK."""
+        return self._requested(ec_id, Request.RESET, INACTIVE_STATE)
+
+    def on_aborting(self, ec_id: int) -> Any:
+        """`onAborting`: the behaviour's was called at the transition."""
+        self._started_follower.states[ec_id] = ERROR_STATE
+        return self._codes.RTC_OK
+
+    def on_execute(self, ec_id: int) -> Any:
+        """`onExecute`."""
+        participant, behaviour = self._turn(ec_id)
+        with behaviour._turn:
+            self._apply()
+            if participant.state is not ERROR_STATE:
+                if not participant.carry_out_requests():
+                    participant.execute()
+                if participant.state is not ERROR_STATE:
+                    return self._codes.RTC_OK
+            participant.finish()
+            return self._code(True)
+
+    def on_state_update(self, ec_id: int) -> Any:
+        """`onStateUpdate`, and the end of the tick."""
+        participant, behaviour = self._turn(ec_id)
+        with behaviour._turn:
+            participant.update()
+            return self._ended(ec_id, participant)
+
+    def on_error(self, ec_id: int) -> Any:
+        """`onError`."""
+        participant, behaviour = self._turn(ec_id)
+        with behaviour._turn:
+            self._apply()
+            participant.carry_out_requests()
+            if participant.state is ERROR_STATE:
+                participant.execute()
+            participant.finish()
+            self._started_follower.look(ec_id)
+            return self._code(behaviour._answer is not RTC_OK)
+
+    def on_rate_changed(self, ec_id: int) -> Any:
+        """`onRateChanged`: called at the next tick where there is one, else at once."""
+        participant, behaviour = self._turn(ec_id)
+        with behaviour._turn:
+            participant.request(Request.RATE_CHANGE)
+            if participant.state is not INACTIVE_STATE:
+                return self._codes.RTC_OK
+            participant.carry_out_requests()
+            return self._ended(ec_id, participant)
+
+    # The life cycle.
+
+    def _participant(self, ec_id: int) -> Participant:
+        """The behaviour in a context of OpenRTM's."""
+        found = self._participants.get(ec_id)
+        if found is not None:
+            return found
+        behaviour = self.behaviour
+        context = HostContext(
+            lambda: self._context(ec_id),
+            behaviour if ec_id < FIRST_FOREIGN_HANDLE else None,
+            self._started_follower.wake,
+        )
+        if context.add_component(behaviour) is not RTC_OK:
+            raise RuntimeError(f"{behaviour.instance_name} is not alive")
+        participant = context.participants[0]
+        # Handles are OpenRTM's, in whatever order its contexts come here.
+        behaviour._contexts[ec_id] = behaviour._contexts.pop(participant.handle)
+        participant.handle = ec_id
+        self._participants[ec_id] = participant
+        return participant
+
+    def _turn(self, ec_id: int) -> tuple[Participant, Component]:
+        """Who is to be called; no callback has failed yet."""
+        participant = self._participant(ec_id)
+        participant.component._answer = RTC_OK
+        return participant, participant.component
+
+    @property
+    def _started_follower(self) -> Follower:
+        if self._follower is None:
+            raise RuntimeError("the component is not initialized")
+        return self._follower
+
+    def _context(self, ec_id: int) -> Any:
+        return self._rtc.get_context(ec_id)
+
+    def _started(self, ec_id: int, running: bool, request: Request) -> Any:
+        participant, behaviour = self._turn(ec_id)
+        with behaviour._turn:
+            assert isinstance(participant.context, HostContext)
+            participant.context.set_running(running)
+            participant.carry_out(request)
+            self._started_follower.look(ec_id)
+            return self._code(behaviour._answer is not RTC_OK)
+
+    def _requested(self, ec_id: int, request: Request, goal: LifeCycleState) -> Any:
+        """A transition that OpenRTM makes; it is waited for a while if it takes time."""
+        participant, behaviour = self._turn(ec_id)
+        follower = self._started_follower
+        with behaviour._turn:
+            self._apply()
+            follower.states[ec_id] = goal
+            participant.request(request)
+            participant.carry_out_requests()
+            end = time.monotonic() + _PATIENCE
+            while participant._requests and time.monotonic() < end:
+                time.sleep(0.001)
+                participant.carry_out_requests()
+            code = self._ended(ec_id, participant)
+            if request is Request.RESET and code != self._codes.RTC_OK:
+                follower.states[ec_id] = ERROR_STATE
+        return code
+
+    def _ended(self, ec_id: int, participant: Participant) -> Any:
+        """The end of a tick: RTC_OK unless the behaviour is in ERROR, and is to stay there."""
+        participant.finish()
+        self._started_follower.look(ec_id)
+        return self._code(
+            participant.state is ERROR_STATE
+            and Request.RESET not in participant._requests
+        )
+
+    def _apply(self) -> None:
+        """Brings what OpenRTM has set into the configuration object."""
+        if self._unapplied:
+            self._unapplied = False
+            self.behaviour.configuration_sets.apply()
+
+    def _code(self, failed: bool) -> Any:
+        """OpenRTM's code: for a failure what the behaviour has told, if it has."""
+        if not failed:
+            return self._codes.RTC_OK
+        told = self.behaviour._answer
+        return getattr(self._codes, (RTC_ERROR if told is RTC_OK else told).name)

@@ -1,0 +1,200 @@
+"""Data ports of OpenRTM behind those of a behaviour."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from rtgen.runtime.buffers import BufferSettings, EmptyPolicy, RingBuffer
+from rtgen.runtime.callbacks import log
+from rtgen.runtime.data_ports import InPort, OutPort
+from rtgen.runtime.return_codes import PORT_OK, PortStatus
+
+_OK = 0
+"""`PORT_OK` of OpenRTM's connectors."""
+
+
+class Inflow:
+    """Brings samples from the connections of OpenRTM's InPort into a behaviour's, when asked for.
+
+    A sample stays in OpenRTM's buffer until the behaviour looks for it, so that lengths and
+    policies of the connections hold. All connections are looked at, not only the first.
+    """
+
+    lost = 0
+    """Samples that were lost on the way: OpenRTM does not count them."""
+
+    def __init__(
+        self, target: InPort[Any], port: Any, datum: Any, convert: Callable[[Any], Any]
+    ) -> None:
+        self.buffer: RingBuffer[Any] = RingBuffer(
+            BufferSettings(length=1), target._guard
+        )
+        self.source = self
+        self._target = target
+        self._port = port
+        self._datum = datum
+        self._convert = convert
+        self._known: list[Any] = []
+        self._pulled: dict[int, Any] = {}
+        self._pulling: tuple[bool, ...] = ()
+        self._next = 0
+        target._attach(self)  # type: ignore[arg-type]  # as much of a connector as it needs
+        target._feed = self.feed
+
+    def _rewire(self) -> None:
+        """What an InPort asks of the OutPort behind a connector: nothing to do here."""
+
+    def feed(self) -> None:
+        """Brings one sample, if one waits."""
+        with self.buffer.guard:
+            if self.buffer.samples:
+                return
+            connectors = self._port.connectors()
+            if connectors != self._known:
+                self._look_at(list(connectors))
+            wire = self._pushed()
+            sample = self._pull() if wire is None else self._converted(wire)
+            if sample is not None:
+                self.buffer.write(sample)
+
+    def _look_at(self, connectors: list[Any]) -> None:
+        """Notes what the connections are asked for: it does not change while they last."""
+        self._known = connectors
+        self._next = 0
+        self._pulled = {}
+        told = [connector.profile().properties for connector in connectors]
+        self._pulling = tuple(
+            each.getProperty("dataflow_type") == "pull" for each in told
+        )
+        self.buffer.settings = _reading(told)
+
+    def _pushed(self) -> Any:
+        """The next value that was pushed, or handed over in the process; None if there is none."""
+        count = len(self._known)
+        for turn in range(count):
+            # In turn, so that none of several buffers waits for ever.
+            place = (self._next + turn) % count
+            if self._pulling[place]:
+                continue
+            connector = self._known[place]
+            buffer = connector.getBuffer()
+            if buffer is not None and buffer.readable() > 0:
+                status, wire = connector.read(self._datum)
+                if int(status) == _OK:
+                    self._next = place + 1
+                    return wire
+        return self._port.read() if self._port.isNew() else None
+
+    def _pull(self) -> Any:
+        """The value of a connection that is pulled; None if it is the same as the last time.
+
+        OpenRTM's OutPort gives its last value again and again, and does not tell that it does.
+        """
+        for place, connector in enumerate(self._known):
+            if not self._pulling[place]:
+                continue
+            status, wire = connector.read(self._datum)
+            if int(status) != _OK:
+                continue
+            sample = self._converted(wire)
+            if sample is not None and sample != self._pulled.get(place):
+                self._pulled[place] = sample._snapshot_()
+                return sample
+        return None
+
+    def _converted(self, wire: Any) -> Any:
+        try:
+            return self._convert(wire)
+        except (ValueError, TypeError, AttributeError, OverflowError) as error:
+            log.warning("%s: a sample cannot be taken: %s", self._target, error)
+            return None
+
+
+def _reading(properties: Sequence[Any]) -> BufferSettings:
+    """What a read does with nothing unread: as the first connection says."""
+    if not properties:
+        return BufferSettings(length=1)
+    policy = properties[0].getProperty("buffer.read.empty_policy")
+    timeout = properties[0].getProperty("buffer.read.timeout")
+    known = {each.value: each for each in EmptyPolicy}
+    try:
+        seconds = float(timeout)
+    except ValueError:
+        seconds = 1.0
+    return BufferSettings(
+        length=1,
+        empty_policy=known.get(policy, EmptyPolicy.READBACK),
+        read_timeout=max(seconds, 0.0),
+    )
+
+
+class Outflow:
+    """Sends what a behaviour writes through OpenRTM's OutPort.
+
+    One wire object is kept for the port and filled in place, since OpenRTM marshals within
+    `write`. A `direct` connection hands the object itself to the receiver, which would then see
+    the next sample in it: there every sample is a new one.
+    """
+
+    def __init__(
+        self,
+        source: OutPort[Any],
+        port: Any,
+        kept: Any,
+        fill: Callable[[Any, Any], None],
+        make: Callable[[Any], Any],
+    ) -> None:
+        self._source = source
+        self._port = port
+        self._kept = kept
+        self._fill = fill
+        self._make = make
+        self._known: list[Any] = []
+        self._shares = False
+        self._lock = threading.RLock()
+        source._attach(self)  # type: ignore[arg-type]  # as much of a connector as it needs
+
+    def short_way(self) -> Callable[[Any], PortStatus]:
+        """What the OutPort calls for each sample."""
+        return self.send
+
+    def send(self, value: Any) -> PortStatus:
+        """Sends a sample; see `OutPort.write` for what it answers."""
+        self._source._checked(value)
+        port = self._port
+        with self._lock:
+            connectors = port.connectors()
+            if connectors != self._known:
+                self._look_at(list(connectors))
+            before = self._known
+            if not before:
+                return self._to_nobody()
+            if self._shares:
+                wire = self._make(value)
+            else:
+                wire = self._kept
+                self._fill(wire, value)
+            if port.write(wire):
+                return PORT_OK
+            if len(port.connectors()) < len(before):
+                return PortStatus.CONNECTION_LOST
+            return self._refusal
+
+    def _look_at(self, connectors: list[Any]) -> None:
+        self._known = connectors
+        told = [connector.profile().properties for connector in connectors]
+        self._shares = any(
+            each.getProperty("interface_type") == "direct" for each in told
+        )
+        waits = any(
+            each.getProperty("buffer.write.full_policy") == "block" for each in told
+        )
+        self._refusal = PortStatus.BUFFER_TIMEOUT if waits else PortStatus.BUFFER_FULL
+
+    def _to_nobody(self) -> PortStatus:
+        if len(self._source.connectors) > 1:
+            return PORT_OK  # a device's OutPort goes to its bus as well
+        self._source.unsent += 1
+        return PortStatus.PRECONDITION_NOT_MET

@@ -1,0 +1,74 @@
+"""How an emitted module starts as a program, and where its messages go."""
+
+from __future__ import annotations
+
+import logging
+import os
+import sys
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from rtgen.runtime.callbacks import log
+
+_INSTANCE = "--instance_name="
+_LEVELS = (
+    (logging.ERROR, "RTC_ERROR"),
+    (logging.WARNING, "RTC_WARN"),
+    (logging.INFO, "RTC_INFO"),
+)
+
+
+def main(init: Callable[[Any], None], folder: Path, category: str, name: str) -> None:
+    """Runs a manager with one component of a module until it ends.
+
+    `init` makes the component, of the type `name`. The arguments are those of an OpenRTM manager,
+    and `--instance_name=NAME`. Where neither they nor the environment nor the working folder has
+    a configuration, that of the module's `folder` is taken.
+    """
+    logging.basicConfig(format="%(message)s")
+    manager = import_module("OpenRTM_aist").Manager.init(
+        arguments(sys.argv, folder, category, name)
+    )
+    manager.setModuleInitProc(init)
+    manager.activateManager()
+    manager.runManager()
+
+
+def arguments(argv: list[str], folder: Path, category: str, name: str) -> list[str]:
+    """The arguments for `Manager.init`; our own are left out, since it stops at unknown ones."""
+    kept = [each for each in argv if not each.startswith(_INSTANCE)]
+    told = any(each.startswith("-f") for each in kept[1:])
+    if told or "RTC_MANAGER_CONFIG" in os.environ or Path("rtc.conf").is_file():
+        return kept
+    conf = f"{category}.{name}.config_file:{folder / name}.conf"
+    return [*kept[:1], "-f", str(folder / "rtc.conf"), "-o", conf, *kept[1:]]
+
+
+def instance_arguments(argv: list[str]) -> str:
+    """What `createComponent` is given behind the component's type: the instance name, if any."""
+    for each in argv[1:]:
+        if each.startswith(_INSTANCE):
+            return f"?instance_name={each.removeprefix(_INSTANCE)}"
+    return ""
+
+
+class ManagerLog(logging.Handler):
+    """Hands the runtime's messages to the log of OpenRTM's manager."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.INFO)
+        manager = import_module("OpenRTM_aist").Manager.instance()
+        self._out = manager.getLogbuf("rtgen")
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """See `logging.Handler`."""
+        write = next(name for level, name in _LEVELS if record.levelno >= level)
+        getattr(self._out, write)("%s", self.format(record))
+
+
+def log_to_manager() -> None:
+    """Makes the manager's log hold the runtime's messages, too; once for each process."""
+    if not any(isinstance(handler, ManagerLog) for handler in log.handlers):
+        log.addHandler(ManagerLog())
