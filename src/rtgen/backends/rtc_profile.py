@@ -35,6 +35,7 @@ from rtgen.model.constraints import (
     Operator,
     text_of,
 )
+from rtgen.model.rtc_profile import EVENT, EVENT_ARGUMENTS, EVENT_PORT
 from rtgen.typemap.component_actions import ACTIONS
 from rtgen.typemap.parameters import Parameters
 
@@ -86,6 +87,7 @@ class _DataPort:
     idl_file: str
     unit: str
     doc: str
+    events: tuple[dict[str, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,6 +199,8 @@ def _node(constraint: Constraint, key: str = "") -> _Node:
 
 def _data_port(model: Model, port: Port) -> _DataPort:
     kind, position = _DATA_PORTS[port.kind]
+    if port.kind is PortKind.INPORT and port.annotation(EVENT_PORT) is not None:
+        kind = "EventPort"
     return _DataPort(
         kind=kind,
         position=position,
@@ -206,6 +210,11 @@ def _data_port(model: Model, port: Port) -> _DataPort:
         idl_file=_idl_file(model, port),
         unit=port.unit,
         doc=_lines(port.doc),
+        events=tuple(
+            {key: str(told.get(key) or "") for key in EVENT_ARGUMENTS}
+            for told in port.annotations
+            if told.name == EVENT
+        ),
     )
 
 

@@ -7,6 +7,12 @@ from dataclasses import dataclass
 from rtgen.diagnostics import Span
 from rtgen.model.constraints import Constraint
 
+EVENT_PORT, EVENT = "event_port", "event"
+"""The annotations of a port for events, and of each of its events."""
+
+EVENT_ARGUMENTS = ("name", "source", "target", "condition", "type")
+"""What an event says: its name, the states before and after, when it counts, its type of data."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProfileParameter:
@@ -28,7 +34,11 @@ class ProfileParameter:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProfileDataPort:
-    """A data port. `type` is a scoped name of IDL, `idl_file` a base name or empty."""
+    """A data port. `type` is a scoped name of IDL, `idl_file` a base name or empty.
+
+    An input for the events of a state machine is `for_events`; `events` has the attributes of
+    each event by name.
+    """
 
     name: str
     output: bool
@@ -40,6 +50,8 @@ class ProfileDataPort:
     unit: str = ""
     doc: str = ""
     properties: tuple[tuple[str, str], ...] = ()
+    for_events: bool = False
+    events: tuple[tuple[tuple[str, str], ...], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

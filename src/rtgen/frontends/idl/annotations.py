@@ -138,13 +138,24 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
         "port": _define("port", required="value", value=TEXT),
         "instance": _define("port", required="value", value=TEXT),
         "openrtm_name": _define("port", required="value", value=TEXT),
+        # RtcProfile 0.3: a port for events of a state machine, and the transitions it can cause
+        "event_port": _define("port"),
+        "event": _define(
+            "port",
+            required="name",
+            name=TEXT,
+            source=TEXT,
+            target=TEXT,
+            condition=TEXT,
+            type=TEXT,
+        ),
         "widget": _define("configuration", required="value", value=TEXT),
         "constraint": _define("configuration", required="value", value=TEXT),
     }
 )
 """Every annotation that is known; `@name` and the like only where components are."""
 
-_REPEATABLE = ("verbatim", "data_representation")
+_REPEATABLE = ("verbatim", "data_representation", "event")
 
 PLACES = {
     Kind.STRUCT: "struct",

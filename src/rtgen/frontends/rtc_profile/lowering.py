@@ -31,11 +31,14 @@ from rtgen.model import (
 from rtgen.model.constraints import Constraint, text_of
 from rtgen.model.declarations import OPAQUE
 from rtgen.model.rtc_profile import (
+    EVENT,
+    EVENT_PORT,
     ProfileDataPort,
     ProfileInterface,
     ProfileParameter,
     RtcProfile,
 )
+from rtgen.typemap.component_annotations import annotations_of
 from rtgen.typemap.idl_words import escaped
 from rtgen.typemap.parameter_words import type_of
 from rtgen.typemap.parameters import Parameters, ValueMismatchError
@@ -121,7 +124,7 @@ class Lowering:
         if type_ is None:
             return None
         kind = PortKind.OUTPORT if port.output else PortKind.INPORT
-        return Port(
+        made = Port(
             kind=kind,
             name=port.name,
             identifier=_unique(port.variable or port.name, kind.value, taken),
@@ -130,6 +133,11 @@ class Lowering:
             doc=port.doc,
             unit=port.unit,
         )
+        if not port.for_events:
+            return made
+        events = (Annotation(EVENT, event) for event in port.events)
+        told = (*annotations_of(made), Annotation(EVENT_PORT), *events)
+        return replace(made, annotations=told)
 
     def _interface(
         self,

@@ -21,6 +21,7 @@ from rtgen.frontends.rtc_profile.names import (
 )
 from rtgen.model.constraints import Constraint
 from rtgen.model.rtc_profile import (
+    EVENT_ARGUMENTS,
     ProfileDataPort,
     ProfileInterface,
     ProfileParameter,
@@ -30,6 +31,7 @@ from rtgen.model.rtc_profile import (
 
 VERSIONS = ("0.1", "0.2", "0.3")
 
+_EVENT_PORT = "EventPort"
 _DEFAULT_DATE = "1970-01-01T00:00:00+00:00"
 _DATE = re.compile(r"-?\d{4,}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)?")
 _BREAK = re.compile(r"\s*<br\s*/?>\s*|\s*\n\s*", re.IGNORECASE)
@@ -229,7 +231,7 @@ class Reader:
 
     def _data_ports(self, root: Element) -> Iterator[ProfileDataPort]:
         known: dict[bool, set[str]] = {False: set(), True: set()}
-        kinds = {"DataInPort": False, "DataOutPort": True}
+        kinds = {"DataInPort": False, "DataOutPort": True, _EVENT_PORT: False}
         for element in root.all(RTC, "DataPorts"):
             name, type_ = (self._required(element, n) for n in ("name", "type"))
             kind = self._required(element, "portType")
@@ -238,7 +240,7 @@ class Reader:
             output = kinds.get(kind)
             if output is None:
                 message = f"a port of kind {kind!r} is left out"
-                hint = "DataInPort or DataOutPort"
+                hint = ", ".join(kinds)
                 self._tell(rules.UNKNOWN_WORD, element.place("portType"), message, hint)
                 continue
             if not self._is_new(name, known[output], element, "port"):
@@ -255,7 +257,14 @@ class Reader:
                 unit=self._get(element, "unit"),
                 doc=_lines(_doc(element)),
                 properties=_properties(element),
+                for_events=kind == _EVENT_PORT,
+                events=tuple(self._events(element)),
             )
+
+    def _events(self, port: Element) -> Iterator[tuple[tuple[str, str], ...]]:
+        for element in port.all(RTC, "Event"):
+            if self._required(element, "name") is not None:
+                yield tuple((key, self._get(element, key)) for key in EVENT_ARGUMENTS)
 
     def _service_ports(self, root: Element) -> Iterator[ProfileServicePort]:
         known: set[str] = set()

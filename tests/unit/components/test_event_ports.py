@@ -1,0 +1,81 @@
+"""EventPorts of RtcProfile 0.3: from IDL to a profile and back."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from lxml import etree
+
+from rtgen.cli import run
+
+IDL = """\
+#include "BasicDataType.idl"
+
+@rtc(category="Test", vendor="Lab", activity="EVENTDRIVEN")
+component Lamp {
+    @event_port
+    @event(name="press", source="Off", target="On", condition="x < 1", type="RTC::TimedLong")
+    @event(name="release", source="On", target="Off")
+    consumes RTC::TimedLong buttons;
+    @event_port
+    consumes RTC::TimedLong plain;
+    publishes RTC::TimedLong light;
+};
+"""
+RTC = "{http://www.openrtp.org/namespaces/rtc}"
+SPECS = Path(__file__).resolve().parents[3] / "specs/idl"
+
+
+def converted(
+    file: Path, to: str, capfd: pytest.CaptureFixture[str], name: str
+) -> Path:
+    assert run(["convert", str(file), "--to", to, "-I", str(SPECS), "-q"]) == 0
+    out = file.with_name(name)
+    out.write_text(capfd.readouterr().out, encoding="utf-8")
+    return out
+
+
+def test_there_and_back(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "Lamp.idl"
+    file.write_text(IDL, encoding="utf-8")
+    profile = converted(file, "rtc-xml", capfd, "RTC.xml")
+    ports = etree.parse(profile).getroot().findall(f"{RTC}DataPorts")
+    kinds = [(p.get(f"{RTC}name"), p.get(f"{RTC}portType")) for p in ports]
+    assert kinds == [
+        ("buttons", "EventPort"),
+        ("plain", "EventPort"),
+        ("light", "DataOutPort"),
+    ]
+    events = [
+        {key.removeprefix(RTC): text for key, text in event.attrib.items()}
+        for event in ports[0].findall(f"{RTC}Event")
+    ]
+    assert events == [
+        {
+            "name": "press",
+            "source": "Off",
+            "target": "On",
+            "condition": "x < 1",
+            "type": "RTC::TimedLong",
+        },
+        {
+            "name": "release",
+            "source": "On",
+            "target": "Off",
+            "condition": "",
+            "type": "",
+        },
+    ]
+    idl = converted(profile, "idl", capfd, "Again.idl")
+    again = converted(idl, "rtc-xml", capfd, "Again.xml")
+    without_header = [
+        etree.tostring(etree.parse(p).getroot(), method="c14n")
+        for p in (profile, again)
+    ]
+    assert without_header[0] == without_header[1]
+    yaml = converted(profile, "rtc-yaml", capfd, "Lamp.yaml")
+    from_yaml = converted(yaml, "rtc-xml", capfd, "Yaml.xml")
+    assert [
+        dict(e.attrib) for e in etree.parse(from_yaml).getroot().iter(f"{RTC}Event")
+    ] == [dict(e.attrib) for e in etree.parse(profile).getroot().iter(f"{RTC}Event")]
