@@ -126,6 +126,23 @@ OBSERVABLE = Rule(
 """,
 )
 
+ELSEWHERE = Rule(
+    "SYS0009",
+    "component of another process",
+    Severity.ERROR,
+    """
+`rtgen run --transport corba --only A0,B0` runs the components that it names; other processes run
+the rest of the system. Calls go from one process to the other, samples do not: a data connection
+needs both ends in one process. `--until` and `--set` can only tell of components that run here;
+properties of the system and steps of `timeline.toml` that tell of others are left to the others.
+
+```
+rtgen run robot.xml --clock real --transport corba --only Arm0,Camera0
+error[SYS0009]: Arm0.state_Logger0.in: data ports of two processes, ..., cannot be connected
+```
+""",
+)
+
 RULES: tuple[Rule, ...] = (
     UNKNOWN_TYPE,
     NO_COMPONENT,
@@ -135,4 +152,5 @@ RULES: tuple[Rule, ...] = (
     CONDITION,
     TIMELINE,
     OBSERVABLE,
+    ELSEWHERE,
 )

@@ -5,10 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rtgen import runtime
 from rtgen.cli.factories import Factories
-from rtgen.diagnostics import Diagnostic, InputError, Rule, Span, has_errors
+from rtgen.diagnostics import (
+    Diagnostic,
+    InputError,
+    Rule,
+    Span,
+    ToolError,
+    has_errors,
+)
 from rtgen.model import System, SystemComponent
 from rtgen.runtime.conf_file import read as read_conf
 from rtgen.system_rules import (
@@ -18,10 +26,14 @@ from rtgen.system_rules import (
     TIMELINE,
     UNKNOWN_TYPE,
 )
-from rtgen.timeline import Action, Ask, Connect, Disconnect, SetParameter, Step
+from rtgen.timeline import SECOND, Action, Ask, Connect, Disconnect, SetParameter, Step
 from rtgen.typemap.connector_properties import is_foreign
 
+if TYPE_CHECKING:
+    from rtgen.runtime.corba.transport import CorbaTransport
+
 _MILLISECOND = 1_000_000
+_LOOK_AGAIN = 20 * _MILLISECOND
 
 
 def assemble(
@@ -30,11 +42,15 @@ def assemble(
     clock: runtime.Clock,
     settings: Sequence[SetParameter],
     steps: Sequence[Step],
+    transport: CorbaTransport | None = None,
+    patience: float = 0.0,
 ) -> runtime.System:
     """The system, its components INACTIVE, with its start and the steps on its timeline.
 
-    Raises InputError with everything that does not fit together, ToolError if a factory
-    cannot be loaded.
+    A component that calls providers of other processes is activated when those that come before
+    it in the order of activation are ACTIVE, after `patience` [s] in any case. Raises InputError
+    with everything that does not fit together, ToolError if a factory cannot be loaded or the
+    transport does not work.
     """
     findings = [
         UNKNOWN_TYPE.at(
@@ -46,7 +62,7 @@ def assemble(
         if c.type not in factories
     ]
     _raise_if_any(findings)
-    system = runtime.System(clock)
+    system = runtime.System(clock, transport)
     folder = Path(profile.file).absolute().parent
     for c in profile.components:
         findings += _add(
@@ -69,8 +85,16 @@ def assemble(
         if isinstance(step.action, SetParameter):
             findings += _findings(PARAMETER, step.span, _checking(system, step.action))
     _raise_if_any(findings)
+    before: list[str] = []
     for time, instance in _start(profile):
-        system.at(time, _performing(system, Ask("activate", instance)))
+        if instance in system.instances:
+            activate = _performing(system, Ask("activate", instance))
+            if transport is not None and before:
+                is_ready = partial(transport.is_ready, instance, tuple(before))
+                activate = _when(system, is_ready, activate, patience)
+            system.at(time, activate)
+        elif profile.activation:
+            before.append(instance)
     for step in steps:
         system.at(step.time, _at_its_place(step, _performing(system, step.action)))
     return system
@@ -87,6 +111,8 @@ def _findings(
     """What the runtime says against an action."""
     try:
         action()
+    except runtime.TransportError as error:
+        raise ToolError(str(error)) from error
     except runtime.RtcError as error:
         yield rule.at(span, str(error))
 
@@ -154,6 +180,27 @@ def _start(profile: System) -> Iterator[tuple[int, str]]:
     for step in profile.activation:
         time += step.wait_ms * _MILLISECOND
         yield time, step.instance
+
+
+def _when(
+    system: runtime.System,
+    condition: Callable[[], bool],
+    action: Callable[[], None],
+    patience: float,
+) -> Callable[[], None]:
+    """The action, put off until the condition holds, at most so many seconds."""
+    latest: int | None = None
+
+    def perform() -> None:
+        nonlocal latest
+        now = system.time
+        latest = now + round(patience * SECOND) if latest is None else latest
+        if now < latest and not condition():
+            system.at(now + _LOOK_AGAIN, perform)
+        else:
+            action()
+
+    return perform
 
 
 def _checking(system: runtime.System, action: SetParameter) -> Callable[[], object]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from rtgen import compiler, runtime, timeline
+from rtgen.cli import shares, transports
 from rtgen.cli.assembly import assemble
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
 from rtgen.cli.factories import Factories
@@ -24,6 +25,7 @@ from rtgen.cli.recording import (
 )
 from rtgen.cli.signals import terminable
 from rtgen.cli.summary import Outcome, Row, summary
+from rtgen.cli.transports import TransportOptions, with_transport
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System
 from rtgen.project import load
@@ -66,6 +68,7 @@ _LOOK_PERIOD = SECOND // 10
 @click.option(
     "--log", metavar="FILE", help="Write state changes and samples as JSON lines."
 )
+@with_transport
 @with_console
 def run(
     console: Console,
@@ -77,13 +80,19 @@ def run(
     csv_file: str | None,
     plot: str | None,
     log: str | None,
+    carrying: TransportOptions,
 ) -> int:
     """Run a system on the embedded runtime.
 
     SYSTEM is an RtsProfile, or a folder with system.xml and perhaps timeline.toml. Exit code 0:
     the condition of --until, or of the system's property rtgen.run.until, was met; 1: the time
     was over before. A run in simulated time that waits for a state only ends after ten minutes.
+
+    With --transport corba service calls go over omniORB. With --only this process runs a part of
+    the system, and calls go to the processes that run the rest.
     """
+    simulated = clock == "sim"
+    carrying.check(simulated=simulated)
     path = Path(system)
     folder = path if path.is_dir() else None
     profile, diagnostics, sources = compiler.read_system(
@@ -96,17 +105,26 @@ def run(
     check_picture(plot)
     steps = _steps(folder, timeline_file, profile)
     condition = _condition(until, profile)
-    if condition == Condition() and clock == "sim":
+    values = [timeline.assignment(text, profile) for text in settings]
+    if carrying.only is not None:
+        here = shares.named(carrying.only, profile)
+        shares.require_here(values, here)
+        condition = shares.condition_here(condition, here, asked=until is not None)
+        steps = shares.steps_here(steps, profile, here)
+        profile = shares.share(profile, here)
+    if condition == Condition() and simulated:
         hint = "--until SECONDS, or --until INSTANCE=STATE"
         raise InputError(
             [CONDITION.at(None, "a run in simulated time needs an end", hint=hint)]
         )
-    values = [timeline.assignment(text, profile) for text in settings]
     factories = Factories(load())
-    watch = runtime.RealClock() if clock == "real" else runtime.SimulatedClock()
+    watch = runtime.SimulatedClock() if simulated else runtime.RealClock()
     with (
         ExitStack() as files,
-        assemble(profile, factories, watch, values, steps) as running,
+        transports.opened(carrying, console, simulated=simulated) as transport,
+        assemble(
+            profile, factories, watch, values, steps, transport, carrying.patience
+        ) as running,
     ):
         view = _View(running, profile)
         if (csv_file or plot) and view.pose_name is None:
@@ -123,7 +141,9 @@ def run(
         with ExitStack() as shown:
             quiet = console.quiet or console.form != "text"
             _show(running, progress(shown, condition.limit, quiet=quiet))
-            met, wall = _run(running, condition, simulated=clock == "sim")
+            if transport is not None:
+                transports.await_others(transport, carrying.patience)
+            met, wall = _run(running, condition, simulated=simulated)
         outcome = view.outcome(wall)
         if table is not None:
             write_csv(table, samples)

@@ -22,6 +22,8 @@ from rtgen.runtime.cdr_values import ObjectReference, text_value
 from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.services import (
     BadOperation,
+    CallTimeout,
+    CommunicationFailure,
     MarshalError,
     ObjectNotExist,
     Servant,
@@ -218,6 +220,13 @@ def _call(calls: dict[str, Call], operation: str) -> Call:
     return call
 
 
+def encoded_arguments(
+    operation: str, call: Call, arguments: tuple[object, ...]
+) -> bytes:
+    """The body of a request without objects. Raises CdrError with the place, BadOperation."""
+    return _encoded(operation, call.request, arguments, True)
+
+
 def _encoded(
     operation: str,
     type_: type[DataType] | None,
@@ -304,24 +313,36 @@ def _user_exception(operation: str, call: Call, reply: Reply) -> Exception:
     return UnknownException(f"{operation} raised {identity}, which it does not declare")
 
 
-_SYSTEM_EXCEPTIONS: dict[str, type[ServiceError]] = {
-    f"IDL:omg.org/CORBA/{name}:1.0": type_
-    for name, type_ in (
-        ("BAD_OPERATION", BadOperation),
-        ("MARSHAL", MarshalError),
-        ("OBJECT_NOT_EXIST", ObjectNotExist),
-        ("UNKNOWN", UnknownException),
-    )
+TOLD_AS: dict[type[ServiceError], str] = {
+    BadOperation: "BAD_OPERATION",
+    MarshalError: "MARSHAL",
+    ObjectNotExist: "OBJECT_NOT_EXIST",
+    UnknownException: "UNKNOWN",
+    CallTimeout: "TIMEOUT",
+    CommunicationFailure: "COMM_FAILURE",
 }
-_IDENTITIES = {type_: identity for identity, type_ in _SYSTEM_EXCEPTIONS.items()}
+"""The system exception of CORBA that tells of an error."""
+
+SYSTEM_EXCEPTIONS: dict[str, type[ServiceError]] = {
+    **{f"IDL:omg.org/CORBA/{name}:1.0": type_ for type_, name in TOLD_AS.items()},
+    "IDL:omg.org/CORBA/INV_OBJREF:1.0": ObjectNotExist,
+    "IDL:omg.org/CORBA/TRANSIENT:1.0": CommunicationFailure,
+}
+"""The error for the repository id of a system exception; for others it is ServiceError."""
+
 _COMPLETIONS = ("completed", "not completed", "perhaps completed")
 _MAYBE = 2
 
 
+def kind_of(error: ServiceError) -> type[ServiceError]:
+    """The kind that a client is told; of others than those of `TOLD_AS` UnknownException."""
+    return next((k for k in TOLD_AS if isinstance(error, k)), UnknownException)
+
+
 def _failure(error: ServiceError, little_endian: bool) -> Reply:
     """The reply for an error (CORBA 3.3 part 2, 9.4.3.2, SystemExceptionReplyBody)."""
-    kinds = (k for k in _IDENTITIES if isinstance(error, k))
-    identity = _IDENTITIES[next(kinds, UnknownException)].encode() + b"\0"
+    told = TOLD_AS[kind_of(error)]
+    identity = f"IDL:omg.org/CORBA/{told}:1.0\0".encode()
     order = "<" if little_endian else ">"
     padding = -len(identity) % 4
     form = f"{order}I{len(identity)}s{padding}xII"
@@ -337,7 +358,7 @@ def _system_exception(operation: str, reply: Reply) -> ServiceError:
         told = _COMPLETIONS[completion]
     except FAILURES as failure:
         raise CdrError("SystemException", str(failure)) from failure
-    type_ = _SYSTEM_EXCEPTIONS.get(identity, ServiceError)
+    type_ = SYSTEM_EXCEPTIONS.get(identity, ServiceError)
     return type_(f"{operation}: the server tells of {identity} (minor {minor}, {told})")
 
 

@@ -85,3 +85,11 @@ class DuplicatePortError(RtcError):
 
 class RateError(RtcError, ValueError):
     """A rate is not a number of Hz above 0."""
+
+
+class TransportError(RtcError):
+    """What carries service calls cannot work as it was told to, or the naming service is gone."""
+
+
+class ServedElsewhereError(TransportError):
+    """Another process serves a component of that instance name."""

@@ -14,7 +14,8 @@ from rtgen.runtime.errors import (
     PolarityError,
     PortTypeError,
 )
-from rtgen.runtime.service_ports import Consumer, Provider
+from rtgen.runtime.service_ports import Carrier, Consumer, Provider
+from rtgen.runtime.transports import Transport
 
 Pair = tuple[Consumer[Any], Provider[Any]]
 
@@ -51,11 +52,13 @@ class ServiceConnector:
         source: ServicePort,
         target: ServicePort,
         properties: Mapping[str, str],
+        transport: Transport | None = None,
     ) -> None:
         self.name = name
         self.source = source
         self.target = target
         self.properties = dict(properties)
+        self._transport = transport
         self.connected = False
         self.pairs = _pairs(source, target, properties)
 
@@ -66,7 +69,7 @@ class ServiceConnector:
         """Makes the connection: from now on calls reach the providers."""
         self.connected = True
         for consumer, provider in self.pairs:
-            consumer._provider = provider
+            consumer._provider = self._carrier(consumer, provider)
             provider.connections += 1
 
     def detach(self) -> None:
@@ -76,11 +79,16 @@ class ServiceConnector:
             consumer._provider = None
             provider.connections -= 1
 
+    def _carrier(self, consumer: Consumer[Any], provider: Provider[Any]) -> Carrier:
+        if self._transport is None:
+            return provider
+        return self._transport.reach(consumer.interface, provider)
+
 
 def _pairs(
     source: ServicePort, target: ServicePort, properties: Mapping[str, str]
 ) -> tuple[Pair, ...]:
-    named, strict = _read(properties)
+    named, strict = read_properties(properties)
     pairs: list[Pair] = []
     lonely: list[str] = []
     for here, there in ((source, target), (target, source)):
@@ -113,7 +121,11 @@ def _pairs(
     return tuple(pairs)
 
 
-def _read(properties: Mapping[str, str]) -> tuple[dict[str, str], bool]:
+def read_properties(properties: Mapping[str, str]) -> tuple[dict[str, str], bool]:
+    """The pairs that properties name, consumer to provider, and whether all have to be joined.
+
+    Raises ConnectorPropertyError.
+    """
     named = {key: text for key, text in properties.items() if ".required." in key}
     strictness = properties.get(_STRICTNESS, "best_effort")
     for key in properties:
@@ -137,11 +149,11 @@ def _partner(
 ) -> Provider[Any] | None:
     """The provider for a consumer: the one told by property, else of equal instance name and
     type, else the only one of the type if the consumer is the only one too."""
-    wish = _end(here, "required", consumer)
+    wish = end(here, "required", consumer)
     if wish in named:
         told = named.pop(wish)
         for provider in there.providers:
-            if _end(there, "provided", provider) == told:
+            if end(there, "provided", provider) == told:
                 _check_interfaces(consumer, provider)
                 return provider
         raise ConnectorPropertyError(
@@ -155,9 +167,12 @@ def _partner(
     return fitting[0] if len(fitting) == len(alike) == 1 else None
 
 
-def _end(port: ServicePort, polarity: str, end: Consumer[Any] | Provider[Any]) -> str:
-    type_ = end.interface._descriptor_.name
-    return f"{port.instance}.port.{port.port}.{polarity}.{type_}.{end.instance}"
+def end(
+    port: ServicePort, polarity: str, interface: Consumer[Any] | Provider[Any]
+) -> str:
+    """The name of an interface in connector properties; polarity: `provided` or `required`."""
+    type_ = interface.interface._descriptor_.name
+    return f"{port.instance}.port.{port.port}.{polarity}.{type_}.{interface.instance}"
 
 
 def _interface_difference(

@@ -66,7 +66,24 @@ class Provider(Generic[S]):
         """See `Carrier`."""
         return True
 
+    @property
+    def owner(self) -> str:
+        """The instance name of the component."""
+        return self._component.instance_name
+
+    @property
+    def exists(self) -> bool:
+        """Whether calls are carried out: the component is ACTIVE and has set a servant."""
+        return self._component.is_active and self._skeleton is not None
+
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """Carries out a call with copies of the arguments, and copies the result.
+
+        Raises as `carry_out`.
+        """
+        return _snapshot(self.carry_out(operation, _snapshot(arguments)))
+
+    def carry_out(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Carries out a call. Raises what the IDL allows, ObjectNotExist or UnknownException.
 
         ObjectNotExist: the component is not ACTIVE, or has set no servant.
@@ -79,8 +96,7 @@ class Provider(Generic[S]):
             raise ObjectNotExist(
                 f"{self} has no servant, so {operation!r} cannot be called"
             )
-        result = self._skeleton.dispatch(operation, _snapshot(arguments))
-        return _snapshot(result)
+        return self._skeleton.dispatch(operation, arguments)
 
 
 class Consumer(Generic[S]):

@@ -39,6 +39,14 @@ class MarshalError(ServiceError):
     """What came over the wire, or what was to go over it, is not what the interface says."""
 
 
+class CommunicationFailure(ServiceError):
+    """The servant's process cannot be reached, or was lost; the call may have been carried out."""
+
+
+class CallTimeout(CommunicationFailure):
+    """There was no answer in time; the call may have been carried out, or be at work still."""
+
+
 class Servant(ABC):
     """The base of generated interfaces: what a servant implements, and what a client sees."""
 

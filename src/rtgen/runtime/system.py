@@ -39,8 +39,9 @@ from rtgen.runtime.return_codes import (
 from rtgen.runtime.scheduling import Scheduler
 from rtgen.runtime.service_connectors import ServiceConnector, ServicePort
 from rtgen.runtime.simulated_time import SimulatedScheduler
+from rtgen.runtime.transports import RemoteConnector, RemotePort, Transport
 
-Connector = DataConnector[Any] | ServiceConnector
+Connector = DataConnector[Any] | ServiceConnector | RemoteConnector
 PortAddress = tuple[str, str]
 
 
@@ -70,10 +71,16 @@ class System:
 
     Requests (activation and so on) are answered at once and carried out at the component's next
     tick. Usable as a context manager, which closes it.
+
+    With a transport service calls go over that, and service ports of other processes can be
+    connected.
     """
 
-    def __init__(self, clock: Clock | None = None) -> None:
+    def __init__(
+        self, clock: Clock | None = None, transport: Transport | None = None
+    ) -> None:
         self.clock: Clock = clock or SimulatedClock()
+        self._transport = transport
         self._scheduler = _scheduler(self.clock)
         self._participants: dict[str, Participant] = {}
         self._connectors: dict[str, Connector] = {}
@@ -115,6 +122,8 @@ class System:
             raise InitializationError(f"{name} cannot be initialized: {why}")
         context.add_component(component)
         self._participants[name] = context.participants[0]
+        if self._transport is not None:
+            self._transport.serve(component)
         self._observe(component)
         self._state_changed(context.participants[0], CREATED_STATE, INACTIVE_STATE)
         context.start()
@@ -140,6 +149,8 @@ class System:
                 self.disconnect(connector)
         participant = self._participants[instance]
         component.exit()
+        if self._transport is not None:
+            self._transport.withdraw(component)
         self._state_changed(participant, participant.state, CREATED_STATE)
         del self._participants[instance]
 
@@ -245,6 +256,8 @@ class System:
     ) -> Connector:
         """Connects two ports, each given as (instance, port): data ports or service ports.
 
+        With a transport one of two service ports may be in another process.
+
         Allowed at any time, from a callback too. Data ports may be given in either order. Without
         name the connection is called `<instance>.<port>_<instance>.<port>`. Raises
         UnknownComponentError, or the ConnectError that says why the ports do not fit.
@@ -284,6 +297,13 @@ class System:
         name: str,
     ) -> Connector:
         name = name or f"{'.'.join(source)}_{'.'.join(target)}"
+        if self._transport is not None:
+            for one, other in ((source, target), (target, source)):
+                if one[0] in self._participants and other[0] not in self._participants:
+                    here = self._service_port(one)
+                    return self._transport.connector(
+                        name, here, RemotePort(*other), properties
+                    )
         for one, other in ((source, target), (target, source)):
             out_port = self.component(one[0]).out_ports.get(one[1])
             in_port = self.component(other[0]).in_ports.get(other[1])
@@ -293,9 +313,21 @@ class System:
                 )
         ends = [ServicePort(self.component(end[0]), end[1]) for end in (source, target)]
         if all(ends):
-            return ServiceConnector(name, ends[0], ends[1], properties)
+            return ServiceConnector(name, ends[0], ends[1], properties, self._transport)
         raise _cannot_join(
             self.component(source[0]), source[1], self.component(target[0]), target[1]
+        )
+
+    def _service_port(self, address: PortAddress) -> ServicePort:
+        component = self.component(address[0])
+        port = ServicePort(component, address[1])
+        if port:
+            return port
+        if address[1] not in _port_names(component):
+            raise _unknown_port(component, address[1])
+        raise PolarityError(
+            f"{'.'.join(address)} cannot be connected with another process: "
+            f"it is {_kinds(component, address[1])}, and only service ports can"
         )
 
     # Time.
@@ -418,17 +450,20 @@ def _cannot_join(
     source: Component, port: str, target: Component, other: str
 ) -> ConnectError:
     for component, name in ((source, port), (target, other)):
-        known = _port_names(component)
-        if name not in known:
-            return UnknownPortError(
-                f"{component.instance_name} has no port {name!r}; "
-                f"known: {', '.join(known) or 'none'}"
-            )
+        if name not in _port_names(component):
+            return _unknown_port(component, name)
     ends = f"{source.instance_name}.{port} and {target.instance_name}.{other}"
     kinds = f"{_kinds(source, port)} and {_kinds(target, other)}"
     return PolarityError(
         f"{ends} cannot be connected: they are {kinds}; "
         "an OutPort goes with an InPort, a service port with a service port"
+    )
+
+
+def _unknown_port(component: Component, name: str) -> UnknownPortError:
+    known = ", ".join(_port_names(component)) or "none"
+    return UnknownPortError(
+        f"{component.instance_name} has no port {name!r}; known: {known}"
     )
 
 

@@ -115,7 +115,9 @@ def test_directions(forms: Any, connect: Connect) -> None:
 
 
 def test_types(forms: Any, connect: Connect) -> None:
-    reference = ObjectReference("IDL:Forms/Later:1.0", ((0, b"somewhere"),))
+    # IIOP 1.2 (CORBA 3.3 part 2, 9.7.2): host "h", port 1, object key "key", no components.
+    place = bytes.fromhex("01010200 02000000 68000100 03000000 6b657900 00000000")
+    reference = ObjectReference("IDL:Forms/Later:1.0", ((0, place),))
     servant = serving(
         forms.Types,
         booleans=lambda a: (not a, a),

@@ -1,0 +1,134 @@
+"""What one process runs of a system: `--only`."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
+
+from rtgen import timeline
+from rtgen.diagnostics import Diagnostic, InputError, Span
+from rtgen.model import Connection, PortReference, System
+from rtgen.system_rules import ELSEWHERE
+from rtgen.timeline import (
+    Action,
+    Ask,
+    Condition,
+    Connect,
+    Disconnect,
+    SetParameter,
+    Step,
+)
+
+_OBSERVABLES = ("rtgen.run.pose", "rtgen.run.goal")
+
+
+def named(only: str, profile: System) -> frozenset[str]:
+    """The instances of a list with commas. Raises InputError for one that is unknown."""
+    names = [name.strip() for name in only.split(",")]
+    return frozenset(timeline.require_instance(n, profile, None) for n in names if n)
+
+
+def share(profile: System, here: Collection[str]) -> System:
+    """The components of a process, and the connections that have an end there.
+
+    The order of activation stays that of the whole; properties that name observables of other
+    processes are left out. Raises InputError for data connections with
+    other processes.
+    """
+    connections = [c for c in profile.connections if _touches(c, here)]
+    _raise_if_any(
+        _between(c.name, c.source, c.target, c.span)
+        for c in connections
+        if not c.service
+        and not (c.source.instance in here and c.target.instance in here)
+    )
+    others = {c.instance for c in profile.components} - {*here}
+    return replace(
+        profile,
+        components=tuple(c for c in profile.components if c.instance in here),
+        connections=tuple(connections),
+        properties=tuple(
+            (name, value)
+            for name, value in profile.properties
+            if name not in _OBSERVABLES or value.partition(".")[0] not in others
+        ),
+    )
+
+
+def steps_here(
+    steps: Sequence[Step], profile: System, here: Collection[str]
+) -> Sequence[Step]:
+    """The steps of a timeline that concern a process; the others are for other processes.
+
+    Raises InputError as `share`.
+    """
+    service = {(c.source, c.target): c.service for c in profile.connections}
+    known = {c.name for c in profile.connections if _touches(c, here)}
+    kept = []
+    findings = []
+    for step in steps:
+        action = step.action
+        if isinstance(action, Connect) and _touches(action, here):
+            known.add(action.name)
+            ends = action.source.instance in here, action.target.instance in here
+            if not all(ends) and not service.get((action.source, action.target), True):
+                findings.append(
+                    _between(action.name, action.source, action.target, step.span)
+                )
+        if _concerns(action, known, here):
+            kept.append(step)
+    _raise_if_any(findings)
+    return kept
+
+
+def condition_here(
+    condition: Condition, here: Collection[str], *, asked: bool
+) -> Condition:
+    """The condition without a component of another process. Raises InputError if asked for it."""
+    instance = condition.instance
+    if instance is None or instance in here:
+        return condition
+    if asked:
+        raise InputError([_elsewhere(instance, "--until")])
+    return Condition(condition.limit)
+
+
+def require_here(settings: Sequence[SetParameter], here: Collection[str]) -> None:
+    """Raises InputError for values of components of other processes."""
+    _raise_if_any(
+        _elsewhere(s.instance, "--set") for s in settings if s.instance not in here
+    )
+
+
+def _touches(link: Connection | Connect, here: Collection[str]) -> bool:
+    return link.source.instance in here or link.target.instance in here
+
+
+def _concerns(action: Action, known: Collection[str], here: Collection[str]) -> bool:
+    match action:
+        case Connect(name=name) | Disconnect(name):
+            return name in known
+        case Ask() | SetParameter():
+            return action.instance in here
+
+
+def _between(
+    name: str, source: PortReference, target: PortReference, span: Span | None
+) -> Diagnostic:
+    return ELSEWHERE.at(
+        span,
+        f"{name}: data ports of two processes, {source} and {target}, cannot be connected",
+        hint="name both instances in --only, or neither",
+    )
+
+
+def _elsewhere(instance: str, option: str) -> Diagnostic:
+    return ELSEWHERE.at(
+        None, f"{option}: {instance} is not among the components that --only names"
+    )
+
+
+def _raise_if_any(findings: Sequence[Diagnostic] | Iterator[Diagnostic]) -> None:
+    found = [*findings]
+    if found:
+        raise InputError(found)

@@ -1,0 +1,157 @@
+"""Options of `rtgen run` for what carries service calls."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from rtgen import runtime
+from rtgen.cli.common import Console, Refusal
+from rtgen.cli.signals import terminable
+from rtgen.diagnostics import InputError, ToolError
+from rtgen.system_rules import CONNECTION
+
+if TYPE_CHECKING:
+    from rtgen.runtime.corba.transport import CorbaTransport
+
+_OPTIONS = (
+    click.option(
+        "--transport",
+        type=click.Choice(["direct", "corba"]),
+        default="direct",
+        show_default=True,
+        help="What carries service calls; corba: omniORB, between processes, too.",
+    ),
+    click.option(
+        "--only",
+        metavar="INSTANCE,...",
+        help="The components of this process; others run the rest (corba, real time).",
+    ),
+    click.option(
+        "--nameserver",
+        metavar="HOST[:PORT]",
+        help="Naming service (corba); by default that of this machine, else one of our own.",
+    ),
+    click.option(
+        "--endpoint",
+        metavar="HOST",
+        help="Where other processes reach this one (corba); by default 127.0.0.1.",
+    ),
+    click.option(
+        "--call-timeout",
+        type=click.FloatRange(0.001, 3600),
+        metavar="SECONDS",
+        help="How long a call may take (corba); by default 2.",
+    ),
+    click.option(
+        "--wait",
+        type=click.FloatRange(0, 86400),
+        metavar="SECONDS",
+        help="How long to wait for other processes (corba); by default 30.",
+    ),
+)
+_CALL_TIMEOUT = 2.0
+_WAIT = 30.0
+
+
+@dataclass(frozen=True, slots=True)
+class TransportOptions:
+    """What the command line says of the transport; None for what it does not say."""
+
+    transport: str
+    only: str | None
+    nameserver: str | None
+    endpoint: str | None
+    call_timeout: float | None
+    wait: float | None
+
+    @property
+    def patience(self) -> float:
+        """How long to wait for other processes, in seconds."""
+        return _WAIT if self.wait is None else self.wait
+
+    def check(self, *, simulated: bool) -> None:
+        """Raises Refusal for options that do not go together."""
+        given = {
+            "--only": self.only,
+            "--nameserver": self.nameserver,
+            "--endpoint": self.endpoint,
+            "--call-timeout": self.call_timeout,
+            "--wait": self.wait,
+        }
+        told = [option for option, value in given.items() if value is not None]
+        if told and self.transport != "corba":
+            raise Refusal(f"{told[0]} needs --transport corba")
+        if told and simulated:
+            raise Refusal(
+                f"{told[0]} needs --clock real: processes share no simulated time"
+            )
+
+
+def with_transport(command: Callable[..., int]) -> Callable[..., int]:
+    """Adds the options to a command; the function gets them as `carrying`."""
+
+    @functools.wraps(command)
+    def wrapped(*args: Any, **kwargs: Any) -> int:
+        given = {f.name: kwargs.pop(f.name) for f in fields(TransportOptions)}
+        return command(*args, carrying=TransportOptions(**given), **kwargs)
+
+    function: Callable[..., int] = wrapped
+    for option in reversed(_OPTIONS):
+        function = option(function)
+    return function
+
+
+@contextmanager
+def opened(
+    carrying: TransportOptions, console: Console, *, simulated: bool
+) -> Iterator[CorbaTransport | None]:
+    """The transport; None if calls go directly. Raises ToolError.
+
+    In simulated time nobody outside can call, so there is no naming service then.
+    """
+    if carrying.transport == "direct":
+        yield None
+        return
+    try:
+        from rtgen.runtime.corba.orb import LOOPBACK
+        from rtgen.runtime.corba.transport import CorbaTransport
+    except ImportError as error:
+        raise ToolError(
+            "--transport corba needs omniORBpy, which is not installed",
+            hint="pip install 'rtgen[corba]'",
+        ) from error
+    try:
+        transport = CorbaTransport(
+            naming=not simulated,
+            name_server=carrying.nameserver,
+            host=carrying.endpoint or LOOPBACK,
+            timeout=carrying.call_timeout or _CALL_TIMEOUT,
+        )
+    except runtime.TransportError as error:
+        raise ToolError(str(error)) from error
+    with transport:
+        if transport.name_server:
+            console.say(f"naming service: {transport.name_server}")
+        yield transport
+
+
+def await_others(transport: CorbaTransport, seconds: float) -> None:
+    """Waits until other processes serve what is called here. Raises ToolError, InputError.
+
+    Ctrl-C and SIGTERM end it with a KeyboardInterrupt.
+    """
+    try:
+        with terminable():
+            transport.await_others(seconds)
+    except runtime.TransportError as error:
+        raise ToolError(
+            str(error), hint="start the process that runs it, or --wait longer"
+        ) from error
+    except runtime.ConnectError as error:
+        raise InputError([CONNECTION.at(None, str(error))]) from error

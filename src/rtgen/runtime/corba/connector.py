@@ -1,0 +1,263 @@
+"""A connection with a service port of another process."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from omniORB import CORBA
+
+from rtgen.runtime.corba.faults import caught, is_inactive, is_unsent
+from rtgen.runtime.corba.naming import Naming
+from rtgen.runtime.corba.objects import Objects, Remote
+from rtgen.runtime.errors import (
+    ConnectorPropertyError,
+    DuplicateConnectionError,
+    PortTypeError,
+    TransportError,
+)
+from rtgen.runtime.service_connectors import ServicePort, end, read_properties
+from rtgen.runtime.service_ports import Consumer
+from rtgen.runtime.services import CommunicationFailure, ObjectNotExist
+from rtgen.runtime.transports import RemotePort
+
+_LOOK_AGAIN = 0.05
+_PAUSE = 0.2
+"""How long a provider that cannot be reached is left alone, in seconds."""
+
+
+class RemoteProvider:
+    """The provider that a consumer is connected with; looked up when it is first called.
+
+    One that is lost is looked up again, since its process may have been started anew. A call that
+    may have been carried out is not repeated.
+    """
+
+    def __init__(
+        self,
+        objects: Objects,
+        naming: Naming,
+        consumer: Consumer[Any],
+        port: RemotePort,
+        told: str | None,
+        *,
+        alone: bool,
+    ) -> None:
+        self.consumer = consumer
+        self.port = port
+        self._objects = objects
+        self._naming = naming
+        self._told = told
+        self._alone = alone
+        self._remote: Remote | None = None
+        self._looking = threading.Lock()
+        self._lost = 0.0
+        self._why = ""
+
+    @property
+    def reachable(self) -> bool:
+        """See `Carrier`."""
+        return True
+
+    def call(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """Carries out a call. Raises what the operation declares, CdrError and ServiceError."""
+        remote = self._remote or self._found(operation)
+        try:
+            return remote.attempt(operation, arguments)
+        except CORBA.SystemException as error:
+            if is_inactive(error) or not _is_lost(error):
+                raise caught(operation, error) from error
+            self._remote = None
+            another = self._another(remote, error)
+            if another is None:
+                raise self._fail(caught(operation, error)) from error
+            return another.call(operation, arguments)
+
+    def find(self) -> bool:
+        """Looks the provider up; whether it is there. Raises TransportError, PortTypeError."""
+        with self._looking:
+            if self._remote is None:
+                try:
+                    reference = self._reference()
+                except CORBA.SystemException:
+                    return False
+                if reference is None:
+                    return False
+                self._remote = self._objects.remote(self.consumer.interface, reference)
+            return True
+
+    @property
+    def exists(self) -> bool:
+        """Whether the provider is ACTIVE."""
+        try:
+            if not self.find():
+                return False
+            remote = self._remote
+            return remote is not None and not remote.reference._non_existent()
+        except (CORBA.SystemException, TransportError, PortTypeError):
+            self._remote = None
+            return False
+
+    def _found(self, operation: str) -> Remote:
+        if self._why and time.monotonic() < self._lost + _PAUSE:
+            raise CommunicationFailure(f"{operation}: {self._why}")
+        try:
+            there = self.find()
+        except (TransportError, PortTypeError) as error:
+            raise self._fail(CommunicationFailure(f"{operation}: {error}")) from error
+        remote = self._remote
+        if not there or remote is None:
+            why = f"{operation}: nobody serves {self.port}, to which {self.consumer} is connected"
+            raise self._fail(ObjectNotExist(why))
+        self._why = ""
+        return remote
+
+    def _another(self, remote: Remote, error: Any) -> Remote | None:
+        """The provider that stands in for one that did not get the call, if there is one."""
+        if not is_unsent(error):
+            return None
+        try:
+            if not self.find() or self._remote is None:
+                return None
+        except (TransportError, PortTypeError):
+            return None
+        if self._remote.reference._is_equivalent(remote.reference):
+            self._remote = None
+        return self._remote
+
+    def _fail(self, error: CommunicationFailure | ObjectNotExist | Any) -> Any:
+        self._lost, self._why = time.monotonic(), f"{error} (a moment ago)"
+        return error
+
+    def _reference(self) -> Any:
+        """The reference that the naming service has; None if nobody serves the port."""
+        found = self._naming.providers((self.port.instance, self.port.port))
+        identity = self.consumer.interface._descriptor_.repository_id
+        name = self.consumer.instance if self._told is None else self._told
+        if name in found and found[name]._is_a(identity):
+            return found[name]
+        fitting = [
+            r for r in found.values() if self._told is None and r._is_a(identity)
+        ]
+        if self._alone and len(fitting) == 1:
+            return fitting[0]
+        if not found:
+            return None
+        raise PortTypeError(
+            f"{self.port} has no provider for {self.consumer}, which asks for {identity}; "
+            f"it has: {', '.join(found)}"
+        )
+
+
+class RemoteConnector:
+    """A connection of a service port here with one of another process.
+
+    `providers` are what the consumers of the port here call; those of the other port look up the
+    providers of this one.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        source: ServicePort,
+        target: RemotePort,
+        properties: Mapping[str, str],
+        objects: Objects,
+        naming: Naming,
+    ) -> None:
+        self.name = name
+        self._naming = naming
+        self.source = source
+        self.target = target
+        self.connected = False
+        named, self.strict = read_properties(properties)
+        kinds = [consumer.interface for consumer in source.consumers]
+        self.providers = [
+            RemoteProvider(
+                objects,
+                naming,
+                consumer,
+                target,
+                _told(named, source, target, consumer),
+                alone=kinds.count(consumer.interface) == 1,
+            )
+            for consumer in source.consumers
+        ]
+        there = f"{target.instance}.port.{target.port}.required."
+        unknown = next((key for key in named if not key.startswith(there)), None)
+        if unknown is not None:
+            raise ConnectorPropertyError(
+                f"connector property {unknown!r} names no consumer"
+            )
+
+    def attach(self) -> None:
+        """Makes the connection. Raises DuplicateConnectionError."""
+        for provider in self.providers:
+            if provider.consumer.connected:
+                raise DuplicateConnectionError(
+                    f"{provider.consumer} is connected already"
+                )
+        self.connected = True
+        for provider in self.providers:
+            provider.consumer._provider = provider
+
+    def await_providers(self, deadline: float) -> None:
+        """Waits until all providers are there, up to an instant of `time.monotonic`.
+
+        Raises TransportError if they are not in time, PortTypeError if they do not fit: with
+        `strict` all of them have to, else one, as in a connection within a process.
+        """
+        lonely: list[PortTypeError] = []
+        for provider in self.providers:
+            try:
+                self._await(provider, deadline)
+            except PortTypeError as error:
+                lonely.append(error)
+        pairs = len(self.providers) - len(lonely) + len(self.source.providers)
+        if lonely and (self.strict or not pairs):
+            raise lonely[0]
+
+    def _await(self, provider: RemoteProvider, deadline: float) -> None:
+        while not provider.find():
+            if time.monotonic() > deadline:
+                raise TransportError(
+                    f"{provider.consumer} waits for {self.target}, "
+                    f"which nobody serves by the naming service {self._naming.address}"
+                )
+            time.sleep(_LOOK_AGAIN)
+
+    def detach(self) -> None:
+        """Cuts the connection; later calls raise ObjectNotExist."""
+        self.connected = False
+        for provider in self.providers:
+            provider.consumer._provider = None
+
+
+def _told(
+    named: dict[str, str], here: ServicePort, there: RemotePort, consumer: Consumer[Any]
+) -> str | None:
+    """The instance name of the provider that the properties name for a consumer."""
+    wish = end(here, "required", consumer)
+    told = named.pop(wish, None)
+    if told is None:
+        return None
+    prefix = f"{there.instance}.port.{there.port}.provided."
+    if not told.startswith(prefix):
+        raise ConnectorPropertyError(
+            f"connector property {wish!r}: {told!r} is no provider of {there}"
+        )
+    return told.rpartition(".")[2]
+
+
+_LOST = (
+    CORBA.TRANSIENT,
+    CORBA.COMM_FAILURE,
+    CORBA.OBJECT_NOT_EXIST,
+    CORBA.INV_OBJREF,
+)
+
+
+def _is_lost(error: Any) -> bool:
+    return isinstance(error, _LOST)

@@ -1,0 +1,50 @@
+"""Errors of calls as system exceptions of CORBA, and back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import omniORB
+from omniORB import CORBA
+
+from rtgen.runtime.calls import SYSTEM_EXCEPTIONS, TOLD_AS, kind_of
+from rtgen.runtime.services import (
+    BadOperation,
+    CallTimeout,
+    MarshalError,
+    ObjectNotExist,
+    ServiceError,
+)
+
+_OURS = 0
+"""The minor code of what our servants tell."""
+_BEFORE_THE_CALL = (BadOperation, MarshalError, ObjectNotExist)
+
+
+def raised(error: ServiceError) -> Any:
+    """The exception for omniORB to tell the client of an error."""
+    kind = kind_of(error)
+    begun = not isinstance(error, _BEFORE_THE_CALL)
+    completed = CORBA.COMPLETED_MAYBE if begun else CORBA.COMPLETED_NO
+    return getattr(CORBA, TOLD_AS[kind])(_OURS, completed)
+
+
+def caught(operation: str, error: Any) -> ServiceError:
+    """The error for a system exception of omniORB."""
+    kind = SYSTEM_EXCEPTIONS.get(error._NP_RepositoryId, ServiceError)
+    minor = omniORB.minorCodeToString(error) or f"minor {error.minor}"
+    if "Timedout" in minor:
+        kind = CallTimeout
+    name = error._NP_RepositoryId.split("/")[-1].partition(":")[0]
+    completed = str(error.completed).removeprefix("COMPLETED_").lower()
+    return kind(f"{operation}: {name} ({minor}, completed: {completed})")
+
+
+def is_inactive(error: Any) -> bool:
+    """Whether the object is there, but its component is not ACTIVE: omniORB has minor codes."""
+    return isinstance(error, CORBA.OBJECT_NOT_EXIST) and error.minor == _OURS
+
+
+def is_unsent(error: Any) -> bool:
+    """Whether a system exception says that the call was not carried out at all."""
+    return bool(error.completed == CORBA.COMPLETED_NO)

@@ -1,0 +1,100 @@
+"""A naming service of our own: omniNames in a process of its own, at this machine's loopback."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import subprocess
+import tempfile
+import time
+from importlib.util import find_spec
+from pathlib import Path
+from types import TracebackType
+
+from rtgen.runtime.corba.orb import LOOPBACK
+from rtgen.runtime.errors import TransportError
+
+_ATTEMPTS = 3
+_START = 10.0
+"""How long it may take to start, in seconds."""
+_LOOK_AGAIN = 0.02
+
+
+class NameServer:
+    """omniNames at a port that is free; ends with `close`. Raises TransportError."""
+
+    def __init__(self) -> None:
+        program = _program()
+        self._folder = tempfile.TemporaryDirectory(prefix="rtgen-names-")
+        for _ in range(_ATTEMPTS):
+            port = _free_port()
+            self.address = f"{LOOPBACK}:{port}"
+            self._process = _started(program, port, self._folder.name)
+            if _answers(self._process, port):
+                return
+            self._end()
+        self._folder.cleanup()
+        raise TransportError(f"{program} does not start")
+
+    def __enter__(self) -> NameServer:
+        return self
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc_val: BaseException | None,
+        exc_tb: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Ends the process and forgets its names."""
+        self._end()
+        self._folder.cleanup()
+
+    def _end(self) -> None:
+        self._process.terminate()
+        self._process.wait()
+
+
+def _program() -> str:
+    # The command that the wheel installs is a process around this one: it would outlive its end.
+    spec = find_spec("jeteve_omniorb")
+    if spec is not None and spec.origin is not None:
+        inside = Path(spec.origin).with_name("bin") / "omniNames"
+        if inside.is_file():
+            return str(inside)
+    found = shutil.which("omniNames")
+    if found is None:
+        raise TransportError("the program omniNames is not there")
+    return found
+
+
+def _free_port() -> int:
+    with socket.create_server((LOOPBACK, 0)) as server:
+        port: int = server.getsockname()[1]
+        return port
+
+
+def _started(program: str, port: int, folder: str) -> subprocess.Popen[bytes]:
+    command = [program, "-start", str(port), "-always", "-datadir", folder]
+    command += ["-ignoreport", "-ORBendPoint", f"giop:tcp:{LOOPBACK}:{port}"]
+    # In a session of its own: Ctrl-C is for those who have names to take back.
+    return subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+
+
+def _answers(process: subprocess.Popen[bytes], port: int) -> bool:
+    deadline = time.monotonic() + _START
+    while process.poll() is None and time.monotonic() < deadline:
+        try:
+            socket.create_connection((LOOPBACK, port), timeout=1.0).close()
+            return True
+        except OSError:
+            time.sleep(_LOOK_AGAIN)
+    return False

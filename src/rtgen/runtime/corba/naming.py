@@ -1,0 +1,130 @@
+"""The naming service: where processes find each other's providers.
+
+A provider is bound as `<instance>.<port>/<name>`: a context of the port (id: instance name, kind:
+port name), in it the provider under its instance name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import CosNaming
+from omniORB import CORBA
+
+from rtgen.runtime.errors import ServedElsewhereError, TransportError
+
+_T = TypeVar("_T")
+
+PORT = 2809
+"""Where naming services listen by default (IANA: corbaloc)."""
+_AT_ONCE = 100
+
+_Context = CosNaming.NamingContext
+
+
+class Naming:
+    """A naming service at `HOST` or `HOST:PORT`. Every method raises TransportError."""
+
+    def __init__(self, orb: Any, address: str) -> None:
+        self.address = address if ":" in address else f"{address}:{PORT}"
+        self._root: Any = None
+        text = f"corbaloc::{self.address}/NameService"
+        self._root = self._asked(
+            lambda: orb.string_to_object(text)._narrow(_Context), "find"
+        )
+        if self._root is None:
+            raise TransportError(f"what answers at {self.address} is no naming service")
+
+    def bind(self, port: tuple[str, str], name: str, reference: Any) -> None:
+        """Makes a provider of a port known, in place of one that is gone.
+
+        Raises ServedElsewhereError if there is one that answers.
+        """
+
+        def bind() -> None:
+            context = self._context(port)
+            if context is None:
+                context = self._root.bind_new_context(_path(*port))
+            if _is_alive(_resolved(context, name)):
+                instance = ".".join(port)
+                raise ServedElsewhereError(
+                    f"{instance}:{name} is served by another process already, "
+                    f"says the naming service at {self.address}"
+                )
+            context.rebind(_path(name), reference)
+
+        self._asked(bind, "bind")
+
+    def unbind(self, port: tuple[str, str], name: str, reference: Any) -> None:
+        """Takes back what `bind` did, unless somebody else has bound the name since."""
+
+        def unbind() -> None:
+            context = self._context(port)
+            bound = None if context is None else _resolved(context, name)
+            if bound is None or not bound._is_equivalent(reference):
+                return
+            context.unbind(_path(name))
+            try:
+                context.destroy()
+            except _Context.NotEmpty:
+                return
+            self._root.unbind(_path(*port))
+
+        self._asked(unbind, "unbind")
+
+    def providers(self, port: tuple[str, str]) -> dict[str, Any]:
+        """The providers of a port by name; none if nobody serves it."""
+
+        def providers() -> dict[str, Any]:
+            context = self._context(port)
+            if context is None:
+                return {}
+            bindings, more = context.list(_AT_ONCE)
+            if more is not None:
+                more.destroy()
+            names = [binding.binding_name[0].id for binding in bindings]
+            found = {name: _resolved(context, name) for name in names}
+            return {name: r for name, r in found.items() if r is not None}
+
+        return self._asked(providers, "ask")
+
+    def _context(self, port: tuple[str, str]) -> Any:
+        found = _resolved(self._root, *port)
+        return None if found is None else found._narrow(_Context)
+
+    def _asked(self, ask: Callable[[], _T], what: str) -> _T:
+        try:
+            return ask()
+        except (CORBA.Exception, ValueError) as error:
+            raise TransportError(
+                f"cannot {what} at the naming service {self.address}: {_told(error)}"
+            ) from error
+
+
+def _path(id_: str, kind: str = "") -> list[Any]:
+    return [CosNaming.NameComponent(id_, kind)]
+
+
+def _resolved(context: Any, id_: str, kind: str = "") -> Any:
+    try:
+        return context.resolve(_path(id_, kind))
+    except _Context.NotFound:
+        return None
+
+
+def _is_alive(reference: Any) -> bool:
+    """Whether the process of an object answers, whatever it says."""
+    if reference is None:
+        return False
+    try:
+        reference._non_existent()
+    except CORBA.OBJECT_NOT_EXIST:
+        return False
+    except (CORBA.TRANSIENT, CORBA.COMM_FAILURE):
+        return False
+    return True
+
+
+def _told(error: Exception) -> str:
+    return repr(error).replace("CORBA.", "").replace("omniORB.", "")

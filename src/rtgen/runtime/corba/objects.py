@@ -1,0 +1,249 @@
+"""Objects of one process: servants that omniORB calls, references, stubs that call through them."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import omniORB
+from omniORB import CORBA, PortableServer
+
+from rtgen.runtime.calls import encoded_arguments
+from rtgen.runtime.cdr import UserException
+from rtgen.runtime.cdr_values import (
+    ObjectReference,
+    read_reference,
+    write_reference,
+)
+from rtgen.runtime.corba.faults import caught, raised
+from rtgen.runtime.corba.operations import Operations
+from rtgen.runtime.corba.wire_types import Interface, WireTypes
+from rtgen.runtime.descriptors import InterfaceDescriptor
+from rtgen.runtime.services import (
+    Invoker,
+    MarshalError,
+    Servant,
+    ServiceError,
+    Stub,
+    UnknownException,
+)
+
+log = logging.getLogger("rtgen.runtime")
+
+_S = TypeVar("_S", bound=Servant)
+
+
+class Remote:
+    """Calls the object of a reference."""
+
+    def __init__(self, reference: Any, operations: Operations) -> None:
+        self.reference = reference
+        self._operations = operations
+        self._invoke = reference._obj.invoke
+
+    @property
+    def reachable(self) -> bool:
+        """See `Carrier`."""
+        return True
+
+    def call(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """Carries out a call. Raises what the operation declares, CdrError and ServiceError."""
+        try:
+            return self.attempt(operation, arguments)
+        except CORBA.SystemException as error:
+            raise caught(operation, error) from error
+
+    def attempt(self, operation: str, arguments: tuple[object, ...]) -> object:
+        """The same; system exceptions are left as they are."""
+        found = self._operations.of.get(operation) or self._operations.find(operation)
+        given = arguments
+        try:
+            if found.request is not None:
+                given = found.request(arguments)
+            result = self._invoke(operation, found.descriptor, given)
+        except CORBA.UserException as error:
+            raise found.caught(error) from None
+        except (CORBA.BAD_PARAM, CORBA.DATA_CONVERSION, CORBA.MARSHAL) as error:
+            if error.completed == CORBA.COMPLETED_NO:
+                _tell_fault(operation, found, arguments)
+            raise
+        except (TypeError, ValueError, AttributeError, ArithmeticError) as error:
+            _tell_fault(operation, found, arguments)
+            raise MarshalError(f"{operation}: {error}") from error
+        if found.values is None:
+            return result
+        if found.results > 1:
+            return found.values(result)
+        return found.values((result,))[0]
+
+
+def _tell_fault(operation: str, found: Any, arguments: tuple[object, ...]) -> None:
+    """Raises CdrError or BadOperation with the place, if our codecs refuse the arguments, too."""
+    plain = tuple(None if isinstance(a, Servant) else a for a in arguments)
+    encoded_arguments(operation, found.call, plain)
+
+
+class Objects:
+    """The objects of one process and the references that it holds."""
+
+    def __init__(self, orb: Any, poa: Any) -> None:
+        self._orb = orb
+        self._poa = poa
+        self.types = WireTypes(self)
+        self._operations: dict[type[Servant], Operations] = {}
+        self._classes: dict[type[Servant], type[Any]] = {}
+        self._exported: dict[int, tuple[Servant, Any]] = {}
+        self._exporting = threading.Lock()
+
+    def operations(self, interface: type[Servant]) -> Operations:
+        """The operations of an interface. Raises ServiceError if it is local."""
+        found = self._operations.get(interface)
+        if found is None:
+            found = self._operations[interface] = Operations(interface, self.types)
+        return found
+
+    def serve(
+        self,
+        interface: type[Servant],
+        call: Invoker,
+        exists: Callable[[], bool] = lambda: True,
+    ) -> Any:
+        """A reference to an object whose calls are handed over.
+
+        Raises ServiceError if the interface is local.
+        """
+        class_ = self._classes.get(interface)
+        if class_ is None:
+            class_ = _servant_class(interface, self.operations(interface))
+            self._classes[interface] = class_
+        servant = class_(call, exists)
+        return self._poa.id_to_reference(self._poa.activate_object(servant))
+
+    def withdraw(self, reference: Any) -> None:
+        """Ends an object that `serve` made."""
+        self._poa.deactivate_object(self._poa.reference_to_id(reference))
+
+    def remote(self, interface: type[Servant], reference: Any) -> Remote:
+        """What calls the object of a reference as one of the interface."""
+        return Remote(reference, self.operations(interface))
+
+    def stub(self, interface: type[_S], reference: Any) -> _S:
+        """A stub that calls the object of a reference."""
+        made: _S = interface._stub_(self.remote(interface, reference).call)
+        return made
+
+    def exported(self, value: Any, interface: Interface) -> Any:
+        """omniORBpy's reference for a servant, a stub or an `ObjectReference`; None for nil."""
+        if value is None:
+            return None
+        if isinstance(value, Stub):
+            remote = getattr(value._invoker, "__self__", None)
+            if isinstance(remote, Remote):
+                return remote.reference
+        if isinstance(value, Servant):
+            return self._servant(value)
+        if not isinstance(value, ObjectReference):
+            raise TypeError(f"{value!r} is no object")
+        octets = bytearray(b"\1\0\0\0")
+        write_reference(octets, value, True)
+        return self._orb.string_to_object(f"IOR:{octets.hex()}")
+
+    def imported(self, reference: Any, interface: Interface) -> Any:
+        """A stub for omniORBpy's reference; an `ObjectReference` without interface."""
+        if reference is None:
+            return None
+        if interface is not None:
+            return self.stub(interface, reference)
+        octets = omniORB.cdrMarshal(CORBA._tc_Object, reference, 1)
+        return read_reference(octets, 0, True)[0]
+
+    def _servant(self, servant: Servant) -> Any:
+        """A reference to a servant that is passed in a call; it lives as long as the ORB."""
+        with self._exporting:
+            known = self._exported.get(id(servant))
+            if known is None:
+                interface = _interface_of(servant)
+                skeleton = interface._skeleton_(servant)
+                known = servant, self.serve(interface, skeleton.dispatch)
+                self._exported[id(servant)] = known
+            return known[1]
+
+
+def _interface_of(servant: Servant) -> type[Servant]:
+    return next(c for c in type(servant).__mro__ if "_skeleton_" in vars(c))
+
+
+class _Skeleton:
+    """What omniORB looks at to learn which interfaces a servant has."""
+
+    def __init__(self, descriptor: InterfaceDescriptor, operations: Any) -> None:
+        self._NP_RepositoryId = descriptor.repository_id
+        self._omni_op_d = operations
+        # The name under which it looks for the bases.
+        self.__bases__ = tuple(_Skeleton(base, {}) for base in descriptor.bases)
+
+
+def _servant_class(interface: type[Servant], operations: Operations) -> type[Any]:
+    descriptor = interface._descriptor_
+    described = {name: o.descriptor for name, o in operations.of.items()}
+
+    def keep(self: Any, call: Invoker, exists: Callable[[], bool]) -> None:
+        self._call = call
+        self._exists = exists
+
+    parts: dict[str, Any] = {
+        "__init__": keep,
+        "_NP_RepositoryId": descriptor.repository_id,
+        "_omni_op_d": described,
+        "_omni_skeleton": _Skeleton(descriptor, described),
+        "_non_existent": lambda self: not self._exists(),
+    }
+    for name, operation in operations.of.items():
+        parts[name] = _method(name, operation)
+    return type(interface.__name__, (PortableServer.Servant,), parts)
+
+
+def _method(name: str, operation: Any) -> Callable[..., Any]:
+    count, arguments_of, reply = operation.count, operation.arguments, operation.reply
+
+    def method(self: Any, *values: Any) -> Any:
+        given = values[:count]
+        try:
+            if arguments_of is not None:
+                given = _checked(arguments_of, given, "the request is wrong")
+            result = self._call(name, given)
+            if reply is None:
+                return result
+            results = result if operation.results > 1 else (result,)
+            converted = _checked(reply, results, "the result is wrong")
+            return converted if operation.results > 1 else converted[0]
+        except UserException as error:
+            declared = operation.raised(error)
+            if declared is not None:
+                raise declared from None
+            fault = UnknownException(f"{type(error).__name__} is not declared")
+            raise _told(name, fault, error) from error
+        except ServiceError as error:
+            raise _told(name, error, error.__cause__) from None
+
+    return method
+
+
+def _checked(
+    convert: Callable[[tuple[Any, ...]], tuple[Any, ...]],
+    values: tuple[Any, ...],
+    what: str,
+) -> tuple[Any, ...]:
+    try:
+        return convert(values)
+    except (ServiceError, CORBA.Exception):
+        raise
+    except Exception as error:
+        raise MarshalError(f"{what}: {error}") from error
+
+
+def _told(name: str, error: ServiceError, cause: BaseException | None) -> Any:
+    log.warning("%s: %s", name, error, exc_info=cause)
+    return raised(error)

@@ -1,0 +1,483 @@
+"""Our types as omniORBpy takes them: its type descriptors, and what is converted on the way.
+
+omniORBpy marshals whatever has the attributes that a descriptor names, and makes what it reads by
+calling what stands in the descriptor. So data classes, enums and unions travel as they are. What
+omniORBpy keeps in classes of its own (`any`, type codes, `fixed`, object references), and what
+holds such a thing, is converted. Values of `any` change sides as octets, which are the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from decimal import Context, Decimal
+from operator import attrgetter
+from types import SimpleNamespace
+from typing import Any, Protocol, TypeAlias
+
+import omniORB
+from omniORB import CORBA, tcInternal
+
+from rtgen.runtime.cdr import UserException
+from rtgen.runtime.cdr_faults import decoded, encoded
+from rtgen.runtime.cdr_values import fixed_octets, wide_character, wide_character_value
+from rtgen.runtime.descriptors import (
+    AliasDescriptor,
+    ArrayDescriptor,
+    Descriptor,
+    EnumDescriptor,
+    FixedDescriptor,
+    InterfaceDescriptor,
+    LinkDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    class_of,
+    plain,
+)
+from rtgen.runtime.services import MarshalError, Servant
+
+Convert: TypeAlias = Callable[[Any], Any]
+Interface: TypeAlias = type[Servant] | None
+
+_PRIMITIVES = {
+    "short": tcInternal.tv_short,
+    "long": tcInternal.tv_long,
+    "long long": tcInternal.tv_longlong,
+    "unsigned short": tcInternal.tv_ushort,
+    "unsigned long": tcInternal.tv_ulong,
+    "unsigned long long": tcInternal.tv_ulonglong,
+    "uint8": tcInternal.tv_octet,
+    "octet": tcInternal.tv_octet,
+    "boolean": tcInternal.tv_boolean,
+    "float": tcInternal.tv_float,
+    "double": tcInternal.tv_double,
+}
+"""What is the same on both sides."""
+
+_SWITCHES = (
+    "short",
+    "long",
+    "long long",
+    "unsigned short",
+    "unsigned long",
+    "unsigned long long",
+    "boolean",
+    "char",
+)
+_CHAR = PrimitiveDescriptor("char")
+_WIDE_CHARACTER = (tcInternal.tv_array, tcInternal.tv_octet, 3)
+"""A wchar as GIOP 1.2 has it. omniORBpy 4.3.3 cannot read the ones that it writes."""
+_DIGITS = Context(prec=31)
+
+
+@dataclass(frozen=True, slots=True)
+class WireType:
+    """A descriptor of omniORBpy; values are converted unless `outgoing`, `incoming` are None."""
+
+    descriptor: Any
+    outgoing: Convert | None = None
+    incoming: Convert | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class WireException:
+    """A user exception: `raised` makes omniORBpy's of ours, `caught` ours of omniORBpy's."""
+
+    descriptor: Any
+    raised: Convert
+    caught: Convert
+
+
+class Objects(Protocol):
+    """What knows the objects that references stand for."""
+
+    def exported(self, value: Any, interface: Interface) -> Any:
+        """omniORBpy's reference for a servant, a stub or an `ObjectReference`."""
+
+    def imported(self, reference: Any, interface: Interface) -> Any:
+        """A stub for omniORBpy's reference; an `ObjectReference` without interface."""
+
+
+class WireTypes:
+    """The types of one ORB. `of` and `exception` raise MarshalError for what cannot travel."""
+
+    def __init__(self, objects: Objects) -> None:
+        self._objects = objects
+        # With each descriptor itself, so that no other one can get its identity.
+        self._made: dict[int, tuple[Descriptor, WireType]] = {}
+        self._exceptions: dict[type[UserException], WireException] = {}
+        self._begun: dict[int, list[Any]] = {}
+
+    def of(self, descriptor: Any, interface: Interface = None) -> WireType:
+        """The type of a descriptor; that of a reference to an object of an interface, if told."""
+        if interface is not None:
+            return self._reference(descriptor, interface)
+        found = self._made.get(id(descriptor))
+        if found is None:
+            found = self._made[id(descriptor)] = descriptor, self._type(descriptor)
+        return found[1]
+
+    def exception(self, class_: type[UserException]) -> WireException:
+        """The form of an exception."""
+        found = self._exceptions.get(class_)
+        if found is None:
+            found = self._exceptions[class_] = self._exception(class_)
+        return found
+
+    def _type(self, descriptor: Any) -> WireType:
+        made: Any
+        match descriptor:
+            case LinkDescriptor():
+                return self._link(descriptor)
+            case AliasDescriptor(repository_id, name, target=target):
+                inner = self.of(target)
+                made = tcInternal.tv_alias, repository_id, _last(name), inner.descriptor
+                return WireType(made, inner.outgoing, inner.incoming)
+            case PrimitiveDescriptor(name) if name in _PRIMITIVES:
+                return WireType(_PRIMITIVES[name])
+            case PrimitiveDescriptor("any"):
+                return _by_octets(tcInternal.tv_any, CORBA._tc_any, descriptor)
+            case PrimitiveDescriptor("CORBA::TypeCode"):
+                return _by_octets(
+                    tcInternal.tv_TypeCode, CORBA._tc_TypeCode, descriptor
+                )
+            case PrimitiveDescriptor("char"):
+                return WireType(tcInternal.tv_octet, _latin_octet, chr)
+            case PrimitiveDescriptor("wchar"):
+                return WireType(_WIDE_CHARACTER, wide_character, wide_character_value)
+            case PrimitiveDescriptor("int8"):
+                return WireType(tcInternal.tv_octet, _octet, _signed)
+            case PrimitiveDescriptor("Object"):
+                return self._reference(descriptor, None)
+            case InterfaceDescriptor(local=False):
+                return self._reference(descriptor, None)
+            case StringDescriptor(wide, bound):
+                kind = tcInternal.tv_wstring if wide else tcInternal.tv_string
+                return WireType((kind, bound or 0))
+            case FixedDescriptor(digits, scale):
+                return _fixed(digits, scale)
+            case SequenceDescriptor(element, bound):
+                inner = self.of(element)
+                made = tcInternal.tv_sequence, inner.descriptor, bound or 0
+                return WireType(made, *_items(element, inner))
+            case ArrayDescriptor(element, (length, *rest)):
+                rows = ArrayDescriptor(element, tuple(rest)) if rest else element
+                inner = self.of(rows)
+                made = tcInternal.tv_array, inner.descriptor, length
+                return WireType(made, *_items(rows, inner))
+            case EnumDescriptor():
+                return _enum(descriptor)
+            case StructDescriptor(opaque=False):
+                return self._recursive(descriptor, self._struct)
+            case UnionDescriptor():
+                return self._recursive(descriptor, self._union)
+        raise MarshalError(f"values of {descriptor} cannot travel by CORBA")
+
+    def _recursive(self, descriptor: Any, make: Callable[[Any], WireType]) -> WireType:
+        cell = self._begun[id(descriptor)] = [descriptor.repository_id]
+        try:
+            made = make(descriptor)
+        finally:
+            del self._begun[id(descriptor)]
+        cell[0] = made.descriptor
+        return made
+
+    def _link(self, descriptor: LinkDescriptor) -> WireType:
+        """A type inside its own definition, which may be complete or not."""
+        target = plain(descriptor)
+        cell = self._begun.get(id(target))
+        if cell is None:
+            return self.of(target)
+        made = tcInternal.tv__indirect, cell
+        if not _converted([target], set()):
+            return WireType(made)
+        # What is read is converted where the whole is made.
+        return WireType(made, lambda value: self.of(target).outgoing(value))  # type: ignore[misc]
+
+    def _struct(self, descriptor: StructDescriptor) -> WireType:
+        class_ = class_of(descriptor)
+        members = self._members(descriptor.members)
+        head = descriptor.repository_id, _last(descriptor.name)
+        if class_ is None:
+            raise MarshalError(f"there is no class of {descriptor}")
+        if not _converted([descriptor], set()):
+            return WireType((tcInternal.tv_struct, class_, *head, *members.parts))
+        made = tcInternal.tv_struct, members.maker(class_), *head, *members.parts
+        return WireType(made, members.outgoing)
+
+    def _members(self, members: Iterable[Any]) -> _Members:
+        for member in members:
+            if member.optional:
+                raise MarshalError(f"{member.name} is optional, which CORBA has not")
+        return _Members([(m.name, m.attribute, self.of(m.type)) for m in members])
+
+    def _union(self, descriptor: UnionDescriptor) -> WireType:
+        class_ = class_of(descriptor)
+        switch = plain(descriptor.switch)
+        if class_ is None or not (
+            isinstance(switch, EnumDescriptor)
+            or (isinstance(switch, PrimitiveDescriptor) and switch.name in _SWITCHES)
+        ):
+            raise MarshalError(f"{descriptor} switches on {switch}, which CORBA cannot")
+        discriminator = self.of(descriptor.switch)
+        if switch == _CHAR:
+            discriminator = WireType(tcInternal.tv_char)
+        if discriminator.outgoing is not None:
+            raise MarshalError(
+                f"{descriptor} switches on {switch} with numbers of its own"
+            )
+        wires = [self.of(branch.type) for branch in descriptor.branches]
+        entries: list[tuple[Any, str, Any]] = []
+        default = -1
+        for branch, wire in zip(descriptor.branches, wires, strict=True):
+            labels = [_label(switch, label) for label in branch.labels]
+            if branch.default:
+                default = len(entries) + len(labels)
+                labels.append(_unused(switch, descriptor))
+            entries += [(label, branch.name, wire.descriptor) for label in labels]
+        cases = {e[0]: e for i, e in enumerate(entries) if i != default}
+        converted = _converted([descriptor], set())
+        if not converted:
+            class_._d, class_._v = _DISCRIMINATOR, _VALUE
+        made = (
+            tcInternal.tv_union,
+            _union_maker(class_, descriptor, wires) if converted else class_,
+            descriptor.repository_id,
+            _last(descriptor.name),
+            discriminator.descriptor,
+            default,
+            tuple(entries),
+            entries[default] if default >= 0 else None,
+            cases,
+        )
+        return WireType(made, _union_outgoing(descriptor, wires) if converted else None)
+
+    def _exception(self, class_: type[UserException]) -> WireException:
+        descriptor = class_._descriptor_
+        members = self._members(descriptor.members)
+        name = _last(descriptor.name)
+
+        def keep(self: Any, *values: Any) -> None:
+            CORBA.UserException.__init__(self, *values)
+            for (member, _, _), value in zip(members.entries, values, strict=True):
+                setattr(self, member, value)
+
+        parts = {"_NP_RepositoryId": descriptor.repository_id, "__init__": keep}
+        theirs = type(name, (CORBA.UserException,), parts)
+
+        def raised(error: Any) -> Any:
+            return theirs(*vars(members.outgoing(error)).values())
+
+        def caught(error: Any) -> Any:
+            return class_(
+                *members.incoming(getattr(error, m) for m, _, _ in members.entries)
+            )
+
+        kind = tcInternal.tv_except
+        made = kind, theirs, descriptor.repository_id, name, *members.parts
+        return WireException(made, raised, caught)
+
+    def _reference(self, descriptor: Any, interface: Interface) -> WireType:
+        objects = self._objects
+
+        def outgoing(value: Any) -> Any:
+            return objects.exported(value, interface)
+
+        def incoming(reference: Any) -> Any:
+            return objects.imported(reference, interface)
+
+        made = CORBA._d_Object
+        if isinstance(descriptor, InterfaceDescriptor):
+            kind = tcInternal.tv_objref
+            if descriptor.abstract:
+                kind = tcInternal.tv_abstract_interface
+            made = kind, descriptor.repository_id, _last(descriptor.name)
+        return WireType(made, outgoing, incoming)
+
+
+class _Members:
+    """The members of a struct or an exception: name, attribute of ours, type."""
+
+    def __init__(self, entries: Sequence[tuple[str, str, WireType]]) -> None:
+        self.entries = entries
+        self.parts = [
+            part for name, _, wire in entries for part in (name, wire.descriptor)
+        ]
+
+    def outgoing(self, value: Any) -> SimpleNamespace:
+        """What omniORBpy can read the members from."""
+        made = SimpleNamespace()
+        for name, attribute, wire in self.entries:
+            setattr(made, name, _through(wire.outgoing, getattr(value, attribute)))
+        return made
+
+    def incoming(self, values: Iterable[Any]) -> Iterable[Any]:
+        """Ours of the values of the members in order."""
+        for (_, _, wire), value in zip(self.entries, values, strict=True):
+            yield _through(wire.incoming, value)
+
+    def maker(self, class_: Callable[..., Any]) -> Convert:
+        """What omniORBpy calls to make a struct."""
+        return lambda *values: class_(*self.incoming(values))
+
+
+_DISCRIMINATOR = property(attrgetter("discriminator"))
+_VALUE = property(attrgetter("value"))
+
+
+def _union_maker(
+    class_: Callable[..., Any], descriptor: UnionDescriptor, wires: Sequence[WireType]
+) -> Callable[[Any, Any], Any]:
+    def make(discriminator: Any, value: Any) -> Any:
+        branch = descriptor.branch(discriminator)
+        if branch is not None:
+            wire = wires[descriptor.branches.index(branch)]
+            value = _through(wire.incoming, value)
+        return class_(discriminator, value)
+
+    return make
+
+
+def _union_outgoing(descriptor: UnionDescriptor, wires: Sequence[WireType]) -> Convert:
+    def outgoing(union: Any) -> SimpleNamespace:
+        value = union.value
+        branch = descriptor.branch(union.discriminator)
+        if branch is not None:
+            wire = wires[descriptor.branches.index(branch)]
+            value = _through(wire.outgoing, value)
+        return SimpleNamespace(_d=union.discriminator, _v=value)
+
+    return outgoing
+
+
+def _enum(descriptor: EnumDescriptor) -> WireType:
+    class_ = class_of(descriptor)
+    numbers = [number for _, number in descriptor.members]
+    if class_ is None:
+        raise MarshalError(f"there is no class of {descriptor}")
+    if numbers != list(range(len(numbers))):
+        kind = tcInternal.tv_long if descriptor.code == "i" else tcInternal.tv_ulong
+        return WireType(kind, int, class_)
+    items = tuple(map(class_, numbers))
+    for item, (name, number) in zip(items, descriptor.members, strict=True):
+        item._n, item._v, item._parent_id = name, number, descriptor.repository_id
+    name = _last(descriptor.name)
+    return WireType((tcInternal.tv_enum, descriptor.repository_id, name, items))
+
+
+def _fixed(digits: int, scale: int) -> WireType:
+    unit = Decimal(1).scaleb(-scale)
+
+    def outgoing(value: Any) -> Any:
+        fixed_octets(value, digits, scale)
+        return omniORB.fixed(digits, scale, f"{value:f}")
+
+    def incoming(value: Any) -> Decimal:
+        return Decimal(str(value)).quantize(unit, context=_DIGITS)
+
+    return WireType((tcInternal.tv_fixed, digits, scale), outgoing, incoming)
+
+
+def _by_octets(kind: int, code: Any, descriptor: PrimitiveDescriptor) -> WireType:
+    def outgoing(value: Any) -> Any:
+        return omniORB.cdrUnmarshal(code, encoded(descriptor, value, True), 1)
+
+    def incoming(value: Any) -> Any:
+        return decoded(descriptor, omniORB.cdrMarshal(code, value, 1), True)
+
+    return WireType(kind, outgoing, incoming)
+
+
+def _label(switch: Descriptor, label: Any) -> Any:
+    return class_of(switch)(label) if isinstance(switch, EnumDescriptor) else label
+
+
+def _unused(switch: Descriptor, union: UnionDescriptor) -> Any:
+    """A discriminator that selects the default branch."""
+    used = {label for branch in union.branches for label in branch.labels}
+    candidates: Iterable[Any] = range(len(used) + 1)
+    if isinstance(switch, EnumDescriptor):
+        candidates = class_of(switch)
+    elif switch == _CHAR:
+        candidates = map(chr, candidates)
+    elif switch == PrimitiveDescriptor("boolean"):
+        candidates = (False, True)
+    return next(c for c in candidates if c not in used)
+
+
+def _converted(descriptors: Iterable[Descriptor], seen: set[int]) -> bool:
+    """Whether values of the types are converted on either way."""
+    return any(_is_converted(descriptor, seen) for descriptor in descriptors)
+
+
+def _is_converted(descriptor: Descriptor, seen: set[int]) -> bool:
+    match plain(descriptor):
+        case PrimitiveDescriptor(name):
+            return name not in _PRIMITIVES
+        case StringDescriptor():
+            return False
+        case EnumDescriptor(members=members):
+            return any(i != number for i, (_, number) in enumerate(members))
+        case SequenceDescriptor(element) | ArrayDescriptor(element):
+            return _is_converted(element, seen)
+        case StructDescriptor(members=parts) | UnionDescriptor(branches=parts) as whole:
+            if id(whole) in seen:
+                return False
+            seen.add(id(whole))
+            renamed = isinstance(whole, StructDescriptor) and any(
+                part.attribute != part.name for part in parts
+            )
+            return renamed or _converted((part.type for part in parts), seen)
+    return True
+
+
+def _items(
+    element: Descriptor, wire: WireType
+) -> tuple[Convert | None, Convert | None]:
+    """How the items of a sequence or an array are converted, on their way out and in."""
+    if plain(element) == _CHAR:
+        return _latin_octets, _latin_text
+    return _each(wire.outgoing), _each(wire.incoming)
+
+
+def _each(convert: Convert | None) -> Convert | None:
+    if convert is None:
+        return None
+    return lambda items: [convert(item) for item in items]
+
+
+# Octets, since omniORB would convert characters between code sets; here they are ISO 8859-1.
+
+
+def _latin_octet(character: str) -> int:
+    (octet,) = character.encode("latin-1")
+    return octet
+
+
+def _latin_octets(text: str) -> bytes:
+    return text.encode("latin-1")
+
+
+def _latin_text(octets: bytes) -> str:
+    return octets.decode("latin-1")
+
+
+def _through(convert: Convert | None, value: Any) -> Any:
+    return value if convert is None else convert(value)
+
+
+def _octet(number: int) -> int:
+    if not -128 <= number < 128:
+        raise ValueError(f"{number} is no int8")
+    return number & 255
+
+
+def _signed(octet: int) -> int:
+    return octet - 256 if octet > 127 else octet
+
+
+def _last(name: str) -> str:
+    return name.rpartition("::")[2]

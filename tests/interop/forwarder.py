@@ -1,0 +1,47 @@
+"""A TCP port that hands everything over to another one, so that calls cannot stay in a process."""
+
+from __future__ import annotations
+
+import socket
+import struct
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+import giop
+
+from rtgen.runtime.cdr_values import ObjectReference
+
+
+@contextmanager
+def forwarded(reference: ObjectReference) -> Iterator[ObjectReference]:
+    """A reference to the same object by another port."""
+    host, port, _ = giop.address(reference)
+    with socket.create_server((host, 0)) as server:
+        threading.Thread(target=_accept, args=(server, host, port), daemon=True).start()
+        near = server.getsockname()[1]
+        # IIOP profile: port behind the host name, as two octets of its byte order.
+        (tag, profile), *others = reference.profiles
+        order = "<" if profile[0] else ">"
+        place = profile.index(struct.pack(f"{order}H", port), 8 + len(host))
+        moved = profile[:place] + struct.pack(f"{order}H", near) + profile[place + 2 :]
+        yield ObjectReference(reference.type_id, ((tag, moved), *others))
+
+
+def _accept(server: socket.socket, host: str, port: int) -> None:
+    with suppress(OSError):
+        while True:
+            near, _ = server.accept()
+            far = socket.create_connection((host, port))
+            for one, other in ((near, far), (far, near)):
+                threading.Thread(target=_copy, args=(one, other), daemon=True).start()
+
+
+def _copy(source: socket.socket, target: socket.socket) -> None:
+    with suppress(OSError):
+        while data := source.recv(65536):
+            target.sendall(data)
+    for end in (source, target):
+        with suppress(OSError):
+            end.shutdown(socket.SHUT_RDWR)
+        end.close()
