@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Generic, Protocol, TypeVar
+
 from refnav.geometry import Pose, advance, wrap
 from refrobots import iis, rtc
-from refrobots.components.odometry import OdometryBase
-from rtgen.runtime import RTC_OK, ReturnCode_t
+from refrobots.components.odometry import OdometryBase, OdometryConfiguration
+from rtgen.runtime import RTC_OK, Component, InPort, OutPort, ReturnCode_t
 
 
 class DeadReckoning:
@@ -43,14 +45,34 @@ class DeadReckoning:
         return self.pose
 
 
-class Odometry(OdometryBase):
+class OdometryParameters(Protocol):
+    """The parameters that odometry has in any case [m]."""
+
+    leftWheelID: int
+    rightWheelID: int
+    radiusOfLeftWheel: float
+    radiusOfRightWheel: float
+    lengthOfAxle: float
+
+
+P = TypeVar("P", bound=OdometryParameters)
+
+
+class Odometer(Component, Generic[P]):
     """Estimates the pose from the newest wheel angles, which are absolute."""
+
+    config: P
+    CurrentWheelAngle: InPort[rtc.TimedDoubleSeq]
+    OdometryPosition: OutPort[iis.TimedPose2D]
+
+    def _initial_pose(self) -> Pose:
+        return Pose(0.0, 0.0, 0.0)
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Take the parameters, and start from the initial pose."""
         config = self.config
         self._reckoning = DeadReckoning(
-            Pose(config.initialPose_x, config.initialPose_y, config.initialPose_theta),
+            self._initial_pose(),
             (config.radiusOfLeftWheel, config.radiusOfRightWheel),
             config.lengthOfAxle,
             (config.leftWheelID, config.rightWheelID),
@@ -73,3 +95,13 @@ class Odometry(OdometryBase):
         data = rtc.Pose2D(rtc.Point2D(pose.x, pose.y), pose.theta)
         self.OdometryPosition.write(iis.TimedPose2D(sample.tm, [], data, []))
         return RTC_OK
+
+
+class Odometry(Odometer[OdometryConfiguration], OdometryBase):
+    """Starts from the initial pose of the parameters."""
+
+    def _initial_pose(self) -> Pose:
+        config = self.config
+        return Pose(
+            config.initialPose_x, config.initialPose_y, config.initialPose_theta
+        )

@@ -2,72 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from refnav.geometry import Pose
+from refnav.planner import Planner, poses
 from refnav.planning import turn_straight_turn
-from refrobots import iis, rtc
+from refrobots import iis
 from refrobots.components.omni_to2_wd import OmniTo2WDBase
-from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
-class OmniTo2WD(OmniTo2WDBase):
+class OmniTo2WD(Planner, OmniTo2WDBase):
     """Plans turn, straight, turn; passes on one FINISH for each path."""
 
-    def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Start without pose, goal and path."""
-        self._pose: Pose | None = None
-        self._collected: list[Pose] = []
-        self._wanted: list[Pose] = []
-        self._waiting_for_finish = False
-        self._under_way = False
-        return RTC_OK
-
-    def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Pass on FINISH, take the pose and the goals, and send the path for them."""
-        # What has come until now belongs to the path before the one that this execution sends.
-        self._follow_state()
-        sample = self.current_position.read_newest()
-        if sample is not None:
-            data = sample.data
-            self._pose = Pose(data.position.x, data.position.y, data.heading)
-        while self.goal.is_new() and (goal := self.goal.read()) is not None:
-            if not self._collect(goal):
-                return self.fail(f"goal: id {list(goal.id)} has no place in a path")
-        if self._wanted and self._pose is not None:
-            self._send_path(turn_straight_turn(self._pose, self._wanted))
-            self._wanted = []
-        return RTC_OK
-
-    def _follow_state(self) -> None:
-        while self.status_in.is_new() and (state := self.status_in.read()) is not None:
-            if state.data != iis.State.FINISH:
-                self._under_way = self._waiting_for_finish
-            elif self._under_way:
-                # A FINISH before any motion is left over from an earlier path.
-                self._waiting_for_finish = self._under_way = False
-                self.status_out.write(state)
-
-    def _collect(self, goal: iis.TimedPose2D) -> bool:
-        point = Pose(goal.data.position.x, goal.data.position.y, goal.data.heading)
-        match list(goal.id):
-            case []:
-                self._wanted = [point]
-                self._collected = []
-            case [iis.PATH_FIRST, *_]:
-                self._collected = [point]
-            case [iis.PATH_MIDDLE, *_] if self._collected:
-                self._collected.append(point)
-            case [iis.PATH_LAST, *_] if self._collected:
-                self._wanted = [*self._collected, point]
-                self._collected = []
-            case _:
-                return False
-        return True
-
-    def _send_path(self, poses: list[Pose]) -> None:
-        path = iis.TimedPath2DSeq(
-            pose=[rtc.Pose2D(rtc.Point2D(p.x, p.y), p.theta) for p in poses]
-        )
-        self.stamp(path)
-        self.min_path.write(path)
-        self._waiting_for_finish = True
-        self._under_way = False
+    def _plan(self, start: Pose, waypoints: Sequence[Pose]) -> iis.TimedPath2DSeq:
+        return iis.TimedPath2DSeq(pose=poses(turn_straight_turn(start, waypoints)))

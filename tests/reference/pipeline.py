@@ -26,6 +26,7 @@ from rtgen.timeline import assignment
 NAVIGATION = Path(__file__).parents[2] / "specs" / "navigation"
 GOAL = NAVIGATION / "rh3_goal.xml"
 PATH = NAVIGATION / "rh3_path.xml"
+LOCALIZED = NAVIGATION / "map.xml"
 LONGEST = 600 * SECOND
 
 

@@ -1,0 +1,70 @@
+"""LocalizeCenter: the weighted mean of what odometry and the ceiling tell of the pose."""
+
+from __future__ import annotations
+
+from refnav.geometry import Pose, wrap
+from refnav.messages import pose_of
+from refnav.pose_history import PoseHistory
+from refrobots import iis, rtc
+from refrobots.components.localize_center import LocalizeCenterBase
+from rtgen.runtime import RTC_OK, ReturnCode_t
+
+ANNOUNCEMENTS = 20
+"""So many executions send the start pose."""
+CEILING = 1.0 / 20.0
+"""Weight of the ceiling: odometry has 19 times as much."""
+
+
+class LocalizeCenter(LocalizeCenterBase):
+    """Moves the pose of odometry a twentieth of the way to that of the ceiling."""
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Start at the start pose."""
+        self._executions = 0
+        self._silent = 0
+        self._history = PoseHistory()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Send the start pose at first, later the mean for a pose of the ceiling."""
+        self._remember()
+        self._executions += 1
+        if self._executions <= ANNOUNCEMENTS:
+            config = self.config
+            self._send(Pose(config.startX, config.startY, config.startTheta))
+            self._history.clear()
+            self.dp_ceilIn.read_newest()
+            return RTC_OK
+        if not self._history:
+            return RTC_OK
+        ceiling = self.dp_ceilIn.read_newest()
+        if ceiling is not None:
+            self._correct(ceiling)
+        else:
+            self._silent += 1
+            if self._silent < self.config.cycle:
+                return RTC_OK
+        self._silent = 0
+        self._send(self._history.newest)
+        return RTC_OK
+
+    def _remember(self) -> None:
+        port = self.dp_odmIn
+        while port.is_new() and (sample := port.read()) is not None:
+            self._history.add(sample)
+
+    def _correct(self, ceiling: iis.TimedPose2D) -> None:
+        seen = pose_of(ceiling.data)
+        then = self._history.at(ceiling.tm)
+        # All that is remembered moves, so that the next picture finds what was corrected already.
+        self._history.move(
+            CEILING * (seen.x - then.x),
+            CEILING * (seen.y - then.y),
+            CEILING * wrap(seen.theta - then.theta),
+        )
+
+    def _send(self, pose: Pose) -> None:
+        data = rtc.Pose2D(rtc.Point2D(pose.x, pose.y), pose.theta)
+        sample = iis.TimedPose2D(data=data)
+        self.stamp(sample)
+        self.dp_out0.write(sample)

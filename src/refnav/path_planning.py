@@ -1,0 +1,76 @@
+"""PathPlanning: plans along the links of a map."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import atan2, hypot
+
+from refnav.geometry import Pose
+from refnav.map_text import MapError
+from refnav.planner import Planner, poses
+from refnav.planning import SAME_PLACE
+from refnav.route_map import RouteMap, parse
+from refrobots import iis, rtc
+from refrobots.components.path_planning import PathPlanningBase
+from rtgen.runtime import RTC_OK, ReturnCode_t
+
+SPEED = 1.0
+"""Forward speed asked for at every element of a path; the navigation has its own [m/s]."""
+
+
+class PathPlanning(Planner, PathPlanningBase):
+    """The cheapest path from the node nearest to the base to that nearest to the goal."""
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Load the map."""
+        name = self.config.map_file
+        try:
+            text = (self.folder / name).read_text(encoding="utf-8")
+            self._map: RouteMap | None = parse(text, name)
+        except (OSError, UnicodeDecodeError) as error:
+            return self.fail(f"map_file: {error}")
+        except MapError as error:
+            return self.fail(str(error))
+        return super().on_activated(ec_id)
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Free the map."""
+        self._map = None
+        return RTC_OK
+
+    def _plan(self, start: Pose, waypoints: Sequence[Pose]) -> iis.TimedPath2DSeq:
+        route = self._map
+        assert route is not None, "loaded on activation"
+        here = route.nearest(start.x, start.y)
+        numbers = [here]
+        for point in waypoints:
+            there = route.nearest(point.x, point.y)
+            way = route.cheapest(here, there)
+            if not way:
+                raise UnreachableError(
+                    f"{self.config.map_file}: no way from node {here} to node {there}"
+                )
+            numbers += way[1:]
+            here = there
+        path = [*along(route, numbers), waypoints[-1]]
+        ahead = [rtc.Velocity2D(SPEED, 0.0, 0.0) for _ in path]
+        return iis.TimedPath2DSeq(pose=poses(path), velocity=ahead)
+
+
+class UnreachableError(Exception):
+    """No way of the map leads to the goal."""
+
+
+def along(route: RouteMap, numbers: Sequence[int]) -> list[Pose]:
+    """Nodes with the direction of travel that arrives there as heading; 0 at the first."""
+    path: list[Pose] = []
+    for number in numbers:
+        x, y, _ = route.nodes[number]
+        heading = 0.0
+        if path:
+            before = path[-1]
+            heading = before.theta
+            if hypot(x - before.x, y - before.y) > SAME_PLACE:
+                heading = atan2(y - before.y, x - before.x)
+        path.append(Pose(x, y, heading))
+    return path

@@ -1,0 +1,21 @@
+"""RefHardRh2: the base RH2, which simulated sensors may ask where it is."""
+
+from __future__ import annotations
+
+from refnav.simulated_ref_hard import SimulatedRefHard
+from refrobots import iis, rtc
+from refrobots.components.ref_hard_rh2 import RefHardRh2Base, RefHardRh2Configuration
+from rtgen.runtime import ReturnCode_t
+
+
+class RefHardRh2(SimulatedRefHard[RefHardRh2Configuration], RefHardRh2Base):
+    """The simulated base."""
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Drive on, and send where the base truly is."""
+        code = super().on_execute(ec_id)
+        x, y, theta = self._base.pose
+        sample = iis.TimedPose2D(data=rtc.Pose2D(rtc.Point2D(x, y), theta))
+        self.stamp(sample)
+        self.PlantPose.write(sample)
+        return code
