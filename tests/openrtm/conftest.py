@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import hosting
 import middleware
 import pytest
 from lab import Lab
@@ -122,3 +123,21 @@ def orb(rtm_folders: list[Path]) -> Any:
     poa = running.resolve_initial_references("RootPOA")
     poa._get_the_POAManager().activate()
     return running
+
+
+@pytest.fixture(scope="session")
+def relay_module(
+    manager: Any, rtm_folders: list[Path], tmp_path_factory: pytest.TempPathFactory
+) -> Any:
+    """The generated module `Relay.py`, known to the manager."""
+    component = hosting.generate(tmp_path_factory.mktemp("hosted"))
+    hosting.compile_stubs(component, rtm_folders)
+    loaded = hosting.load(component)
+    loaded.RelayInit(manager)
+    return loaded
+
+
+@pytest.fixture
+def relay(relay_module: Any, lab: Lab) -> hosting.Relay:
+    """A relay, initialized; of what others were given nothing is left to it."""
+    return hosting.Relay(lab.create("Relay?conf.default.gain=2.0"), lab)

@@ -16,8 +16,8 @@ port as `<name>_service`. Connections there have to use this name, as the emitte
 ```idl
 component Relay {
     consumes T data;
-    publishes T data;                              // data_out in OpenRTM
-    @openrtm_name("relayed") publishes T more;     // relayed
+    @name("data") publishes T relayed;                           // data_out in OpenRTM
+    @name("more") @openrtm_name("others") publishes T more;      // others
 };
 ```
 
@@ -36,8 +36,8 @@ Two ports of a component would be registered under one name, which OpenRTM refus
 ```idl
 component Relay {
     consumes T data;
-    publishes T data;        // data_out in OpenRTM
-    publishes T data_out;    // RTC0561
+    @name("data") publishes T relayed;    // data_out in OpenRTM
+    publishes T data_out;                 // RTC0561
 };
 ```
 

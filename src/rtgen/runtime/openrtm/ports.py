@@ -146,6 +146,8 @@ class Outflow:
         fill: Callable[[Any, Any], None],
         make: Callable[[Any], Any],
     ) -> None:
+        self.target = None
+        """No InPort of this process."""
         self._source = source
         self._port = port
         self._kept = kept

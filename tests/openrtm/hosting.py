@@ -1,0 +1,199 @@
+"""A component of everything, generated for OpenRTM, and its behaviour, which tests look into."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import subprocess
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import middleware
+from lab import Lab
+
+from rtgen.cli import run
+
+SETTINGS = """
+[sources]
+paths = ["idl"]
+include = ["stock"]
+
+[output]
+target = "openrtm"
+package = "hosted"
+skeletons = "src/behaviours_hosted"
+"""
+
+TYPES = """
+#include "BasicDataType.idl"
+module Hosted {
+    enum Mode { SLOW, FAST };
+    struct Sample {
+        RTC::Time tm; long number; string text; char letter; sequence<octet> raw; Mode speed;
+    };
+    exception Refused { string why; };
+    interface Counter {
+        long add(in long amount) raises (Refused);
+        attribute long total;
+    };
+};
+"""
+
+COMPONENT = """
+#include "hosted_types.idl"
+/** Passes samples on. */
+@rtc(category="Tests", vendor="rtgen", version="1.2.0", description="Relay, 中継", rate=50.0)
+component Relay {
+    consumes Hosted::Sample data;
+    @name("data") publishes Hosted::Sample data_out;
+    @name(".positon") publishes RTC::TimedLong positon;
+    @port("counting") provides Hosted::Counter counter;
+    @port("asking") @instance("Counter") uses Hosted::Counter other;
+    @unit("m") @default(2.0) @min(0.0) @max(10.0) @widget("slider.0.1") attribute double gain;
+    @default(TRUE) attribute boolean on;
+    attribute string note;
+    @default(5) @constraint("0<=x<=9") attribute long level;
+    @default("0.1, 0.2") attribute sequence<double> gains;
+    attribute sequence<long> nothing;
+    attribute Hosted::Mode speed;
+    // OpenRTM's components have a member of this name of their own.
+    @default("x") attribute string properties;
+};
+"""
+
+BEHAVIOUR = '''
+from hosted.components.relay import RelayBase
+from hosted.hosted import Counter, Refused
+from rtgen.runtime import RTC_ERROR, RTC_OK
+
+
+class CounterServant(Counter):
+    total = 0
+
+    def add(self, amount):
+        if amount < 0:
+            raise Refused("negative")
+        if amount > 1000:
+            raise RuntimeError("too much")
+        self.total += amount
+        return self.total
+
+
+class Relay(RelayBase):
+    """Notes its callbacks; `answers` has what they do other than to return RTC_OK."""
+
+    def __init__(self, instance_name=None):
+        super().__init__(instance_name)
+        self.calls = []
+        self.answers = {}
+
+    def _noted(self, name, *arguments):
+        self.calls.append((name, *arguments))
+        answer = self.answers.get(name, RTC_OK)
+        return answer() if callable(answer) else answer
+
+    def on_initialize(self):
+        self.counter.set_servant(CounterServant())
+        return self._noted("on_initialize")
+
+    def on_finalize(self):
+        return self._noted("on_finalize")
+
+
+def _callback(name):
+    def callback(self, ec_id):
+        return self._noted(name, ec_id)
+
+    return callback
+
+
+for _name in (
+    *("on_startup", "on_shutdown", "on_activated", "on_deactivated", "on_aborting"),
+    *("on_error", "on_reset", "on_execute", "on_state_update", "on_rate_changed"),
+):
+    setattr(Relay, _name, _callback(_name))
+'''
+
+
+def generate(folder: Path) -> Path:
+    """Makes the project in an empty folder; gives the folder of the component."""
+    for name, text in (
+        ("rtgen.toml", SETTINGS),
+        ("idl/hosted_types.idl", TYPES),
+        ("idl/relay.idl", COMPONENT),
+        ("src/behaviours_hosted/relay.py", BEHAVIOUR),
+    ):
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    (folder / "stock").symlink_to(middleware.DATA_TYPES)
+    before = Path.cwd()
+    os.chdir(folder)
+    try:
+        assert run(["generate", "-q"]) == 0
+    finally:
+        os.chdir(before)
+    return folder / "generated/openrtm/Relay"
+
+
+def compile_stubs(component: Path, rtm_folders: list[Path]) -> None:
+    """Runs the component's script."""
+    programs = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    environment = {
+        **middleware.environment(rtm_folders),
+        "PYTHON": sys.executable,
+        "PATH": programs,
+    }
+    if not middleware.REAL:
+        environment["RTM_IDL"] = str(rtm_folders[-1])
+    subprocess.run(
+        ["sh", str(component / "idlcompile.sh")], check=True, env=environment
+    )
+
+
+def load(component: Path) -> ModuleType:
+    """The component's module, as a manager loads it."""
+    sys.path.append(str(component))
+    return importlib.import_module(component.name)
+
+
+class Relay:
+    """A component at work: OpenRTM's and the behaviour in it."""
+
+    def __init__(self, component: Any, lab: Lab) -> None:
+        assert component is not None
+        self.rtc = component
+        self.behaviour = component._host.behaviour
+        self.lab = lab
+        # What a lab looks at to tell what a tick did.
+        component.calls = self.behaviour.calls
+
+    @property
+    def calls(self) -> list[str]:
+        """The callbacks of the behaviour so far."""
+        return [call[0] for call in self.behaviour.calls]
+
+    @property
+    def state(self) -> str:
+        """OpenRTM's state of the component."""
+        return str(self.lab.state(self.rtc))
+
+    def answer(self, callback: str, answer: Any) -> None:
+        """What a callback does from now on: a value to be returned, or something to be called."""
+        self.behaviour.answers[callback] = answer
+
+    def tick(self) -> list[str]:
+        """The callbacks of one cycle."""
+        return [call[0] for call in self.lab.tick(self.rtc)]
+
+    def activate(self) -> None:
+        """INACTIVE to ACTIVE, without the callbacks noted."""
+        assert str(self.lab.activate(self.rtc)) == "RTC_OK"
+        self.behaviour.calls.clear()
+
+    def configure(self, **values: str) -> None:
+        """Sets parameters of the set `default`, as tools do."""
+        for name, text in values.items():
+            self.lab.rtm.set_configuration(self.rtc.getObjRef(), "default", name, text)
