@@ -36,7 +36,7 @@ def test_equal_names_are_told_apart_and_warned_of(tmp_path: Path) -> None:
     (plan,), found = planned(
         tmp_path,
         a=TYPES + """component C {
-            consumes M::T data; @name("data") publishes M::T out;
+            consumes M::T data; @name("data") publishes M::T sent;
             @name(".positon") publishes M::T positon;
             @port("data") provides M::I one; @port("data") @instance("two") provides M::I two;
         };""",
@@ -55,12 +55,12 @@ def test_a_chosen_name_is_taken_without_a_warning(tmp_path: Path) -> None:
     (plan,), found = planned(
         tmp_path,
         a=TYPES + """component C {
-            consumes M::T data; @name("data") @openrtm_name("sent") publishes M::T out;
+            consumes M::T data; @name("data") @openrtm_name("given") publishes M::T sent;
             @port("p") provides M::I one;
             @port("p") @openrtm_name("other") @instance("two") uses M::I two;
         };""",
     )
-    assert names(plan) == ["data", "sent", "other", "other"]
+    assert names(plan) == ["data", "given", "other", "other"]
     assert found == []
     assert [p.name for p in plan.service_ports] == ["other"]
 
@@ -69,7 +69,7 @@ def test_what_cannot_be_told_apart_is_an_error(tmp_path: Path) -> None:
     _, found = planned(
         tmp_path,
         a=TYPES + """component C {
-            consumes M::T data; @name("data") publishes M::T out; publishes M::T data_out;
+            consumes M::T data; @name("data") publishes M::T sent; publishes M::T data_out;
         };
         component D {
             @openrtm_name("x") @port("p") provides M::I one;
