@@ -25,14 +25,15 @@ def until(condition: Callable[[], object], seconds: float = 5.0) -> None:
         time.sleep(0.002)
 
 
-def resolved(rtm: Any, naming_service: str, name: str) -> Any:
-    """The component of a name, as soon as there is one."""
+def resolved(rtm: Any, naming_service: str, name: str, process: Any = None) -> Any:
+    """The component of a name, as soon as there is one; its process has to live so long."""
     import RTC
     from omniORB import CORBA
 
     naming = rtm.CorbaNaming(rtm.Manager.instance().getORB(), naming_service)
 
     def found() -> Any:
+        assert process is None or process.poll() is None, "the process has ended"
         try:
             return naming.resolve(name)._narrow(RTC.RTObject)
         except CORBA.Exception:

@@ -58,7 +58,11 @@ def environment(folders: list[Path]) -> dict[str, str]:
     """The environment of a process that finds OpenRTM in these folders."""
     there = [os.environ["PYTHONPATH"]] if os.environ.get("PYTHONPATH") else []
     path = os.pathsep.join([*map(str, folders), *there])
-    return {**os.environ, "PYTHONPATH": path}
+    own = {"PYTHONPATH": path, "PYTHON": sys.executable}
+    if folders:
+        own["RTM_IDL"] = str(folders[-1])
+    programs = [str(Path(sys.executable).parent), os.environ["PATH"]]
+    return {**os.environ, **own, "PATH": os.pathsep.join(programs)}
 
 
 @contextmanager
@@ -94,15 +98,20 @@ def _answers(port: int, process: subprocess.Popen[bytes]) -> None:
 
 @contextmanager
 def launched(
-    module: Path, options: dict[str, str], environment: dict[str, str], folder: Path
+    command: list[str],
+    options: dict[str, str],
+    environment: dict[str, str],
+    folder: Path,
 ) -> Iterator[subprocess.Popen[bytes]]:
-    """A module in a manager of its own process, which works in `folder`."""
+    """A manager in a process of its own, which works in `folder`."""
     settings = [text for item in options.items() for text in ("-o", ":".join(item))]
-    command = [sys.executable, str(module), *settings]
-    log = folder / f"{module.stem}.out"
-    with log.open("wb") as out:
+    with (folder / "manager.out").open("wb") as out:
         process = subprocess.Popen(
-            command, cwd=folder, env=environment, stdout=out, stderr=subprocess.STDOUT
+            [sys.executable, *command, *settings],
+            cwd=folder,
+            env=environment,
+            stdout=out,
+            stderr=subprocess.STDOUT,
         )
     try:
         yield process

@@ -44,7 +44,9 @@ def test_a_module_runs_is_used_and_ends_with_its_component(
     import RTC
     from omniORB import CORBA
 
-    with middleware.launched(MODULE, options, rtm_environment, tmp_path) as process:
+    with middleware.launched(
+        [str(MODULE)], options, rtm_environment, tmp_path
+    ) as process:
         name = f"{request.node.name}.test/Doubler0.rtc"
         component = resolved(rtm, naming_service, name)
         assert rtm.get_port_names(component) == ["Doubler0.in", "Doubler0.out"]
@@ -98,7 +100,7 @@ def test_configuration_files_of_manager_type_and_instance(
         "manager.components.preactivation: Doubler1\n"
     )
     options["manager.modules.load_path"] = str(MODULE.parent)
-    with middleware.launched(MODULE, options, rtm_environment, tmp_path):
+    with middleware.launched([str(MODULE)], options, rtm_environment, tmp_path):
         first, second = (
             resolved(rtm, naming_service, f"{request.node.name}.test/Doubler{n}.rtc")
             for n in range(2)

@@ -100,12 +100,17 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
         return True
 
     def addInPort(self, name: str, inport: InPort) -> bool:
-        inport.init(self._properties.getNode(f"port.inport.{name}"))
+        self._give_defaults(inport, f"port.inport.{name}")
         return self.addPort(inport)
 
     def addOutPort(self, name: str, outport: OutPort) -> bool:
-        outport.init(self._properties.getNode(f"port.outport.{name}"))
+        self._give_defaults(outport, f"port.outport.{name}")
         return self.addPort(outport)
+
+    def _give_defaults(self, port: InPort | OutPort, key: str) -> None:
+        defaults = self._properties.findNode(key)
+        if defaults is not None:
+            port.init(defaults)
 
     def addPort(self, port: PortBase) -> bool:
         """False if there is a port of this name."""

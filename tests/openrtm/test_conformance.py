@@ -1,0 +1,409 @@
+"""Every generated module in a manager of its own process, seen and used from outside over CORBA.
+
+The behaviours are probes (`probes.py`): what is tried is what goes through ports, services,
+configuration and life cycle, with values of every type that a port has.
+"""
+
+from __future__ import annotations
+
+import configparser
+import json
+import subprocess
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import middleware
+import peers
+import pytest
+from lab import Lab, resolved, until
+from specimens import COUNT, specimen
+
+from rtgen.runtime import Component
+from rtgen.runtime.profiles import ParameterProfile
+
+HERE = Path(__file__).parent
+GENERATED = HERE.parents[1] / "generated"
+LISTS = ("refrobots/components/entry_points.txt", "tecs/entry_points.txt")
+
+
+class EntryPoints(configparser.ConfigParser):
+    """Names keep their case."""
+
+    def optionxform(self, optionstr: str) -> str:
+        return optionstr
+
+
+def behaviours() -> dict[str, str]:
+    """Of every component of the reference build what makes it, `module:name`."""
+    lists = EntryPoints()
+    lists.read(GENERATED / file for file in LISTS)
+    return {n: v for section in lists.sections() for n, v in lists[section].items()}
+
+
+BEHAVIOURS = behaviours()
+IN_EVERY_RUN = {"RefHardRh3", "PositionInput", "EposDriveProxy", "MotorBoardMarshaller"}
+"""Enough of everything for a quick look; all others are slow by their number."""
+
+
+Ports = dict[str, tuple[Any, Any]]
+"""A port of ours at each one of the module, and its type."""
+Called = list[tuple[Any, Any]]
+"""Interfaces, and consumers of them."""
+Requests = dict[tuple[str, str], list[tuple[str, str]]]
+"""What came to the servant of a service port and instance."""
+
+
+@pytest.fixture(
+    params=[
+        pytest.param(name, marks=() if name in IN_EVERY_RUN else pytest.mark.slow)
+        for name in sorted(BEHAVIOURS)
+    ]
+)
+def module(
+    request: pytest.FixtureRequest,
+    rtm: Any,
+    lab: Lab,
+    reference: Path,
+    naming_service: str,
+    rtm_environment: dict[str, str],
+    tmp_path: Path,
+) -> Iterator[Module]:
+    """A module that runs, its component and a look into its behaviour."""
+    name: str = request.param
+    folder = reference / "openrtm" / name
+    if not (folder / "stubs").is_dir():
+        script = ["sh", "idlcompile.sh"]
+        subprocess.run(script, cwd=folder, env=rtm_environment, check=True)
+    peers.load_stubs(folder / "stubs")
+    notes = tmp_path / "notes"
+    notes.touch()
+    path = [str(reference), str(HERE), rtm_environment["PYTHONPATH"]]
+    environment = {
+        **rtm_environment,
+        "PYTHONPATH": ":".join(path),
+        "PROBED": BEHAVIOURS[name],
+        "PROBE_NOTES": str(notes),
+    }
+    options = {
+        "corba.nameservers": naming_service,
+        "corba.endpoints": "127.0.0.1:",
+        "logger.enable": "NO",
+        "naming.formats": "conformance/%n.rtc",
+    }
+    command = [str(HERE / "probes.py"), str(folder / f"{name}.py")]
+    with middleware.launched(command, options, environment, tmp_path) as process:
+        bound = f"conformance/{name}0.rtc"
+        component = resolved(rtm, naming_service, bound, process)
+        yield Module(name, rtm, lab, component, notes, tmp_path)
+
+
+@dataclass
+class Module:
+    """A component in its process, and the notes of its probe."""
+
+    name: str
+    rtm: Any
+    lab: Lab
+    component: Any
+    notes: Path
+    folder: Path
+
+    @cached_property
+    def behaviour(self) -> Component:
+        """One like it in this process: what the definition says."""
+        module, _, attribute = BEHAVIOURS[self.name].partition(":")
+        made: Component = getattr(import_module(module), attribute)(f"{self.name}0")
+        return made
+
+    def ports(self, kind: str, made: dict[Any, Any]) -> dict[Any, Any]:
+        """Ports of the behaviour that are in its definition: it may add others of its own."""
+        defined = self.behaviour.profile.ports
+        keys = {
+            (p.port, p.instance) if p.port else p.name
+            for p in defined
+            if p.kind == kind
+        }
+        return {key: port for key, port in made.items() if key in keys}
+
+    @cached_property
+    def in_ports(self) -> dict[str, Any]:
+        """Types of InPorts by name."""
+        ports = self.ports("inport", self.behaviour.in_ports)
+        return {name: port.type for name, port in ports.items()}
+
+    @cached_property
+    def out_ports(self) -> dict[str, Any]:
+        """Types of OutPorts by name."""
+        ports = self.ports("outport", self.behaviour.out_ports)
+        return {name: port.type for name, port in ports.items()}
+
+    @cached_property
+    def providers(self) -> dict[tuple[str, str], Any]:
+        """Provided interfaces by service port and instance."""
+        ports = self.ports("provider", self.behaviour.providers)
+        return {key: port.interface for key, port in ports.items()}
+
+    @cached_property
+    def consumers(self) -> dict[tuple[str, str], Any]:
+        """Required interfaces by service port and instance."""
+        ports = self.ports("consumer", self.behaviour.consumers)
+        return {key: port.interface for key, port in ports.items()}
+
+    def noted(self, event: str, **facts: Any) -> list[dict[str, Any]]:
+        """The notes of an event."""
+        lines = [json.loads(line) for line in self.notes.read_text().splitlines()]
+        wanted = {"event": event, **facts}.items()
+        return [line for line in lines if wanted <= line.items()]
+
+    def port(self, name: str) -> Any:
+        found = self.rtm.get_port_by_name(self.component, f"{self.name}0.{name}")
+        assert found is not None, name
+        return found
+
+    def out_name(self, name: str) -> str:
+        """OpenRTM's name of an OutPort: it knows no two ports of one name."""
+        return f"{name}_out" if name in self.in_ports else name
+
+
+def test_a_module_conforms(module: Module) -> None:
+    """Profile, configuration, data, services, and life cycle of a module."""
+    import RTC
+
+    check_profile(module)
+    check_interfaces(module)
+    check_configuration(module)
+    expected = set_parameters(module)
+    data = connect_data(module)
+    services = connect_services(module)
+    assert module.rtm.activate(module.component) == RTC.RTC_OK
+    until(lambda: module.noted("configuration"))
+    assert module.noted("configuration")[0]["values"] == expected
+    check_data(module, *data)
+    check_services(module, *services)
+    check_life_cycle(module)
+
+
+def check_profile(module: Module) -> None:
+    profile, defined = (
+        module.component.get_component_profile(),
+        module.behaviour.profile,
+    )
+    assert profile.instance_name == f"{module.name}0"
+    for field in ("type_name", "description", "version", "vendor", "category"):
+        assert getattr(profile, field) == getattr(defined, field), field
+    rate = module.rtm.get_current_rate(module.component, 0)
+    assert rate == defined.rate
+    found = {
+        (port.name, texts["port.port_type"], texts.get("dataport.data_type", ""))
+        for port in profile.port_profiles
+        for texts in (told(port.properties),)
+    }
+    prefix = f"{module.name}0."
+    data = {
+        (prefix + named(name), kind, type_._descriptor_.repository_id)
+        for kind, ports, named in (
+            ("DataInPort", module.in_ports, str),
+            ("DataOutPort", module.out_ports, module.out_name),
+        )
+        for name, type_ in ports.items()
+    }
+    services = {
+        (prefix + port, "CorbaPort", "")
+        for port, _ in (*module.providers, *module.consumers)
+    }
+    assert found == data | services
+
+
+def check_interfaces(module: Module) -> None:
+    import RTC
+
+    found = {
+        (
+            profile.name,
+            each.instance_name,
+            each.type_name,
+            each.polarity == RTC.PROVIDED,
+        )
+        for profile in module.component.get_component_profile().port_profiles
+        for each in profile.interfaces
+    }
+    assert found == {
+        (f"{module.name}0.{port}", instance, interface._descriptor_.name, provided)
+        for provided, ports in (
+            (True, module.providers),
+            (False, module.consumers),
+        )
+        for (port, instance), interface in ports.items()
+    }
+
+
+def check_configuration(module: Module) -> None:
+    sets = {
+        each.id: told(each.configuration_data)
+        for each in module.component.get_configuration().get_configuration_sets()
+    }
+    parameters = module.behaviour.profile.configuration
+    assert sets.get("default", {}) == {p.name: p.default for p in parameters}
+    for p in parameters:
+        if p.widget:
+            assert sets["__widget__"][p.name] == p.widget
+        if p.constraint:
+            assert sets["__constraints__"][p.name] == p.constraint
+        elif p.minimum is not None or p.maximum is not None:
+            assert sets["__constraints__"][p.name]
+        assert sets["__type__"][p.name]
+
+
+def told(properties: list[Any]) -> dict[str, str]:
+    """A list of names and texts as a dictionary."""
+    return {each.name: each.value.value() for each in properties}
+
+
+def connect_data(module: Module) -> tuple[Ports, Ports]:
+    """An OutPort at each of the module's InPorts, and an InPort at each of its OutPorts."""
+    import RTC
+
+    writers: Ports = {}
+    readers: Ports = {}
+    lab = module.lab
+    for made, make, ports, named in (
+        (writers, lab.out_port, module.in_ports, str),
+        (readers, lab.in_port, module.out_ports, module.out_name),
+    ):
+        for name, type_ in ports.items():
+            mine = make(peers.wire(specimen(type_._descriptor_, 0)))
+            made[name] = mine, type_
+            ends = [mine.getPortRef(), module.port(named(name))]
+            asked = module.rtm.Properties()
+            assert module.rtm.connect("data", asked, *ends) == RTC.RTC_OK, name
+    return writers, readers
+
+
+def check_data(module: Module, writers: Ports, readers: Ports) -> None:
+    """Values of every type arrive on both sides as they were sent."""
+    for name, (writer, kind) in writers.items():
+        sent = [specimen(kind._descriptor_, number) for number in range(COUNT)]
+        for value in sent:
+            assert writer.write(peers.wire(value)), name
+        until(lambda n=name: len(module.noted("sample", port=n)) >= COUNT)
+        came = [line["octets"] for line in module.noted("sample", port=name)]
+        assert came == [value.to_cdr().hex() for value in sent], name
+    for name, (reader, kind) in readers.items():
+        for number in range(COUNT):
+            until(reader.isNew)
+            value = kind.from_cdr(peers.octets(reader.read()))
+            assert value == specimen(kind._descriptor_, number), name
+
+
+def connect_services(module: Module) -> tuple[Called, Requests]:
+    """Consumers of what the module provides, which is not active; servants of what it needs."""
+    import RTC
+    from omniORB import CORBA
+
+    called: Called = []
+    requests: Requests = {}
+    for name in {port for port, _ in (*module.providers, *module.consumers)}:
+        outlet = module.rtm.CorbaPort(name)
+        for (port, instance), interface in module.providers.items():
+            if port == name:
+                wanted = peers.interface_of(interface)
+                consumer = module.rtm.CorbaConsumer(interfaceType=wanted)
+                kind = interface._descriptor_.name
+                outlet.registerConsumer(instance, kind, consumer)
+                called.append((interface, consumer))
+        for (port, instance), interface in module.consumers.items():
+            if port == name:
+                servant, requests[port, instance] = peers.servant(interface)
+                outlet.registerProvider(instance, interface._descriptor_.name, servant)
+        mine = module.lab.component()
+        mine.addPort(outlet)
+        module.lab.activate(mine)
+        asked = module.rtm.Properties()
+        asked.setProperty("port.connection.strictness", "strict")
+        mine = outlet.getPortRef()
+        assert module.rtm.connect("calls", asked, module.port(name), mine) == RTC.RTC_OK
+    for interface, consumer in called:
+        with pytest.raises(CORBA.OBJECT_NOT_EXIST):
+            peers.call_all(interface, consumer._ptr(True))
+    return called, requests
+
+
+def check_services(module: Module, called: Called, requests: Requests) -> None:
+    """Arguments, results and exceptions go both ways."""
+    for interface, consumer in called:
+        peers.call_all(interface, consumer._ptr(True))
+    for (port, instance), interface in module.providers.items():
+        peers.check_requests(
+            interface,
+            [
+                (line["operation"], line["octets"])
+                for line in module.noted("served", port=f"{port}.{instance}")
+            ],
+        )
+    for (port, instance), interface in module.consumers.items():
+        count = peers.number_of_calls(interface)
+        name = f"{port}.{instance}"
+        until(lambda n=name, c=count: len(module.noted("called", port=n)) >= c)
+        peers.check_requests(interface, requests[port, instance])
+        peers.check_outcomes(
+            interface,
+            [
+                (line["operation"], tuple(line["found"]))
+                for line in module.noted("called", port=name)
+            ],
+        )
+
+
+def changed(parameter: ParameterProfile) -> str:
+    """Another text for a parameter, within its limits."""
+    if parameter.constraint.startswith("("):
+        return parameter.constraint.strip("()").split(",")[-1].strip()
+    match parameter.type:
+        case "string":
+            return "別の text"
+        case "boolean":
+            return "false" if parameter.default.lower() in ("true", "1") else "true"
+        case "double" | "float":
+            return repr(float(parameter.default) / 2 + 0.25)
+    return str(int(parameter.default) // 2 + 1)
+
+
+def set_parameters(module: Module) -> str:
+    """Sets them all; gives what an embedded behaviour sees of the same texts."""
+    parameters = module.behaviour.profile.configuration
+    for parameter in parameters:
+        text = changed(parameter)
+        module.behaviour.configuration_sets.set(parameter.name, text)
+        module.rtm.set_configuration(module.component, "default", parameter.name, text)
+    module.behaviour.configuration_sets.apply()
+    return repr(getattr(module.behaviour, "config", None))
+
+
+def check_life_cycle(module: Module) -> None:
+    """An error, a reset, another run; in OMG's order of callbacks, not OpenRTM's."""
+    import RTC
+
+    (module.folder / "fail").touch()
+    until(lambda: module.rtm.is_in_error(module.component))
+    until(lambda: module.noted("on_error"))
+    assert module.rtm.reset(module.component) == RTC.RTC_OK
+    assert module.rtm.is_in_inactive(module.component)
+    assert module.rtm.activate(module.component) == RTC.RTC_OK
+    assert module.rtm.deactivate(module.component) == RTC.RTC_OK
+    lines = [
+        json.loads(line)["event"] for line in module.notes.read_text().splitlines()
+    ]
+    order = [
+        name
+        for name, before in zip(lines, ["", *lines], strict=False)
+        if name.startswith("on_") and name != before
+    ]
+    assert order == [
+        *("on_initialize", "on_startup"),
+        *("on_activated", "on_execute", "on_aborting", "on_error", "on_reset"),
+        *("on_activated", "on_execute", "on_deactivated"),
+    ]
