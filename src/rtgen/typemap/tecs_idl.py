@@ -7,7 +7,7 @@ a buffer. The mapping keeps the bits; `docs/tecs.md` tells how the two views of 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rtgen.model import (
     VOID,
@@ -151,8 +151,8 @@ class IdlTypes:
     def sized(self, type_: CType, sizes: Sizes) -> Type:
         """The type of a parameter or struct member with its bracket."""
         if sizes.nullable:
-            bare = Sizes(string=sizes.string, unsized_string=sizes.unsized_string)
-            present = type_ if sizes.is_string else _target(type_)
+            bare = replace(sizes, nullable=False)
+            present = _target(type_) if bare == Sizes() else type_
             return SequenceType(self.sized(present, bare), 1)
         if sizes.size_is is not None or sizes.count_is is not None:
             element = _target(type_)

@@ -45,7 +45,8 @@ namespace nBoard {
     ER maybe( [in,nullable] const int8_t *in8, [inout,nullable] char_t *letter,
               [in,nullable] const Point *point, [out,nullable] int32_t *out32 );
     ER names( [in,size_is(n),string(12)] const char_t **list, [in] int32_t n,
-              [out,string(24)] char_t *joined, [in,string] const uint16_t *wide );
+              [out,string(24)] char_t *joined, [in,string] const uint16_t *wide,
+              [in,count_is(n),nullable] const int8_t *marks );
     ER part( [in,size_is(n,8)] const Point *points, [in] uint8_t n, [out] Point *sum,
              [out,size_is(3)] bool_t *flags );
     long_t wide( [in] const uint8_t grid[2][3], [out,size_is(4)] char_t *label );

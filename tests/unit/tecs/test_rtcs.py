@@ -174,8 +174,11 @@ def motor_board(modules: dict[str, Any], stem: str = "board") -> Any:
             heard = (in8 is not None) + (letter is not None) + (point is not None)
             return heard, letter, 77 if out32 else None
 
-        def names(self, list_: list[str], n: int, wide: list[int]) -> tuple[int, str]:
-            return n, "+".join(list_) + "".join(map(chr, wide))
+        def names(
+            self, list_: list[str], n: int, wide: list[int], marks: list[int] | None
+        ) -> tuple[int, str]:
+            heard = "" if marks is None else str(marks)
+            return n, "+".join(list_) + "".join(map(chr, wide)) + heard
 
         def part(self, points: list[Any], n: int) -> tuple[int, Any, list[bool]]:
             total = types.nBoard_tagPoint(
@@ -257,8 +260,9 @@ def test_values_in_the_view_of_idl(
         assert service.maybe(b"", "", []) == (0, "", [77])
         point = idl.tagPoint(1, 2)
         assert service.maybe(b"\xff", "q", [point]) == (3, "q", [77])
-        assert service.names(["a", "b"], 2, [0x3042]) == (ERCD(E_RPC, E_BOVR), "")
-        assert service.names(["a", "b"], 2, [0xE9]) == (2, "a+b\xe9")
+        assert service.names(["a", "b"], 2, [0x3042], []) == (ERCD(E_RPC, E_BOVR), "")
+        assert service.names(["a", "b"], 2, [0xE9], []) == (2, "a+b\xe9")
+        assert service.names(["a", ""], 2, [], [b"\xff\x02"]) == (2, "a+[-1, 2]")
         points = [idl.tagPoint(1, 2), idl.tagPoint(3, 4)]
         assert service.part(points, 2) == (2, idl.tagPoint(4, 6), [True, False, True])
         assert service.wide([b"\x01\x02\x03", b"\xff\x00\x00"]) == (261, "lab\xe9")
