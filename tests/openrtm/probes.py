@@ -138,7 +138,10 @@ def probe(behaviour: type[Component]) -> type[Component]:
         "__init__": begin,
         "on_activated": on_activated,
         "on_execute": on_execute,
-        "_gate": Component._gate,
+    }
+    # No bus, no board: nothing but what comes over CORBA moves a probe.
+    own |= {
+        name: getattr(Component, name) for name in ("_gate", "initialize", "finalize")
     }
     return type(behaviour.__name__, (behaviour,), own)
 
