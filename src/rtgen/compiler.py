@@ -103,9 +103,7 @@ def read(project: Project, *, lowered: bool = False) -> FrontendResult:
                 diagnostics=(*found.diagnostics, *side.diagnostics),
                 dependencies=(*found.dependencies, *side.dependencies),
             )
-        results.insert(0, found)
-        if profiles is not None:
-            results.insert(1, profiles.result(found.model))
+        results = [*(profiles.results(found) if profiles else [found]), *results]
     if of_tecs:
         from rtgen.frontends import cdl
 

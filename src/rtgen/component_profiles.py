@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from pathlib import Path
 
 from rtgen.frontends import Dependency, FrontendResult, rtc_profile
 from rtgen.frontends.library import VirtualFile
 from rtgen.frontends.rtc_profile import Profiles
-from rtgen.model import Model
 from rtgen.resources import idl_file
 
 STANDARD = ("BasicDataType.idl", "ExtendedDataTypes.idl", "InterfaceDataTypes.idl")
@@ -28,16 +27,17 @@ class ProfileIdl:
     paths: tuple[Path, ...]
     virtual: dict[str, VirtualFile | Path] = field(default_factory=dict)
     dependencies: tuple[Dependency, ...] = ()
+    given: frozenset[str] = frozenset()
 
-    def result(self, model: Model) -> FrontendResult:
-        """The components, with the types of the model that was read."""
-        made = rtc_profile.lowered(self.profiles, model)
-        return FrontendResult(
-            made.model,
-            made.diagnostics,
-            made.sources,
-            (*made.dependencies, *self.dependencies),
-        )
+    def results(self, found: FrontendResult) -> list[FrontendResult]:
+        """What was read of IDL, without the components that profiles have, and these."""
+        made = rtc_profile.lowered(self.profiles, found.model, self.given)
+        names = {each.name for each in made.model.declarations}
+        rest = (each for each in found.model.declarations if each.name not in names)
+        return [
+            replace(found, model=replace(found.model, declarations=tuple(rest))),
+            replace(made, dependencies=(*made.dependencies, *self.dependencies)),
+        ]
 
 
 def read(
@@ -73,7 +73,8 @@ def needed(profiles: Profiles, definitions: Sequence[Path]) -> ProfileIdl:
         text = data.decode()
         given = not names.isdisjoint(_DECLARED.findall(text))
         virtual[name] = VirtualFile(f"rtgen/idl/{name}", text, given)
-    return ProfileIdl(profiles, further, virtual, tuple(dependencies))
+    chosen = frozenset(path.as_posix() for path in definitions)
+    return ProfileIdl(profiles, further, virtual, tuple(dependencies), chosen)
 
 
 def _type_names(profiles: Profiles) -> set[str]:

@@ -20,7 +20,9 @@ def read(path: Path) -> tuple[str, list[Diagnostic]]:
     """The component as IDL, and the findings."""
     known = [SPECS / "BasicDataType.idl", CASES / "base" / "Taken.idl"]
     base = idl.load(known, root=SPECS).model
-    result = rtc_profile.lowered(rtc_profile.read([path], root=CASES, include=()), base)
+    given = frozenset(file.as_posix() for file in known)
+    profiles = rtc_profile.read([path], root=CASES, include=())
+    result = rtc_profile.lowered(profiles, base, given)
     made = result.model.declarations
     whole = replace(
         base,

@@ -7,8 +7,8 @@ definition, so the same input gives the same bytes.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import PurePosixPath
 
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check, components_of
@@ -20,7 +20,6 @@ from rtgen.model import (
     Component,
     ConfigurationParameter,
     Model,
-    NamedType,
     Port,
     PortKind,
 )
@@ -36,8 +35,10 @@ from rtgen.model.constraints import (
     text_of,
 )
 from rtgen.model.rtc_profile import EVENT, EVENT_ARGUMENTS, EVENT_PORT
+from rtgen.typemap import profile_facts
 from rtgen.typemap.component_actions import ACTIONS
 from rtgen.typemap.parameters import Parameters
+from rtgen.typemap.profile_texts import written
 
 _DATA_PORTS = {
     PortKind.INPORT: ("DataInPort", "LEFT"),
@@ -75,6 +76,7 @@ class _Parameter:
     widget: str
     constraint: _Node | None
     constraint_text: str
+    facts: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +89,7 @@ class _DataPort:
     idl_file: str
     unit: str
     doc: str
+    facts: str
     events: tuple[dict[str, str], ...]
 
 
@@ -106,6 +109,7 @@ class _ServicePort:
     name: str
     position: str
     interfaces: tuple[_Interface, ...]
+    facts: str
 
 
 class RtcProfileBackend:
@@ -144,7 +148,8 @@ def profile_text(model: Model, component: Component, options: Options) -> str:
         id=profile_id(component),
         name=component.name[-1],
         description=summary(component),
-        doc=_lines(component.doc),
+        doc=written(component.doc),
+        facts=_property(profile_facts.of_component(model, component)),
         actions=ACTIONS,
         configuration=[_parameter(parameters, p) for p in component.configuration],
         data_ports=[
@@ -173,10 +178,11 @@ def _parameter(parameters: Parameters, parameter: ConfigurationParameter) -> _Pa
         type=parameters.profile_type(parameter.type),
         default=parameters.default_text(parameter),
         unit=parameter.unit,
-        doc=_lines(parameter.doc),
+        doc=written(parameter.doc),
         widget=parameter.widget or "text",
         constraint=None if constraint is None else _node(constraint),
         constraint_text="" if constraint is None else text_of(constraint),
+        facts=_property(profile_facts.of_parameter(parameters, parameter)),
     )
 
 
@@ -207,9 +213,10 @@ def _data_port(model: Model, port: Port) -> _DataPort:
         name=port.name,
         identifier=port.identifier,
         type=str(port.type),
-        idl_file=_idl_file(model, port),
+        idl_file=profile_facts.file_of(model, port),
         unit=port.unit,
-        doc=_lines(port.doc),
+        doc=written(port.doc),
+        facts=_property(profile_facts.of_port(port)),
         events=tuple(
             {key: str(told.get(key) or "") for key in EVENT_ARGUMENTS}
             for told in port.annotations
@@ -220,10 +227,6 @@ def _data_port(model: Model, port: Port) -> _DataPort:
 
 def _service_ports(model: Model, component: Component) -> list[_ServicePort]:
     """Interfaces by the service port that they share, in the order of their first ones."""
-    grouped: dict[str, list[Port]] = {}
-    for port in component.ports:
-        if port.kind in _POLARITIES:
-            grouped.setdefault(port.port, []).append(port)
     return [
         _ServicePort(
             name=name,
@@ -231,9 +234,21 @@ def _service_ports(model: Model, component: Component) -> list[_ServicePort]:
                 "LEFT" if any(p.kind is PortKind.PROVIDER for p in ports) else "RIGHT"
             ),
             interfaces=tuple(_interface(model, port) for port in ports),
+            facts=_property(_of_interfaces(ports)),
         )
-        for name, ports in grouped.items()
+        for name, ports in profile_facts.by_service_port(component.ports).items()
     ]
+
+
+def _of_interfaces(ports: Sequence[Port]) -> profile_facts.Facts:
+    """The facts of the interfaces of a service port, by their identifiers."""
+    found = {port.identifier: profile_facts.of_port(port) for port in ports}
+    return {identifier: facts for identifier, facts in found.items() if facts}
+
+
+def _property(facts: profile_facts.Facts) -> str:
+    """The value of the property; empty for no property."""
+    return profile_facts.text_from(facts) if facts else ""
 
 
 def _interface(model: Model, port: Port) -> _Interface:
@@ -243,19 +258,6 @@ def _interface(model: Model, port: Port) -> _Interface:
         direction=_POLARITIES[port.kind],
         instance=port.instance,
         type=str(port.type),
-        idl_file=_idl_file(model, port),
-        doc=_lines(port.doc),
+        idl_file=profile_facts.file_of(model, port),
+        doc=written(port.doc),
     )
-
-
-def _idl_file(model: Model, port: Port) -> str:
-    """The base name of the file that declares the port's type."""
-    if not isinstance(port.type, NamedType):
-        return ""
-    declared_in = model.find(port.type.name).file
-    return PurePosixPath(declared_in).name
-
-
-def _lines(doc: str) -> str:
-    """A text of several lines as RTCBuilder keeps it in an attribute."""
-    return "<br/>".join(doc.splitlines())

@@ -58,7 +58,7 @@ def adopt(
         include=(*folders, *project.include),
         virtual=needed.virtual,
     )
-    made = together([types, needed.result(types.model)])
+    made = together(needed.results(types))
     found = in_order(made.diagnostics)
     console.findings(found, made.sources)
     if has_errors(found):

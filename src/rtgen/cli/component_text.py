@@ -2,36 +2,50 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import PurePosixPath
 
 from rtgen import __version__
 from rtgen.backends import Options, rtc_profile
 from rtgen.backends.idl_text import idl_text
-from rtgen.model import Component, Declaration, Model, NamedType
+from rtgen.model import Component, Declaration, Model, ScopedName
 from rtgen.model.declarations import OPAQUE
 from rtgen.project import Project
+from rtgen.typemap.component_needs import declarations_of
 
 
 def component_idl(model: Model, component: Component) -> str:
-    """The component in IDL: includes of the files that declare its types, placeholders, itself."""
-    types = [item.type for item in component.ports]
-    types += [item.type for item in component.configuration]
-    named = [type_.name for type_ in types if isinstance(type_, NamedType)]
-    named += [component.base] if component.base is not None else []
-    needed = [model.find(name) for name in dict.fromkeys((*named, *component.supports))]
+    """The component in IDL: includes of the files that declare its types, placeholders, itself.
+
+    What stands in the file that defines the component itself is written out, since including
+    that one would define it twice.
+    """
+    needed = declarations_of(model, component)
     opaque = [d for d in needed if d.annotation(OPAQUE) is not None]
-    files = dict.fromkeys(PurePosixPath(d.file).name for d in needed if d not in opaque)
-    includes = "".join(f'#include "{name}"\n' for name in files)
-    text = idl_text(model, _ordered(model, opaque, component), components=True)
+    own = {component.file, component.other_file}
+    files = [name for each in model.files if each.name in own for name in each.includes]
+    files += [d.file for d in needed if d not in opaque and d.file not in own]
+    wanted = {d.name for d in opaque} | set(_ancestors(model, component))
+    inside = [d for d in model.declarations if d.name in wanted or _is_beside(d, own)]
+    inside = [d for d in inside if d.name != component.name]
+    names = dict.fromkeys(PurePosixPath(file).name for file in files)
+    includes = "".join(f'#include "{name}"\n' for name in names)
+    text = idl_text(model, [*inside, component], components=True)
     return f"{includes}\n{text}" if includes else text
 
 
-def _ordered(
-    model: Model, opaque: list[Declaration], component: Component
-) -> list[Declaration]:
-    """In the order of the model, so that each module is opened once where that can be."""
-    wanted = {declaration.name for declaration in opaque}
-    return [d for d in model.declarations if d.name in wanted] + [component]
+def _is_beside(declaration: Declaration, files: set[str]) -> bool:
+    return declaration.file in files and not isinstance(declaration, Component)
+
+
+def _ancestors(model: Model, component: Component) -> Iterator[ScopedName]:
+    """The bases that stand in the component's own file."""
+    while component.base is not None:
+        base = model.find(component.base)
+        if not isinstance(base, Component) or base.file != component.file:
+            return
+        yield base.name
+        component = base
 
 
 def component_profile(model: Model, component: Component, project: Project) -> str:

@@ -112,7 +112,7 @@ def _component(
     if form not in _OF_COMPONENTS:
         raise _wrong_form(form, _OF_COMPONENTS, "a component")
     project = with_arguments(load(), paths=(file,), include=include)
-    read = compiler.read(project)
+    read = compiler.read(project, lowered=True)
     console.findings(read.diagnostics, read.sources)
     if has_errors(read.diagnostics):
         return BAD_INPUT
@@ -128,9 +128,11 @@ def _chosen(model: Model, file: str, name: str | None) -> Component:
     """The component that is meant. Raises InputError."""
     from rtgen.project_rules import WHICH_COMPONENT
 
-    main = {source.name for source in model.files if source.main}
+    files = {source.name for source in model.files if source.main}
+    if is_component_profile(Path(file)):
+        files = {Path(file).as_posix()}
     known = [d for d in model.declarations if isinstance(d, Component)]
-    known = [d for d in known if d.file in main]
+    known = [d for d in known if d.file in files]
     wanted = [d for d in known if name in (None, d.name[-1], d.scoped)]
     if len(wanted) == 1:
         return wanted[0]

@@ -64,6 +64,7 @@ class Component(Declaration):
     that its generated base derives from, where that is not the runtime's `Component`, and
     `factory` what makes instances, where that is not a skeleton for the user to complete; both
     are written `module:name`, a module that begins with a dot is below the generated package.
+    `other_file` has the definition in IDL that a profile of the component came in the place of.
     """
 
     ports: tuple[Port, ...] = ()
@@ -84,6 +85,7 @@ class Component(Declaration):
     updated: str = NO_DATE
     runtime_base: str = ""
     factory: str = ""
+    other_file: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

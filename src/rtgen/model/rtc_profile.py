@@ -1,8 +1,13 @@
-"""A component as an RtcProfile tells it: words and texts, before types are looked up."""
+"""A component as an RtcProfile tells it: words and texts, before types are looked up.
+
+`facts` are what a profile of rtgen says beyond its attributes: see `rtgen.typemap.profile_facts`.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 from rtgen.diagnostics import Span
 from rtgen.model.constraints import Constraint
@@ -29,7 +34,7 @@ class ProfileParameter:
     doc: str = ""
     widget: str = ""
     constraint: Constraint | None = None
-    properties: tuple[tuple[str, str], ...] = ()
+    facts: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -49,7 +54,7 @@ class ProfileDataPort:
     variable: str = ""
     unit: str = ""
     doc: str = ""
-    properties: tuple[tuple[str, str], ...] = ()
+    facts: Mapping[str, Any] = field(default_factory=dict)
     for_events: bool = False
     events: tuple[tuple[tuple[str, str], ...], ...] = ()
 
@@ -67,6 +72,7 @@ class ProfileInterface:
     variable: str = ""
     instance: str = ""
     doc: str = ""
+    facts: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,7 +88,7 @@ class ProfileServicePort:
 class RtcProfile:
     """What `rtc:RtcProfile` says: `format_version` of itself, `version` of the component.
 
-    `rate` is in Hz, None where the file has none. `properties` are those of the component.
+    `rate` is in Hz, None where the file has none.
     """
 
     file: str
@@ -105,4 +111,4 @@ class RtcProfile:
     parameters: tuple[ProfileParameter, ...]
     data_ports: tuple[ProfileDataPort, ...]
     service_ports: tuple[ProfileServicePort, ...]
-    properties: tuple[tuple[str, str], ...] = ()
+    facts: Mapping[str, Any] = field(default_factory=dict)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import TypeAlias
 
 from rtgen.model import (
     Annotation,
@@ -13,12 +14,26 @@ from rtgen.model import (
     NamedType,
     Port,
 )
+from rtgen.model.rtc_profile import EVENT, EVENT_ARGUMENTS, EVENT_PORT
 
 _PROFILE = (
     *("kind", "category", "vendor", "version", "description", "rate", "max_instances"),
     *("activity", "component_type", "execution", "created", "updated"),
 )
 """The arguments of `@rtc`, in order: fields of a component."""
+
+_FIELDS = {
+    **{(word, "value"): word for word in ("name", "port", "instance", "unit")},
+    **{(word, "value"): word for word in ("widget", "constraint", "default")},
+    ("min", "value"): "minimum",
+    ("max", "value"): "maximum",
+    ("range", "min"): "minimum",
+    ("range", "max"): "maximum",
+}
+"""The arguments of annotations of ports and parameters that are fields of these."""
+
+Told: TypeAlias = Annotation | tuple[str, ...]
+"""An annotation as it stands, or the name and arguments of one that says what fields say."""
 
 
 def annotations_of(item: Documented) -> tuple[Annotation, ...]:
@@ -39,14 +54,22 @@ def _one(name: str, value: ConstantValue) -> Annotation:
 
 def _of_component(component: Component) -> tuple[Annotation, ...]:
     """`@rtc` with what is not the default."""
+    arguments = tuple(_different(component))
+    if not arguments:
+        return ()
+    kind = () if dict(arguments).get("kind") else (("kind", component.kind),)
+    return (Annotation("rtc", (*kind, *arguments)),)
+
+
+def _different(component: Component) -> Iterator[tuple[str, ConstantValue]]:
     defaults = Component.__dataclass_fields__
-    told = [(name, getattr(component, name)) for name in _PROFILE]
-    different = tuple(
-        (name, value)
-        for name, value in told
-        if name == "kind" or value != defaults[name].default
-    )
-    return (Annotation("rtc", different),)
+    for name in _PROFILE:
+        value = getattr(component, name)
+        usual = defaults[name].default
+        if name == "description":
+            usual = component.doc.split("\n")[0]
+        if value != usual:
+            yield name, value
 
 
 def _of_port(port: Port) -> Iterator[tuple[str, ConstantValue]]:
@@ -80,3 +103,85 @@ def _of_parameter(
     ):
         if value is not None:
             yield word, value
+
+
+# Annotations of which the fields are what counts.
+
+
+def told(item: Documented) -> tuple[Told, ...] | None:
+    """How the annotations of an item are written; None for those that a profile gives anyway.
+
+    Those are what `annotations_of` gives, and events.
+    """
+    events = tuple(a for a in item.annotations if a.name in (EVENT_PORT, EVENT))
+    if item.annotations in ((), (*annotations_of(item), *map(_whole, events))):
+        return None
+    return tuple(_told(item, annotation) for annotation in item.annotations)
+
+
+def _told(item: Documented, annotation: Annotation) -> Told:
+    short = (annotation.name, *(key for key, _ in annotation.arguments))
+    return short if _of_fields(item, short) == annotation else annotation
+
+
+def annotations_from(
+    item: Documented, entries: Sequence[Told]
+) -> tuple[Annotation, ...]:
+    """The annotations of an item, written so as far as its fields still are what they say."""
+    made: list[Annotation] = []
+    for entry in entries:
+        found = entry if isinstance(entry, Annotation) else _of_fields(item, entry)
+        if found is not None:
+            made.append(found)
+    said = {(a.name, key) for a in made for key, _ in a.arguments}
+    fields = {_FIELDS[each] for each in said if each in _FIELDS}
+    for annotation in annotations_of(item):
+        if annotation.name == "rtc":
+            made = _with_arguments(made, annotation, item)
+        elif _FIELDS[annotation.name, "value"] not in fields:
+            made.append(annotation)
+    return tuple(made)
+
+
+def same_event(one: Annotation, other: Annotation) -> bool:
+    """Whether two annotations say the same of an event port; what is left out is empty."""
+    return one.name == other.name and _whole(one) == _whole(other)
+
+
+def _whole(event: Annotation) -> Annotation:
+    """An event with all arguments, as profiles have it."""
+    if event.name != EVENT:
+        return event
+    return Annotation(
+        EVENT, tuple((key, event.get(key) or "") for key in EVENT_ARGUMENTS)
+    )
+
+
+def _of_fields(item: Documented, short: Sequence[str]) -> Annotation | None:
+    """The annotation with the values of the fields; None where a field has none."""
+    name, *keys = short
+    arguments: list[tuple[str, ConstantValue]] = []
+    for key in keys:
+        if isinstance(item, Component):
+            field = key if name == "rtc" and key in _PROFILE else ""
+        else:
+            field = _FIELDS.get((name, key), "")
+        value = getattr(item, field, None) if field else None
+        if value is None:
+            return None
+        arguments.append((key, value))
+    return Annotation(name, tuple(arguments)) if arguments else None
+
+
+def _with_arguments(
+    made: list[Annotation], wanted: Annotation, item: Documented
+) -> list[Annotation]:
+    """The annotations with an `@rtc` that says all that it has to."""
+    assert isinstance(item, Component)
+    for place, annotation in enumerate(made):
+        if annotation.name == "rtc":
+            known = dict(annotation.arguments)
+            more = [pair for pair in _different(item) if pair[0] not in known]
+            full = Annotation("rtc", (*annotation.arguments, *more))
+            return [*made[:place], full, *made[place + 1 :]]
+    return [*made, wanted]

@@ -200,8 +200,10 @@ class Parameters:
                     return int(text, 10) if kind in _INTEGERS else float(text)
                 case StringType():
                     return text
+                case NamedType(name):
+                    return EnumeratorName((*name[:-1], text))
                 case _:
-                    return EnumeratorName((text,))
+                    raise ValueError(text)
         except (ValueError, KeyError):
             raise ValueMismatchError(f"{text!r} is not a value of {type_}") from None
 

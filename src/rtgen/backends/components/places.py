@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from rtgen.backends import Options
 from rtgen.model import Component, Model, SourceFile
+from rtgen.typemap import profile_texts
 from rtgen.typemap.python_names import module_name
 
 
@@ -30,7 +31,7 @@ def source_of(model: Model, component: Component) -> SourceFile:
 
 def summary(component: Component) -> str:
     """What the component is, in one line; may be empty."""
-    return component.description or component.doc.strip().partition("\n")[0].strip()
+    return profile_texts.summary(component.description, component.doc)
 
 
 def heading(component: Component) -> str:

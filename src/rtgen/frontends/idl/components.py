@@ -150,7 +150,7 @@ class Components:
         name = text(found, key)
         if name is None:
             return default
-        if not name or not name.isprintable():
+        if not name.strip() or not name.isprintable():
             message = f"@{key} is empty or holds a character that cannot be printed"
             hint = f'write @{key}("...") with a printable name, or leave it out'
             self._report(rules.BAD_NAME.at(entity.span, message, hint=hint))

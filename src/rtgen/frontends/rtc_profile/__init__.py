@@ -105,9 +105,14 @@ def xml_text(data: bytes, file: str) -> str:
     return located_xml.decode(data, file)
 
 
-def lowered(read: Profiles, model: Model) -> FrontendResult:
-    """The components of profiles, with the types of the model, and placeholders for others."""
-    declarations, found = components(read.profiles, model)
+def lowered(
+    read: Profiles, model: Model, given: frozenset[str] = frozenset()
+) -> FrontendResult:
+    """The components of profiles, with the types of the model, and placeholders for others.
+
+    `given` are the displayed paths of the definition files that the user named.
+    """
+    declarations, found = components(read.profiles, model, given)
     return FrontendResult(
         Model(files=read.files, declarations=declarations),
         (*read.diagnostics, *found),

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import keyword
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.frontends.rtc_profile import rules
+from rtgen.frontends.rtc_profile.definitions import Definitions, identifier_of
 from rtgen.model import (
     Annotation,
     Component,
@@ -38,26 +37,33 @@ from rtgen.model.rtc_profile import (
     ProfileParameter,
     RtcProfile,
 )
-from rtgen.typemap.component_annotations import annotations_of
-from rtgen.typemap.idl_words import escaped
+from rtgen.typemap import profile_texts
 from rtgen.typemap.parameter_words import type_of
 from rtgen.typemap.parameters import Parameters, ValueMismatchError
+from rtgen.typemap.profile_facts import default_id
 
-_OTHER = re.compile(r"[^A-Za-z0-9_]+")
 _DATA = (Struct, Union, Valuetype)
 
 
 @dataclass
 class Lowering:
-    """Makes components of profiles, with the types of a model, and placeholders for others."""
+    """Makes components of profiles, with the types of a model, and placeholders for others.
+
+    `given` are the definition files that the user named. A component that stands in another one,
+    which a profile led to, is that profile's.
+    """
 
     model: Model
+    given: frozenset[str] = frozenset()
     diagnostics: list[Diagnostic] = field(default_factory=list)
     placeholders: dict[ScopedName, Declaration] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._by_name = {d.name: d for d in self.model.declarations}
         self._parameters = Parameters(self.model)
+        self._definitions = Definitions(
+            self._by_name, self._parameters, self.diagnostics.append
+        )
 
     def component(self, profile: RtcProfile) -> Component:
         """The component of a profile, which later ones may clash with."""
@@ -69,9 +75,10 @@ class Lowering:
         known: set[str] = set()
         parameters = [self._parameter(p, known) for p in profile.parameters]
         name = self._name(profile)
+        other = self._by_name.get(name)
         made = Component(
-            name=(name,),
-            repository_id=f"IDL:{name}:1.0",
+            name=name,
+            repository_id=default_id(name),
             file=profile.file,
             span=profile.span,
             doc=profile.doc,
@@ -89,7 +96,9 @@ class Lowering:
             execution=profile.execution,
             created=profile.created,
             updated=profile.updated,
+            other_file="" if other is None else other.file,
         )
+        made = self._definitions.component(made, profile)
         self._by_name[made.name] = made
         return made
 
@@ -98,20 +107,23 @@ class Lowering:
     ) -> None:
         self.diagnostics.append(rule.at(span, message, hint=hint))
 
-    def _name(self, profile: RtcProfile) -> str:
+    def _name(self, profile: RtcProfile) -> ScopedName:
         """The component's name, told if it is not the profile's."""
-        name = _identifier(profile.name, "Component")
+        last = profile_texts.word(profile.name, "Component")
         why = "is no identifier"
-        known = self._by_name.get((name,))
+        name = self._definitions.name(profile, last)
+        known = self._by_name.get(name)
         if isinstance(known, Component):
-            message = f"there is a component {name} already"
-            related = [Related(known.span, "the other one")]
-            found = rules.SAME_COMPONENT.at(profile.span, message, related=related)
-            self.diagnostics.append(found)
-        elif known is not None or (name,) in self.placeholders:
-            name, why = f"{name}Component", "is the name of a type, too"
-        if name != profile.name:
-            message = f"{profile.name!r} {why}; the component is {name}"
+            if known.file in self.given or known.file == profile.file:
+                message = f"there is a component {known.scoped} already"
+                related = [Related(known.span, "the other one")]
+                found = rules.SAME_COMPONENT.at(profile.span, message, related=related)
+                self.diagnostics.append(found)
+        elif known is not None or name in self.placeholders:
+            last, why = f"{last}Component", "is the name of a type, too"
+            name = (*name[:-1], last)
+        if last != profile.name:
+            message = f"{profile.name!r} {why}; the component is {last}"
             self._tell(rules.NAME, profile.span, message)
         return name
 
@@ -127,17 +139,17 @@ class Lowering:
         made = Port(
             kind=kind,
             name=port.name,
-            identifier=_unique(port.variable or port.name, kind.value, taken),
+            identifier=_identifier(port, kind.value, taken),
             type=type_,
             span=port.span,
             doc=port.doc,
             unit=port.unit,
         )
-        if not port.for_events:
-            return made
-        events = (Annotation(EVENT, event) for event in port.events)
-        told = (*annotations_of(made), Annotation(EVENT_PORT), *events)
-        return replace(made, annotations=told)
+        events: list[Annotation] = []
+        if port.for_events:
+            told = (Annotation(EVENT, event) for event in port.events)
+            events = [Annotation(EVENT_PORT), *told]
+        return self._definitions.port(made, port.facts, events)
 
     def _interface(
         self,
@@ -149,8 +161,8 @@ class Lowering:
         type_ = self._type(profile, interface, service=True)
         if type_ is None:
             return None
-        identifier = _unique(interface.variable or interface.name, "service", taken)
-        return Port(
+        identifier = _identifier(interface, "service", taken)
+        made = Port(
             kind=PortKind.PROVIDER if interface.provided else PortKind.CONSUMER,
             name=identifier,
             identifier=identifier,
@@ -160,6 +172,7 @@ class Lowering:
             span=interface.span,
             doc=interface.doc,
         )
+        return self._definitions.port(made, interface.facts)
 
     def _type(
         self,
@@ -208,7 +221,9 @@ class Lowering:
         written: ScopedName,
         service: bool,
     ) -> Type | None:
-        name = tuple(_identifier(part, "Unknown") for part in written) or ("Unknown",)
+        name = tuple(profile_texts.word(part, "Unknown") for part in written) or (
+            "Unknown",
+        )
         known = self.placeholders.get(name)
         if known is None:
             declared = f", which {port.idl_file} declares," if port.idl_file else ""
@@ -229,7 +244,7 @@ class Lowering:
     def _parameter(
         self, parameter: ProfileParameter, taken: set[str]
     ) -> ConfigurationParameter:
-        type_ = type_of(parameter.type)
+        type_ = self._definitions.type(parameter) or type_of(parameter.type)
         if type_ is None:
             message = f"the type {parameter.type!r} is not known; string is taken"
             hint = "int, double, bool, string, std::vector<double>, ..."
@@ -237,7 +252,7 @@ class Lowering:
             type_ = StringType()
         made = ConfigurationParameter(
             name=parameter.name,
-            identifier=_unique(parameter.variable or parameter.name, "value", taken),
+            identifier=_identifier(parameter, "value", taken),
             type=type_,
             span=parameter.span,
             doc=parameter.doc,
@@ -245,21 +260,24 @@ class Lowering:
             widget="" if parameter.widget == "text" else parameter.widget,
         )
         made = self._with_default(made, parameter)
-        return self._with_constraint(made, parameter)
+        made = self._definitions.default(made, parameter)
+        made = self._with_constraint(made, parameter)
+        return self._definitions.parameter(made, parameter)
 
     def _with_default(
         self, made: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
         text = parameter.default
-        if not text and not isinstance(made.type, StringType | SequenceType):
+        plain = self.model.unalias(made.type)
+        if not text and not isinstance(plain, StringType | SequenceType):
             return made
         try:
             default: ConstantValue = (
                 text
-                if isinstance(made.type, SequenceType)
-                else self._parameters.parse_item(made.type, text)
+                if isinstance(plain, SequenceType)
+                else self._parameters.parse_item(plain, text)
             )
-            self._parameters.check_value(made.type, default)
+            self._parameters.check_value(plain, default)
         except ValueMismatchError as error:
             message = f"the default of {parameter.name}: {error}"
             self._tell(rules.PARAMETER_VALUE, parameter.default_span, message)
@@ -313,18 +331,15 @@ def _opaque(name: ScopedName, service: bool, file: str, span: Span) -> Declarati
     )
 
 
-def _identifier(text: str, otherwise: str) -> str:
-    """The text as an identifier of IDL and Python."""
-    name = _OTHER.sub("_", text).lstrip("_") or otherwise
-    return name if name[0].isalpha() else f"{otherwise}_{name}"
-
-
-def _unique(text: str, otherwise: str, taken: set[str]) -> str:
+def _identifier(
+    item: ProfileDataPort | ProfileInterface | ProfileParameter,
+    otherwise: str,
+    taken: set[str],
+) -> str:
     """An identifier that no other of the component has, whatever the case."""
-    base = _identifier(text, otherwise)
-    if escaped(base) != base or keyword.iskeyword(base):
-        base = f"{base}_"
-    name, number = base, 1
+    text = profile_texts.identifier(item.variable or item.name, otherwise)
+    base = name = identifier_of(item.variable, item.facts) or text
+    number = 1
     while name.lower() in taken:
         number += 1
         name = f"{base}_{number}"
@@ -333,9 +348,21 @@ def _unique(text: str, otherwise: str, taken: set[str]) -> str:
 
 
 def components(
-    profiles: Sequence[RtcProfile], model: Model
+    profiles: Sequence[RtcProfile], model: Model, given: frozenset[str] = frozenset()
 ) -> tuple[tuple[Declaration, ...], tuple[Diagnostic, ...]]:
     """The placeholders and components of profiles, in that order, and what was found."""
-    lowering = Lowering(model)
-    made = [lowering.component(profile) for profile in profiles]
+    lowering = Lowering(model, given)
+    made = [lowering.component(profile) for profile in _bases_first(profiles)]
     return (*lowering.placeholders.values(), *made), tuple(lowering.diagnostics)
+
+
+def _bases_first(profiles: Sequence[RtcProfile]) -> list[RtcProfile]:
+    """The profiles, each behind that of its base if there is one."""
+    rest = list(profiles)
+    made: list[RtcProfile] = []
+    while rest:
+        names = {p.facts.get("name") or p.name for p in rest}
+        ready = [p for p in rest if p.facts.get("base") not in names]
+        made += ready or rest
+        rest = [p for p in rest if p not in ready] if ready else []
+    return made

@@ -10,5 +10,3 @@ COMPONENT_TYPES = ("STATIC", "UNIQUE", "COMMUTATIVE")
 ACTIVITY_TYPES = ("PERIODIC", "SPORADIC", "EVENTDRIVEN")
 WIDGET = "__widget__"
 """The property of a parameter that names its widget."""
-OWN = "rtgen."
-"""Properties that begin so hold what a profile has no place for."""

@@ -28,13 +28,14 @@ from rtgen.model.rtc_profile import (
     ProfileServicePort,
     RtcProfile,
 )
+from rtgen.typemap.profile_facts import PROPERTY, Facts, facts_from
+from rtgen.typemap.profile_texts import lines, one_line
 
 VERSIONS = ("0.1", "0.2", "0.3")
 
 _EVENT_PORT = "EventPort"
 _DEFAULT_DATE = "1970-01-01T00:00:00+00:00"
 _DATE = re.compile(r"-?\d{4,}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)?")
-_BREAK = re.compile(r"\s*<br\s*/?>\s*|\s*\n\s*", re.IGNORECASE)
 
 
 class Reader:
@@ -69,8 +70,8 @@ class Reader:
             vendor=self._wanted(info, "vendor", ""),
             category=self._wanted(info, "category", ""),
             version=self._wanted(info, "version", "1.0.0"),
-            description=_one_line(description),
-            doc=_lines(self._get(info, "abstract") or _doc(info) or description),
+            description=one_line(description),
+            doc=lines(self._get(info, "abstract") or _doc(info) or description),
             component_type=self._word(info, "componentType", COMPONENT_TYPES, "STATIC"),
             activity=self._activity(info),
             kind=self._wanted(info, "componentKind", "DataFlowComponent"),
@@ -82,7 +83,7 @@ class Reader:
             parameters=tuple(self._parameters(root)),
             data_ports=tuple(self._data_ports(root)),
             service_ports=tuple(self._service_ports(root)),
-            properties=_properties(info),
+            facts=self._facts(info),
         )
 
     def _tell(
@@ -193,6 +194,18 @@ class Reader:
         self._tell(rules.BAD_DATE, info.place(name), message)
         return _DEFAULT_DATE
 
+    def _facts(self, element: Element) -> Facts:
+        """What rtgen has written beside the attributes; nothing where somebody else did."""
+        for item in element.all(RTC_EXT, "Properties"):
+            if item.get(RTC_EXT, "name") != PROPERTY:
+                continue
+            try:
+                return facts_from(item.get(RTC_EXT, "value"))
+            except ValueError as error:
+                message = f"the property {PROPERTY} is passed over: {error}"
+                self._tell(rules.FACTS, item.place("value"), message)
+        return {}
+
     # Parameters and ports.
 
     def _parameters(self, root: Element) -> Iterator[ProfileParameter]:
@@ -202,7 +215,7 @@ class Reader:
                 name = self._required(element, "name")
                 if name is None or not self._is_new(name, known, element, "parameter"):
                     continue
-                properties = _properties(element)
+                properties = dict(_properties(element))
                 yield ProfileParameter(
                     name=name,
                     type=self._wanted(element, "type", "string"),
@@ -212,10 +225,10 @@ class Reader:
                     default_span=element.place("defaultValue"),
                     variable=self._variable(element),
                     unit=self._get(element, "unit"),
-                    doc=_lines(_doc(element)),
-                    widget=dict(properties).get(WIDGET, ""),
+                    doc=lines(_doc(element)),
+                    widget=properties.get(WIDGET, ""),
                     constraint=self._constraint(element),
-                    properties=tuple(p for p in properties if p[0] != WIDGET),
+                    facts=self._facts(element),
                 )
 
     def _constraint(self, element: Element) -> Constraint | None:
@@ -255,8 +268,8 @@ class Reader:
                 idl_file=_base_name(self._get(element, "idlFile")),
                 variable=self._variable(element),
                 unit=self._get(element, "unit"),
-                doc=_lines(_doc(element)),
-                properties=_properties(element),
+                doc=lines(_doc(element)),
+                facts=self._facts(element),
                 for_events=kind == _EVENT_PORT,
                 events=tuple(self._events(element)),
             )
@@ -275,11 +288,12 @@ class Reader:
             yield ProfileServicePort(
                 name=name,
                 interfaces=tuple(self._interfaces(element)),
-                doc=_lines(_doc(element)),
+                doc=lines(_doc(element)),
             )
 
     def _interfaces(self, port: Element) -> Iterator[ProfileInterface]:
         known: set[str] = set()
+        facts = self._facts(port)
         directions = {"provided": True, "required": False}
         for element in port.all(RTC, "ServiceInterface"):
             name, type_ = (self._required(element, n) for n in ("name", "type"))
@@ -294,6 +308,8 @@ class Reader:
                 continue
             if not self._is_new(f"{direction} {name}", known, element, "interface"):
                 continue
+            variable = self._variable(element)
+            own = facts.get(variable)
             yield ProfileInterface(
                 name=name,
                 provided=provided,
@@ -301,9 +317,10 @@ class Reader:
                 span=element.place("name"),
                 type_span=element.place("type"),
                 idl_file=_base_name(self._get(element, "idlFile")),
-                variable=self._variable(element),
+                variable=variable,
                 instance=self._get(element, "instanceName"),
-                doc=_lines(_doc(element)),
+                doc=lines(_doc(element)),
+                facts=own if isinstance(own, dict) else {},
             )
 
     def _is_new(self, name: str, known: set[str], element: Element, what: str) -> bool:
@@ -328,16 +345,6 @@ def _doc(element: Element) -> str:
     return "" if doc is None else doc.get(RTC_DOC, "description")
 
 
-def _lines(text: str) -> str:
-    """A text as RTCBuilder keeps it in an attribute, with its lines."""
-    lines = (line.strip() for line in _BREAK.split(text))
-    return "\n".join(lines).strip()
-
-
-def _one_line(text: str) -> str:
-    return " ".join(_lines(text).split("\n"))
-
-
 def _base_name(path: str) -> str:
     return PureWindowsPath(path.strip()).name
 
@@ -349,4 +356,7 @@ def idl_files(profiles: Iterable[RtcProfile]) -> list[str]:
         named += [port.idl_file for port in profile.data_ports]
         for service in profile.service_ports:
             named += [interface.idl_file for interface in service.interfaces]
+        match profile.facts.get("files"):
+            case list(files):
+                named += [_base_name(file) for file in files if isinstance(file, str)]
     return [name for name in dict.fromkeys(named) if name.lower().endswith(".idl")]

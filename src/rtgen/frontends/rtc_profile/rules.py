@@ -149,6 +149,17 @@ Two definitions, in IDL or as profiles, give the same component. Leave one of th
 sources, or rename one.
 """,
 )
+FACTS = Rule(
+    "RTC0546",
+    "property of rtgen that cannot be used",
+    Severity.WARNING,
+    """\
+A profile that rtgen writes has properties `rtgen.definition` with what its attributes cannot say:
+the IDL type of a parameter, bounds, annotations, what the component inherits. One of them was
+changed by hand, or speaks of a type that is not found (`-I`). It is passed over; the attributes say
+what there is.
+""",
+)
 
 RULES = (
     NOT_A_PROFILE,
@@ -166,4 +177,5 @@ RULES = (
     TWICE,
     NAME,
     SAME_COMPONENT,
+    FACTS,
 )

@@ -1,0 +1,301 @@
+"""What a profile of rtgen says beyond its attributes, put into what was made of those.
+
+Each fact counts only if the attributes are what rtgen writes for it; where they were edited since,
+they win. So a fact is tried, and its attribute made again and compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias, TypeVar
+
+from rtgen.diagnostics import Diagnostic, Span
+from rtgen.frontends.rtc_profile import rules
+from rtgen.model import (
+    Annotation,
+    Component,
+    ConfigurationParameter,
+    ConstantValue,
+    Declaration,
+    Interface,
+    Port,
+    PortKind,
+    ScopedName,
+    Type,
+)
+from rtgen.model.rtc_profile import EVENT, EVENT_PORT, ProfileParameter, RtcProfile
+from rtgen.typemap import profile_facts, profile_texts
+from rtgen.typemap.component_annotations import Told, annotations_from, same_event
+from rtgen.typemap.parameters import Parameters
+from rtgen.typemap.type_texts import names_in, parsed
+
+Facts: TypeAlias = Mapping[str, Any]
+_Item = TypeVar("_Item", Port, ConfigurationParameter, Component)
+
+
+@dataclass(frozen=True)
+class Definitions:
+    """Restores definitions; what cannot be used of the facts goes to `report`."""
+
+    declared: Mapping[ScopedName, Declaration]
+    parameters: Parameters
+    report: Callable[[Diagnostic], None]
+
+    # Ports.
+
+    def port(self, made: Port, facts: Facts, events: Sequence[Annotation] = ()) -> Port:
+        """The port with what its facts say; `events` are those of an event port, as annotations."""
+        with self._passing_over(made.span):
+            is_data = made.kind in (PortKind.INPORT, PortKind.OUTPORT)
+            name = _text(facts, "name")
+            if name and (not is_data or name.strip() == made.name):
+                made = replace(made, name=name)
+            port, instance = _text(facts, "port"), _text(facts, "instance")
+            if port is not None and port.strip() == made.port:
+                made = replace(made, port=port)
+            if instance is not None and instance.strip() == made.instance:
+                made = replace(made, instance=instance)
+            made = _with_doc(made, facts)
+        return self._annotated(made, facts, events)
+
+    # Parameters.
+
+    def type(self, parameter: ProfileParameter) -> Type | None:
+        """The IDL type of a parameter, None where its word alone says it."""
+        with self._passing_over(parameter.type_span):
+            text = _text(parameter.facts, "type")
+            if text is None:
+                return None
+            found = parsed(text)
+            for named in names_in(found):
+                if named.name not in self.declared:
+                    raise ValueError(f"{named} is not found")
+            if not self.parameters.is_supported(found):
+                raise ValueError(f"{found} cannot be the type of a parameter")
+            word = self.parameters.profile_type(found)
+            return found if word == " ".join(parameter.type.split()) else None
+        return None
+
+    def default(
+        self, made: ConfigurationParameter, parameter: ProfileParameter
+    ) -> ConfigurationParameter:
+        """The parameter with the default of its facts, if that is what the attribute says."""
+        if "default" not in parameter.facts:
+            return made
+        with self._passing_over(parameter.default_span):
+            told = parameter.facts["default"]
+            default = None if told is None else profile_facts.value_from_json(told)
+            tried = replace(made, default=default)
+            if default is not None:
+                self.parameters.check_value(made.type, default)
+            if self.parameters.default_text(tried).strip() == parameter.default:
+                return tried
+        return made
+
+    def parameter(
+        self, made: ConfigurationParameter, parameter: ProfileParameter
+    ) -> ConfigurationParameter:
+        """The parameter with the rest of its facts."""
+        facts = parameter.facts
+        with self._passing_over(made.span):
+            name = _text(facts, "name")
+            if name is not None and name.strip() == made.name:
+                made = replace(made, name=name)
+            if parameter.widget == "text" and facts.get("widget") == "text":
+                made = replace(made, widget="text")
+            made = _with_doc(made, facts)
+            made = self._with_limits(made, parameter)
+        return self._annotated(made, facts)
+
+    def _with_limits(
+        self, made: ConfigurationParameter, parameter: ProfileParameter
+    ) -> ConfigurationParameter:
+        """The parameter with bounds and the wording of its constraint. Raises ValueError."""
+        facts = parameter.facts
+        constraint = _text(facts, "constraint")
+        tried = replace(
+            made,
+            minimum=self._bound(made, facts, "min"),
+            maximum=self._bound(made, facts, "max"),
+            constraint=made.constraint if constraint is None else constraint,
+        )
+        if tried == made:
+            return made
+        limit = self.parameters.constraint(tried)
+        if limit != parameter.constraint:
+            return made
+        for each in (limit, self.parameters.bounds(tried)):
+            if each and not self.parameters.is_default_allowed(tried, each):
+                return made
+        return tried
+
+    def _bound(
+        self, made: ConfigurationParameter, facts: Facts, key: str
+    ) -> ConstantValue | None:
+        if key not in facts:
+            return None
+        bound = profile_facts.value_from_json(facts[key])
+        if not self.parameters.is_number(made.type):
+            raise ValueError(f"{made.type} has no bounds")
+        self.parameters.check_value(self.parameters.item_type(made.type), bound)
+        return bound
+
+    # The component.
+
+    def name(self, profile: RtcProfile, last: str) -> ScopedName:
+        """The scoped name; `last` is the component's own."""
+        with self._passing_over(profile.span):
+            text = _text(profile.facts, "name")
+            if text is None:
+                return (last,)
+            *modules, _ = parts = text.split("::")
+            if len(parts) > 20 or any(profile_texts.word(p, "X") != p for p in modules):
+                raise ValueError(f"{text[:40]!r} is no scoped name")
+            for depth in range(1, len(parts)):
+                if tuple(parts[:depth]) in self.declared:
+                    raise ValueError(f"{'::'.join(parts[:depth])} is no module")
+            return (*modules, last)
+        return (last,)
+
+    def component(self, made: Component, profile: RtcProfile) -> Component:
+        """The component with what its facts say."""
+        facts = profile.facts
+        with self._passing_over(made.span):
+            for field, usual in profile_facts.WITH_USUAL.items():
+                text = _text(facts, field)
+                if text is None:
+                    continue
+                if profile_facts.read_text(text, usual) == getattr(made, field):
+                    changed: dict[str, Any] = {field: text}
+                    made = replace(made, **changed)
+            made = self._with_texts(made, facts)
+            name = _text(facts, "name") or profile.name
+            repository_id = _text(facts, "repository_id")
+            if repository_id and name == made.scoped:
+                made = replace(made, repository_id=repository_id)
+            made = replace(made, ports=_in_order(made.ports, facts.get("order")))
+            made = replace(made, supports=tuple(self._supported(made, facts)))
+            made = self._with_base(made, facts)
+        return self._annotated(made, facts)
+
+    def _with_texts(self, made: Component, facts: Facts) -> Component:
+        doc, description = _text(facts, "doc"), _text(facts, "description")
+        if doc is not None:
+            wanted = made.description if description is None else description
+            summary = profile_texts.summary(wanted, doc)
+            if profile_facts.read_doc(doc, summary) == made.doc:
+                made = replace(made, doc=doc)
+        if description is not None:
+            summary = profile_texts.summary(description, made.doc)
+            if profile_texts.one_line(summary) == made.description:
+                made = replace(made, description=description)
+        return made
+
+    def _supported(self, made: Component, facts: Facts) -> Iterator[ScopedName]:
+        told = facts.get("supports", [])
+        if not isinstance(told, list):
+            raise ValueError("`supports` is no list")
+        for text in told:
+            name = tuple(str(text).split("::"))
+            if isinstance(self.declared.get(name), Interface):
+                yield name
+            else:
+                self._tell(made.span, f"the interface {text} is not found")
+
+    def _with_base(self, made: Component, facts: Facts) -> Component:
+        """The component with its base, if it has all that the base has."""
+        text = _text(facts, "base")
+        if text is None:
+            return made
+        base = self.declared.get(tuple(text.split("::")))
+        if not isinstance(base, Component):
+            self._tell(made.span, f"the component {text} is not found")
+            return made
+        ports = _inherited(made.ports, base.ports)
+        configuration = _inherited(made.configuration, base.configuration)
+        if ports is None or configuration is None:
+            message = f"it is no {text} any more: what it inherits was changed"
+            self._tell(made.span, message)
+            return made
+        return replace(made, base=base.name, ports=ports, configuration=configuration)
+
+    # Annotations.
+
+    def _annotated(
+        self, made: _Item, facts: Facts, events: Sequence[Annotation] = ()
+    ) -> _Item:
+        entries: list[Told] = []
+        with self._passing_over(made.span):
+            entries = profile_facts.annotations_from_json(facts.get("annotations", []))
+        known = [each for each in entries if isinstance(each, Annotation)]
+        gone = [
+            each
+            for each in known
+            if each.name in (EVENT_PORT, EVENT)
+            and not any(same_event(each, event) for event in events)
+        ]
+        entries = [each for each in entries if each not in gone]
+        new = [each for each in events if not any(same_event(each, k) for k in known)]
+        return replace(made, annotations=annotations_from(made, entries) + tuple(new))
+
+    @contextmanager
+    def _passing_over(self, span: Span) -> Iterator[None]:
+        """Tells of facts that cannot be used; what was restored before them stays."""
+        try:
+            yield
+        except ValueError as error:
+            self._tell(span, str(error))
+
+    def _tell(self, span: Span, message: str) -> None:
+        text = f"the property {profile_facts.PROPERTY}: {message}"
+        self.report(rules.FACTS.at(span, text))
+
+
+def identifier_of(variable: str, facts: Facts) -> str | None:
+    """The identifier that the facts have, if the attribute says the same."""
+    found = facts.get("identifier")
+    return variable if found == variable else None
+
+
+def _text(facts: Facts, key: str) -> str | None:
+    found = facts.get(key)
+    if found is None or isinstance(found, str):
+        return found
+    raise ValueError(f"`{key}` is no text")
+
+
+def _with_doc(made: _Item, facts: Facts) -> _Item:
+    doc = _text(facts, "doc")
+    if doc is None or profile_facts.read_doc(doc) != made.doc:
+        return made
+    return replace(made, doc=doc)
+
+
+def _in_order(ports: Sequence[Port], order: Any) -> tuple[Port, ...]:
+    """The ports as the definition has them; new ones come last."""
+    if order is None:
+        return tuple(ports)
+    if not isinstance(order, list):
+        raise ValueError("`order` is no list")
+    places = {str(name): place for place, name in enumerate(order)}
+    return tuple(
+        sorted(ports, key=lambda port: places.get(port.identifier, len(places)))
+    )
+
+
+_Part = TypeVar("_Part", Port, ConfigurationParameter)
+
+
+def _inherited(
+    own: Sequence[_Part], of_base: Sequence[_Part]
+) -> tuple[_Part, ...] | None:
+    """All items, those of the base first and as it has them; None if one of those is another."""
+    rest: list[_Part] = list(own)
+    for item in of_base:
+        same = [each for each in rest if replace(each, span=item.span) == item]
+        if not same:
+            return None
+        rest.remove(same[0])
+    return tuple(of_base) + tuple(rest)

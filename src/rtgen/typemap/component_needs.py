@@ -1,0 +1,43 @@
+"""What a component is written with: the declarations that have to stand before it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.model import (
+    Component,
+    ConfigurationParameter,
+    Declaration,
+    Documented,
+    Enum,
+    EnumeratorName,
+    Model,
+    Port,
+    ScopedName,
+)
+from rtgen.typemap.type_texts import names_in
+
+
+def declarations_of(model: Model, component: Component) -> list[Declaration]:
+    """The declarations of its types, its base, what it supports, and enumerators it names."""
+    items: list[Port | ConfigurationParameter]
+    items = [*component.ports, *component.configuration]
+    names = [each.name for item in items for each in names_in(item.type)]
+    names += [component.base] if component.base is not None else []
+    names += component.supports
+    enumerators = {
+        (*each.name[:-1], member.name): each.name
+        for each in model.declarations
+        if isinstance(each, Enum)
+        for member in each.members
+    }
+    named = [name for item in (component, *items) for name in _enumerators(item)]
+    names += [enumerators[name] for name in named if name in enumerators]
+    return [model.find(name) for name in dict.fromkeys(names)]
+
+
+def _enumerators(item: Documented) -> Iterator[ScopedName]:
+    for annotation in item.annotations:
+        for _, value in annotation.arguments:
+            if isinstance(value, EnumeratorName):
+                yield value.name

@@ -1,0 +1,273 @@
+"""What the attributes of an RtcProfile cannot say of a definition, as values of JSON.
+
+A profile that rtgen writes has them in properties `rtgen.definition` of the component, of its data
+ports, service ports and parameters, only where a reader of the attributes would make something else
+of them. A fact counts as long as the attributes are those that rtgen writes for it, so what is
+edited there wins.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from decimal import Decimal, InvalidOperation
+from math import isfinite
+from pathlib import PurePosixPath
+from typing import Any, TypeAlias
+
+from rtgen.model import (
+    Annotation,
+    Component,
+    ConfigurationParameter,
+    ConstantValue,
+    Documented,
+    EnumeratorName,
+    Model,
+    NamedType,
+    Port,
+    PortKind,
+    ScopedName,
+)
+from rtgen.model.constraints import text_of
+from rtgen.typemap import profile_texts
+from rtgen.typemap.component_annotations import Told, told
+from rtgen.typemap.component_needs import declarations_of
+from rtgen.typemap.parameter_words import type_of
+from rtgen.typemap.parameters import Parameters
+
+PROPERTY = "rtgen.definition"
+"""The name of the property."""
+
+Facts: TypeAlias = dict[str, Any]
+
+_LONGEST = 1 << 20
+
+WITH_USUAL = {
+    "kind": "DataFlowComponent",
+    "execution": "PeriodicExecutionContext",
+    "version": "1.0.0",
+    "category": "",
+    "vendor": "",
+}
+"""Texts of a component that are read without blanks around, and what stands for an empty one."""
+
+
+# As text.
+
+
+def text_from(facts: Facts) -> str:
+    """The value of the property."""
+    return json.dumps(facts, ensure_ascii=False, separators=(", ", ": "))
+
+
+def facts_from(text: str) -> Facts:
+    """The facts of a property. Raises ValueError."""
+    if len(text) > _LONGEST:
+        raise ValueError(f"it is longer than {_LONGEST:,} characters")
+    try:
+        found = json.loads(text)
+    except RecursionError:
+        raise ValueError("it is nested too deep") from None
+    if not isinstance(found, dict):
+        raise ValueError("it is no object of JSON")
+    return found
+
+
+def value_to_json(value: ConstantValue) -> Any:
+    """A constant's value in JSON."""
+    match value:
+        case EnumeratorName(name):
+            return {"enumerator": "::".join(name)}
+        case Decimal():
+            return {"fixed": format(value, "f")}
+        case float() if not isfinite(value):
+            return {"float": str(value)}
+    return value
+
+
+def value_from_json(found: Any) -> ConstantValue:
+    """The value that `value_to_json` has written. Raises ValueError."""
+    match found:
+        case bool() | int() | float() | str():
+            return found
+        case {"enumerator": str(name)}:
+            return EnumeratorName(tuple(name.split("::")))
+        case {"float": str(name)}:
+            return float(name)
+        case {"fixed": str(digits)}:
+            try:
+                return Decimal(digits)
+            except InvalidOperation:
+                pass
+    raise ValueError(f"{str(found)[:40]} is no value")
+
+
+def annotations_to_json(entries: Sequence[Told]) -> list[Any]:
+    """How annotations are written, in JSON."""
+    return [
+        (
+            {
+                "name": entry.name,
+                "arguments": [
+                    [key, value_to_json(value)] for key, value in entry.arguments
+                ],
+            }
+            if isinstance(entry, Annotation)
+            else list(entry)
+        )
+        for entry in entries
+    ]
+
+
+def annotations_from_json(found: Any) -> list[Told]:
+    """What `annotations_to_json` has written. Raises ValueError."""
+    if not isinstance(found, list):
+        raise ValueError("annotations are no list")
+    return [_entry(entry) for entry in found]
+
+
+def _entry(found: Any) -> Told:
+    match found:
+        case [_, *_] if all(isinstance(part, str) for part in found):
+            return tuple(found)
+        case {"name": str(name), "arguments": list(arguments)}:
+            pairs = []
+            for pair in arguments:
+                match pair:
+                    case [str(key), value]:
+                        pairs.append((key, value_from_json(value)))
+                    case _:
+                        raise ValueError(f"{str(pair)[:40]} is no argument")
+            return Annotation(name, tuple(pairs))
+    raise ValueError(f"{str(found)[:40]} is no annotation")
+
+
+# What attributes do not say.
+
+
+def of_component(model: Model, component: Component) -> Facts:
+    """The facts of a component, but for its ports and parameters."""
+    name = component.name
+    facts: Facts = {}
+    if len(name) > 1:
+        facts["name"] = component.scoped
+    if component.repository_id != default_id(name):
+        facts["repository_id"] = component.repository_id
+    if component.base is not None:
+        facts["base"] = "::".join(component.base)
+    if component.supports:
+        facts["supports"] = ["::".join(each) for each in component.supports]
+    if files := _further_files(model, component):
+        facts["files"] = files
+    order = [port.identifier for port in component.ports]
+    if order != [port.identifier for port in in_profile_order(component.ports)]:
+        facts["order"] = order
+    for field, usual in WITH_USUAL.items():
+        value = getattr(component, field)
+        if read_text(value, usual) != value:
+            facts[field] = value
+    summary = profile_texts.summary(component.description, component.doc)
+    if profile_texts.one_line(summary) != component.description:
+        facts["description"] = component.description
+    if read_doc(component.doc, summary) != component.doc:
+        facts["doc"] = component.doc
+    return facts | _of_annotations(component)
+
+
+def _further_files(model: Model, component: Component) -> list[str]:
+    """The base names of the IDL files that declare what no port's type is."""
+    known = {file_of(model, port) for port in component.ports}
+    needed = declarations_of(model, component)
+    files = dict.fromkeys(PurePosixPath(each.file).name for each in needed)
+    return [file for file in files if file not in known]
+
+
+def file_of(model: Model, port: Port) -> str:
+    """The base name of the file that declares a port's type; empty for a basic type."""
+    if not isinstance(port.type, NamedType):
+        return ""
+    return PurePosixPath(model.find(port.type.name).file).name
+
+
+def of_port(port: Port) -> Facts:
+    """The facts of a data port, or of an interface of a service port."""
+    facts: Facts = {}
+    is_data = port.kind in (PortKind.INPORT, PortKind.OUTPORT)
+    if not is_data and port.name != port.identifier:
+        facts["name"] = port.name
+    for field in ("name",) if is_data else ("port", "instance"):
+        value = getattr(port, field)
+        if value.strip() != value:
+            facts[field] = value
+    return facts | _of_item(port)
+
+
+def of_parameter(parameters: Parameters, parameter: ConfigurationParameter) -> Facts:
+    """The facts of a parameter."""
+    facts: Facts = {}
+    word = parameters.profile_type(parameter.type)
+    if type_of(word) != parameter.type:
+        facts["type"] = str(parameter.type)
+    default = parameter.default
+    shown = parameters.default_text(parameter)
+    if default is None or shown.strip() != shown or isinstance(default, Decimal):
+        facts["default"] = None if default is None else value_to_json(default)
+    if parameter.name.strip() != parameter.name:
+        facts["name"] = parameter.name
+    for key, bound in (("min", parameter.minimum), ("max", parameter.maximum)):
+        if bound is not None:
+            facts[key] = value_to_json(bound)
+    tree = parameters.constraint(parameter)
+    if parameter.constraint != ("" if tree is None else text_of(tree)):
+        facts["constraint"] = parameter.constraint
+    if parameter.widget == "text":
+        facts["widget"] = "text"
+    return facts | _of_item(parameter)
+
+
+def _of_item(item: Port | ConfigurationParameter) -> Facts:
+    facts: Facts = {}
+    if profile_texts.identifier(item.identifier) != item.identifier:
+        facts["identifier"] = item.identifier
+    if read_doc(item.doc) != item.doc:
+        facts["doc"] = item.doc
+    facts |= _of_annotations(item)
+    return facts
+
+
+def _of_annotations(item: Documented) -> Facts:
+    entries = told(item)
+    return {} if entries is None else {"annotations": annotations_to_json(entries)}
+
+
+# How attributes are written and read.
+
+
+def default_id(name: ScopedName) -> str:
+    """The repository id of what has no other."""
+    return f"IDL:{'/'.join(name)}:1.0"
+
+
+def read_text(value: str, usual: str) -> str:
+    """What is read where a text of a component was written."""
+    return value.strip() or usual
+
+
+def read_doc(doc: str, otherwise: str = "") -> str:
+    """What is read where a doc text was written; `otherwise` stands for an empty one."""
+    return profile_texts.lines(profile_texts.written(doc) or otherwise)
+
+
+def in_profile_order(ports: Sequence[Port]) -> list[Port]:
+    """Ports as a profile has them: data ports, then interfaces by their service ports."""
+    data = [p for p in ports if p.kind in (PortKind.INPORT, PortKind.OUTPORT)]
+    return data + [port for group in by_service_port(ports).values() for port in group]
+
+
+def by_service_port(ports: Sequence[Port]) -> dict[str, list[Port]]:
+    """Interfaces by the service port that they share, in the order of their first ones."""
+    grouped: dict[str, list[Port]] = {}
+    for port in ports:
+        if port.kind in (PortKind.PROVIDER, PortKind.CONSUMER):
+            grouped.setdefault(port.port, []).append(port)
+    return grouped
