@@ -9,6 +9,8 @@ from refnav.geometry import Pose, advance
 from refnav.kinematics import Kinematics, OmniWheels, TwoWheels
 from refnav.plant import Plant, counted
 
+_STILL = (0.0, 0.0, 0.0)
+
 
 class WheelLimits(Protocol):
     """What all wheels of a robot can do [rad/s, rad/s^2], and their encoders' counts per turn."""
@@ -62,6 +64,8 @@ class Body:
 
         Returns the motion by the encoders: forward and to the left [m], turned [rad].
         """
+        if not any(self.plant.speeds):
+            return _STILL
         self.plant.roll(dt)
         count = tau / self._limits.EncoderCount
         angles = [counted(angle, count) for angle in self.plant.angles]

@@ -15,7 +15,7 @@ LOOKAHEAD = 0.35
 """A follower heads for the first point of the track that is so far away [m]."""
 LONGEST_TRACK = 10_000
 """So many points of a track are kept; older ones are given up."""
-APPROACH = 1.0
+APPROACH = 1.5
 """Speed for each metre too far [1/s]."""
 TURN = 2.0
 """Angular speed for each rad off the way [1/s]."""

@@ -67,6 +67,10 @@ class Cache:
             list(map(str, project.tecs_path)),
             project.node_id,
             [
+                (a.name, a.source, a.target, a.mapping, str(a.span))
+                for a in project.adapters
+            ],
+            [
                 project.package,
                 project.skeleton_package,
                 project.target,

@@ -26,6 +26,7 @@ BUILT_IN = (
     "rtgen.backends.rtc_profile",
     "rtgen.backends.tecs",
     "rtgen.backends.canopen",
+    "rtgen.backends.adapters",
     "rtgen.backends.openrtm",
 )
 """The modules of the built-in back ends, in the order of their artifacts; each has `BACKEND`."""
@@ -117,7 +118,12 @@ def read(project: Project, *, lowered: bool = False) -> FrontendResult:
                 prelude=project.prelude == "kernel",
             )
         )
-    return results[0] if len(results) == 1 else together(results)
+    result = results[0] if len(results) == 1 else together(results)
+    if project.adapters and not has_errors(result.diagnostics):
+        from rtgen.adapters import with_adapters
+
+        result = with_adapters(result, project.adapters)
+    return result
 
 
 def _ending_with(paths: Sequence[Path], *suffixes: str) -> list[Path]:

@@ -26,6 +26,7 @@ MODULES = (
     "rtgen.frontends.rts_profile",
     "rtgen.lint.rules",
     "rtgen.project_rules",
+    "rtgen.adapter_rules",
     "rtgen.system_checks",
     "rtgen.system_rules",
 )

@@ -48,6 +48,17 @@ _RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class AdapterEntry:
+    """`[adapter.NAME]`: scoped names of structs, and which member of `source` fills which."""
+
+    name: str
+    source: str
+    target: str
+    mapping: tuple[tuple[str, str], ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Project:
     """What a run reads and where it writes.
 
@@ -77,6 +88,7 @@ class Project:
     representation: str = "cdr"
     extensibility: str = "final"
     components: tuple[tuple[str, str], ...] = ()
+    adapters: tuple[AdapterEntry, ...] = ()
     lint: tuple[tuple[str, str, Span], ...] = ()
     node_id: int | None = None
 
@@ -147,6 +159,16 @@ def load(start: Path | None = None) -> Project:
         representation=settings.text("output", "representation", "cdr"),
         extensibility=settings.text("output", "extensibility", "final"),
         components=tuple(sorted(settings.table("components").items())),
+        adapters=tuple(
+            AdapterEntry(
+                name=name,
+                source=table["from"],
+                target=table["to"],
+                mapping=tuple(table.get("map", {}).items()),
+                span=settings.span("adapter", name),
+            )
+            for name, table in settings.tables("adapter").items()
+        ),
         lint=tuple(
             (key, code, settings.span("lint", key, code))
             for key in ("ignore", "select")
@@ -180,7 +202,8 @@ def with_arguments(
 ) -> Project:
     """The project as the command line changes it: other sources, more includes, other folders.
 
-    `add`: the paths are read beside what rtgen.toml names, not in place of it.
+    `add`: the paths are read beside what rtgen.toml names, not in place of it; without, the
+    project's adapters are left out, since their types need not be there.
     Raises InputError where a path is no definition file.
     """
     changes = project
@@ -199,6 +222,8 @@ def with_arguments(
             raise InputError(findings)
         known = [*project.sources, *project.systems] if add else []
         changes = _with_files(changes, [*known, *named])
+        if not add:
+            changes = replace(changes, adapters=())
     return replace(
         changes,
         include=(*(Path(p) for p in include), *project.include),

@@ -75,8 +75,17 @@ def _factory(value: Any) -> str | None:
     return None if fine else "must be 'module:attribute'"
 
 
-def _anything(value: Any) -> str | None:
-    return None if isinstance(value, dict) else "must be a table"
+def _adapter(value: Any) -> str | None:
+    fine = isinstance(value, dict) and {"from", "to"} <= set(value) <= {
+        *("from", "to", "map")
+    }
+    if fine:
+        pairs = value.get("map", {})
+        fine = isinstance(pairs, dict) and all(
+            isinstance(v, str) for v in (value["from"], value["to"], *pairs.values())
+        )
+    form = 'from = "TYPE", to = "TYPE", map = { "MEMBER" = "MEMBER" }'
+    return None if fine else f"must be a table: {form}"
 
 
 SCHEMA: dict[str, dict[str, Check] | Check] = {
@@ -97,7 +106,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "extensibility": _one_of("final", "appendable", "mutable"),
     },
     "components": _factory,
-    "adapter": _anything,
+    "adapter": _adapter,
     "lint": {"ignore": _texts, "select": _texts},
 }
 """Section to its keys, or to the check for each value of a section with free keys."""
@@ -130,6 +139,11 @@ class Settings:
         """A section of the file, its values as text; or an empty one."""
         value = self.content.get(section, {})
         return {name: str(item) for name, item in value.items()}
+
+    def tables(self, section: str) -> dict[str, dict[str, Any]]:
+        """The tables in a section of the file, by name; or an empty one."""
+        value: dict[str, dict[str, Any]] = self.content.get(section, {})
+        return value
 
     def macros(self) -> dict[str, str]:
         """What `[sources] define` says."""

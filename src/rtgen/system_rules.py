@@ -113,6 +113,8 @@ disconnect = { from = "A0.out", to = "B0.in" }
 Each value may be a list; `reset` is one more key. At one instant: disconnect, connect, set,
 deactivate, reset, activate. A connection is told by its name, by its connector id, or by its two
 ports.
+
+`follows = "FILE"` puts another timeline, beside this one, before it. `[[measure]]`: see SYS0010.
 """,
 )
 
@@ -122,7 +124,7 @@ OBSERVABLE = Rule(
     Severity.ERROR,
     """
 `rtgen.run.pose` and `rtgen.run.goal` name a value that a component publishes for reports, as
-`INSTANCE.NAME`: x [m], y [m] and heading [rad].
+`INSTANCE.NAME`: x [m], y [m] and heading [rad]. Several poses are separated by commas.
 """,
 )
 
@@ -143,6 +145,33 @@ error[SYS0009]: Arm0.state_Logger0.in: data ports of two processes, ..., cannot 
 """,
 )
 
+MEASURE = Rule(
+    "SYS0010",
+    "measure that cannot be taken",
+    Severity.ERROR,
+    """
+A table `[[measure]]` of `timeline.toml` says what is looked at in a run, from one time to another,
+and its limits; the result is a row of the report.
+
+```toml
+[[measure]]
+name = "RMP behind Ref-Hard"
+kind = "distance"
+of = "SegwayRmp0.truth"         # poses that rtgen.run.pose names
+to = "RefHard0.truth"
+from = 5.0                      # seconds; default: the whole run
+until = 60.0
+least = 0.8                     # limits; default: none
+most = 1.5
+```
+
+Kinds: `distance`; `track` (of a pose from where the other one has been, from the time `since` on);
+`inside` (how far outside of `area`, the least and greatest x and y); `moved` (how far from where it
+was at the beginning); `alike` (how far apart, had both begun at the same place); `displacement`
+(how far the whole motion is from `expected`, x y theta as seen from its beginning). In m.
+""",
+)
+
 RULES: tuple[Rule, ...] = (
     UNKNOWN_TYPE,
     NO_COMPONENT,
@@ -153,4 +182,5 @@ RULES: tuple[Rule, ...] = (
     TIMELINE,
     OBSERVABLE,
     ELSEWHERE,
+    MEASURE,
 )

@@ -5,23 +5,29 @@ from __future__ import annotations
 import math
 import re
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 from typing import Any, Final, TypeAlias
 
-from rtgen.diagnostics import Diagnostic, InputError, Span
+from rtgen import measures
+from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
+from rtgen.measures import Measure
 from rtgen.model import PortReference, System
 from rtgen.system_rules import CONDITION, PARAMETER, TIMELINE, UNKNOWN_INSTANCE
 
 SECOND = 1_000_000_000
 
-_AT = re.compile(r"\s*\[\[\s*at\s*\]\]")
+_ENTRY = re.compile(r"\s*\[\[\s*(\w+)\s*\]\]")
 _SUB = re.compile(r"\s*(?:\[\s*at\s*\.\s*)?[\"']?(\w+)[\"']?\s*[\]=.]")
 _REQUESTS: Final = ("deactivate", "reset", "activate")
 _ORDER = ("disconnect", "connect", "set", *_REQUESTS)
 """The order of what happens at one instant."""
+_SECTIONS = ("at", "measure", "follows")
 _LINK_KEYS = frozenset({"from", "to", "name", "properties"})
 _ENDS = frozenset({"from", "to"})
+_MOST_FOLLOWED = 8
 _PLACE = re.compile(r"\(at line (\d+), column (\d+)\)")
 
 
@@ -71,6 +77,14 @@ class Step:
     time: int
     action: Action
     span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Timeline:
+    """What happens, in order of time, and what is measured of it."""
+
+    steps: Sequence[Step] = ()
+    measures: Sequence[Measure] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,8 +164,54 @@ def require_instance(instance: str, system: System, span: Span | None) -> str:
 
 def parse(text: str, name: str, system: System) -> tuple[Step, ...]:
     """The steps of a timeline.toml, shown as `name`, in order of time; InputError if wrong."""
+    return _ordered(_read(text, name, system).found)
+
+
+def load(file: Path, system: System) -> Timeline:
+    """The timeline in a file, after that which it follows; InputError if one is wrong.
+
+    Raises ToolError if one cannot be read.
+    """
+    readers = [*_chain(file, system, _MOST_FOLLOWED)]
+    return Timeline(
+        _ordered([step for reader in readers for step in reader.found]),
+        [measure for reader in readers for measure in reader.measures],
+    )
+
+
+def _ordered(steps: Sequence[Step]) -> tuple[Step, ...]:
+    return tuple(sorted(steps, key=lambda step: (step.time, _place(step.action))))
+
+
+def _chain(file: Path, system: System, most: int) -> Iterator[_Reader]:
+    """The readers of a timeline and of those it follows, the first one first."""
+    name = file.as_posix()
     try:
-        content = tomllib.loads(text)
+        text = file.read_bytes().decode("utf-8", "replace")
+    except OSError as error:
+        raise ToolError(f"cannot read {name}: {error.strerror}") from error
+    before: list[_Reader] = []
+    content = _content(text, name)
+    if isinstance(followed := content.get("follows"), str):
+        if most == 0:
+            message = f"more than {_MOST_FOLLOWED} timelines follow each other"
+            raise InputError([TIMELINE.at(Span(name, 1, 1, 1, 2), message)])
+        before = [*_chain(file.parent / followed, system, most - 1)]
+    yield from before
+    yield _read(text, name, system, before[-1].links if before else ())
+
+
+def _read(text: str, name: str, system: System, links: Sequence[_Link] = ()) -> _Reader:
+    reader = _Reader(text, name, system, links)
+    reader.read(_content(text, name))
+    if reader.findings:
+        raise InputError(reader.findings)
+    return reader
+
+
+def _content(text: str, name: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         place = _PLACE.search(str(error))
         line, column = (
@@ -162,18 +222,8 @@ def parse(text: str, name: str, system: System) -> tuple[Step, ...]:
             [TIMELINE.at(span, _PLACE.sub("", str(error)).strip())]
         ) from None
     except (RecursionError, ValueError):  # of an integer with thousands of digits
-        raise InputError(
-            [
-                TIMELINE.at(
-                    Span(name, 1, 1, 1, 2), "nested too deeply, or a number is too long"
-                )
-            ]
-        ) from None
-    reader = _Reader(text, name, system)
-    steps = [*reader.steps(content)]
-    if reader.findings:
-        raise InputError(reader.findings)
-    return tuple(sorted(steps, key=lambda step: (step.time, _place(step.action))))
+        message = "nested too deeply, or a number is too long"
+        raise InputError([TIMELINE.at(Span(name, 1, 1, 1, 2), message)]) from None
 
 
 def _place(action: Action) -> int:
@@ -186,28 +236,54 @@ def _place(action: Action) -> int:
 class _Reader:
     """Reads the content of a timeline, with the place of each key."""
 
-    def __init__(self, text: str, name: str, system: System) -> None:
+    def __init__(
+        self, text: str, name: str, system: System, links: Sequence[_Link] = ()
+    ) -> None:
         self._name = name
         self._system = system
         self._text = text.split("\n")
-        self._lines = [n for n, line in enumerate(self._text, 1) if _AT.match(line)]
-        self._links = [
+        self._entries = [
+            (n, match[1])
+            for n, line in enumerate(self._text, 1)
+            if (match := _ENTRY.match(line))
+        ]
+        self._own = [
             _Link(c.name, c.id, c.source, c.target) for c in system.connections
         ]
+        self.links = [*(links or self._own)]
+        """The connections that there can be: of the system, of the timelines up to here."""
+        self.found: list[Step] = []
+        self.measures: list[Measure] = []
         self.findings: list[Diagnostic] = []
 
-    def steps(self, content: dict[str, Any]) -> Iterator[Step]:
-        entries = content.get("at", [])
+    def read(self, content: dict[str, Any]) -> None:
+        """Fill `found`, `measures` and `findings`."""
         for key in content:
-            if key != "at":
+            if key not in _SECTIONS:
+                known = "[[at]], [[measure]] and follows"
                 self._refuse(
-                    self._span(-1), f"unknown section {key!r}; only [[at]] is known"
+                    self._span("", -1), f"unknown section {key!r}; known: {known}"
                 )
-        if not isinstance(entries, list) or not all(
-            isinstance(e, dict) for e in entries
-        ):
-            self._refuse(self._span(-1), "'at' must be a list of tables: [[at]]")
-            return
+        if not isinstance(content.get("follows", ""), str):
+            self._refuse(self._span("", -1), "'follows' must name a file")
+        self.found = [*self._steps(self._tables(content, "at"))]
+        for number, entry in enumerate(self._tables(content, "measure")):
+            try:
+                self.measures.append(
+                    measures.parse(entry, partial(self._span, "measure", number))
+                )
+            except InputError as error:
+                self.findings += error.diagnostics
+
+    def _tables(self, content: dict[str, Any], section: str) -> list[dict[str, Any]]:
+        entries = content.get(section, [])
+        if isinstance(entries, list) and all(isinstance(e, dict) for e in entries):
+            return entries
+        message = f"{section!r} must be a list of tables: [[{section}]]"
+        self._refuse(self._span("", -1), message)
+        return []
+
+    def _steps(self, entries: list[dict[str, Any]]) -> Iterator[Step]:
         # What is cut can be a connection that the timeline makes, so those are read first.
         for kinds in (("connect",), tuple(k for k in _ORDER if k != "connect")):
             for number, entry in enumerate(entries):
@@ -220,16 +296,16 @@ class _Reader:
         fine = isinstance(time, int | float) and not isinstance(time, bool)
         if not fine or not 0 <= time < 1e9:
             if kinds[0] == "connect":
-                place = self._span(number, "t")
+                place = self._span("at", number, "t")
                 self._refuse(place, "an instant needs t, a time in seconds from 0")
             return
         for key in entry:
             if kinds[0] == "connect" and key != "t" and key not in _ORDER:
                 known = ", ".join(_ORDER)
-                place = self._span(number, key)
+                place = self._span("at", number, key)
                 self._refuse(place, f"unknown key {key!r}; known: t, {known}")
         for kind in kinds:
-            span = self._span(number, kind)
+            span = self._span("at", number, kind)
             values = entry.get(kind, [])
             for value in values if isinstance(values, list) else [values]:
                 try:
@@ -258,10 +334,10 @@ class _Reader:
             case "set":
                 return assignment(value, self._system, span)
             case "disconnect":
-                return Disconnect(self._link(value, span, self._links).name)
+                return Disconnect(self._link(value, span, self.links).name)
         if kind in _REQUESTS:
             return Ask(kind, require_instance(value, self._system, span))
-        links = self._links[: len(self._system.connections)]
+        links = self._own
         name = self._link(value, span, links).name
         known = next(c for c in self._system.connections if c.name == name)
         return Connect(name, known.source, known.target, dict(known.properties))
@@ -284,7 +360,7 @@ class _Reader:
             message = "'disconnect' takes a name, or a table of from and to"
             raise InputError([TIMELINE.at(span, message)])
         ends = {self._end(value[key], span) for key in ("from", "to")}
-        found = {k.name: k for k in self._links if {k.source, k.target} == ends}
+        found = {k.name: k for k in self.links if {k.source, k.target} == ends}
         if len(found) == 1:
             return found.popitem()[1]
         what = f"{value['from']} and {value['to']}"
@@ -308,7 +384,7 @@ class _Reader:
             raise InputError([TIMELINE.at(span, message)])
         ends = [self._end(texts[key], span) for key in ("from", "to")]
         name = texts.get("name", f"{texts['from']}-{texts['to']}")
-        self._links.append(_Link(name, "", ends[0], ends[1]))
+        self.links.append(_Link(name, "", ends[0], ends[1]))
         return Connect(name, ends[0], ends[1], properties)
 
     def _settings(self, value: dict[str, Any], span: Span) -> Iterator[SetParameter]:
@@ -335,18 +411,21 @@ class _Reader:
     def _refuse(self, span: Span, message: str) -> None:
         self.findings.append(TIMELINE.at(span, message))
 
-    def _span(self, number: int, key: str = "") -> Span:
+    def _span(self, section: str, number: int, key: str = "") -> Span:
         """The place of a key of an entry, else of the entry."""
-        if not 0 <= number < len(self._lines):
+        places = [n for n, (_, name) in enumerate(self._entries) if name == section]
+        if not 0 <= number < len(places):
             return Span(self._name, 1, 1, 1, 7)
-        line = self._lines[number]
-        end = self._lines[number + 1] - 1 if number + 1 < len(self._lines) else None
+        place = places[number]
+        line = self._entries[place][0]
+        following = self._entries[place + 1 : place + 2]
+        end = following[0][0] - 1 if following else None
         for n, text in enumerate(self._text[line:end], line + 1):
             match = _SUB.match(text)
             if key and match and match[1] == key:
                 column = match.start(1) + 1
                 return Span(self._name, n, column, n, column + len(key))
-        return Span(self._name, line, 1, line, 7)
+        return Span(self._name, line, 1, line, 5 + len(section))
 
 
 @dataclass(frozen=True, slots=True)

@@ -35,5 +35,6 @@
 #   specs/canopen/motor_core_unit.eds (sha256 e451c68cc8dea7f4)
 #   specs/canopen/f_palette.eds (sha256 bfe65ca39a96a4fc)
 #   specs/canopen/epos_drive.eds (sha256 e62052390286141b)
+#   rtgen.toml (sha256 85ef2ef318058635)
 # Owned by rtgen: edits are overwritten by the next run.
 """The components, each in a package of its own."""

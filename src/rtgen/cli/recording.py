@@ -21,6 +21,7 @@ Pose: TypeAlias = tuple[float, float, float]
 """x [m], y [m], heading [rad]."""
 
 CSV_HEADER = ("t", "x", "y", "theta", "goal_x", "goal_y", "goal_theta")
+CSV_HEADER_OF_SEVERAL = ("t", "robot", "x", "y", "theta")
 PICTURES = (".svg", ".png", ".pdf")
 _NO_POSE = ("", "", "")
 _ARROW = 0.06
@@ -28,11 +29,11 @@ _ARROW = 0.06
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """Where the robot was, and where it was to go, `t` seconds after the start."""
+    """Where the robots were, and where the one was to go, `t` seconds after the start."""
 
     t: float
-    pose: Pose
-    goal: Pose | None
+    poses: tuple[Pose, ...]
+    goal: Pose | None = None
 
 
 def opened(files: ExitStack, path: str | None) -> TextIO | None:
@@ -70,35 +71,50 @@ def check_picture(path: str | None) -> None:
         raise ToolError(f"cannot write {path}: {error.strerror}") from error
 
 
-def write_csv(stream: TextIO, samples: Sequence[Sample]) -> None:
-    """One line for each sample, after a header; the goal's columns are empty before the first."""
+def write_csv(stream: TextIO, robots: Sequence[str], samples: Sequence[Sample]) -> None:
+    """One line for each sample and robot, after a header.
+
+    Of one robot with its goal, whose columns are empty before the first; of several with names.
+    """
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(CSV_HEADER)
-    writer.writerows((s.t, *s.pose, *(s.goal or _NO_POSE)) for s in samples)
+    if len(robots) == 1:
+        writer.writerow(CSV_HEADER)
+        writer.writerows((s.t, *s.poses[0], *(s.goal or _NO_POSE)) for s in samples)
+        return
+    writer.writerow(CSV_HEADER_OF_SEVERAL)
+    writer.writerows(
+        (s.t, robot, *pose)
+        for s in samples
+        for robot, pose in zip(robots, s.poses, strict=True)
+    )
 
 
-def draw(path: str, title: str, samples: Sequence[Sample]) -> None:
-    """The trajectory with its start and goals, heading arrows, and equal axes."""
+def draw(
+    path: str, title: str, robots: Sequence[str], samples: Sequence[Sample]
+) -> None:
+    """The trajectories with starts, ends and goals, heading arrows, and equal axes."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
     goals = list(dict.fromkeys(s.goal for s in samples if s.goal is not None))
-    poses = [s.pose for s in samples]
+    everywhere = [*goals, *(pose for s in samples for pose in s.poses)]
+    scale = _ARROW * max(_extent(everywhere), 0.5)
     with rc_context({"svg.hashsalt": "rtgen", "font.family": "DejaVu Sans"}):
         figure = Figure(figsize=(7.0, 7.0), layout="constrained")
         axes = figure.add_subplot()
-        axes.plot(
-            [p[0] for p in poses],
-            [p[1] for p in poses],
-            color="tab:blue",
-            label="robot",
-        )
-        scale = _ARROW * max(_extent([*poses, *goals]), 0.5)
-        if poses:
-            _mark(axes, poses[:1], "tab:green", "start", scale)
-            _mark(axes, poses[-1:], "tab:blue", "end", scale)
-        if goals:
-            _mark(axes, goals, "tab:red", "goal", scale)
+        for number, robot in enumerate(robots):
+            alone = len(robots) == 1
+            colour = "tab:blue" if alone else f"C{number % 10}"
+            poses = [s.poses[number] for s in samples]
+            axes.plot(
+                [p[0] for p in poses],
+                [p[1] for p in poses],
+                color=colour,
+                label="robot" if alone else robot,
+            )
+            _mark(axes, poses[:1], "tab:green", _only(number, "start"), scale)
+            _mark(axes, poses[-1:], colour, _only(number, "end"), scale)
+        _mark(axes, goals, "tab:red", "goal", scale)
         axes.margins(0.12)
         axes.set_aspect("equal", adjustable="datalim")
         axes.set_xlabel("x [m]")
@@ -107,6 +123,11 @@ def draw(path: str, title: str, samples: Sequence[Sample]) -> None:
         axes.grid(visible=True, alpha=0.3)
         axes.legend(loc="best")
         save_picture(figure, Path(path))
+
+
+def _only(number: int, label: str) -> str:
+    """The label for the first one; matplotlib leaves out those with an underscore."""
+    return label if number == 0 else f"_{label}"
 
 
 def save_picture(figure: Figure, path: Path) -> None:
@@ -127,6 +148,8 @@ def _extent(poses: Sequence[Pose]) -> float:
 def _mark(
     axes: Axes, poses: Sequence[Pose], colour: str, label: str, scale: float
 ) -> None:
+    if not poses:
+        return
     xs, ys = [p[0] for p in poses], [p[1] for p in poses]
     axes.plot(xs, ys, "o", color=colour, label=label)
     axes.quiver(

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from importlib.util import find_spec
 from pathlib import Path
 
 import click
 
-from rtgen import compiler, runtime, timeline
+from rtgen import compiler, measures, runtime, timeline
 from rtgen.cli import shares, transports
 from rtgen.cli.assembly import assemble
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
@@ -27,16 +29,18 @@ from rtgen.cli.signals import terminable
 from rtgen.cli.summary import Outcome, Row, summary
 from rtgen.cli.transports import TransportOptions, with_transport
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
+from rtgen.measures import Course, Measure, Result
 from rtgen.model import System
 from rtgen.project import load
 from rtgen.runtime.recording import JsonLinesRecorder
 from rtgen.system_checks import check_properties
-from rtgen.system_rules import CONDITION, OBSERVABLE
-from rtgen.timeline import SECOND, Condition, Step
+from rtgen.system_rules import CONDITION, MEASURE, OBSERVABLE
+from rtgen.timeline import SECOND, Condition, Timeline
 
 _LONGEST = 600 * SECOND
 """Where a run in simulated time ends that waits for a state only."""
 _SAMPLE_PERIOD = SECOND // 50
+_NOWHERE = (math.nan, math.nan, math.nan)
 _LOOK_PERIOD = SECOND // 10
 
 
@@ -102,8 +106,9 @@ def run(
     console.findings(in_order(found), sources)
     if profile is None or has_errors(found):
         return BAD_INPUT
+    plan = _timeline(folder, timeline_file, profile)
+    steps, wanted = plan.steps, plan.measures
     check_picture(plot)
-    steps = _steps(folder, timeline_file, profile)
     condition = _condition(until, profile)
     values = [timeline.assignment(text, profile) for text in settings]
     if carrying.only is not None:
@@ -111,6 +116,7 @@ def run(
         shares.require_here(values, here)
         condition = shares.condition_here(condition, here, asked=until is not None)
         steps = shares.steps_here(steps, profile, here)
+        wanted = shares.measures_here(wanted, here)
         profile = shares.share(profile, here)
     if condition == Condition() and simulated:
         hint = "--until SECONDS, or --until INSTANCE=STATE"
@@ -127,16 +133,19 @@ def run(
         ) as running,
     ):
         view = _View(running, profile)
-        if (csv_file or plot) and view.pose_name is None:
+        if (csv_file or plot) and not view.poses:
             message = (
                 f"{profile.file}: no property rtgen.run.pose, so there is no trajectory"
             )
             raise InputError([OBSERVABLE.at(None, message)])
+        _check_measures(wanted, view)
+        if folder is not None and wanted:
+            csv_file, plot = _files(console, folder, csv_file, plot)
         table = opened(files, csv_file)
         if (log_stream := opened(files, log)) is not None:
             running.add_listener(JsonLinesRecorder(log_stream))
         samples: list[Sample] = []
-        if csv_file or plot:
+        if csv_file or plot or wanted:
             running.every(_SAMPLE_PERIOD, lambda: samples.append(view.sample()))
         with ExitStack() as shown:
             quiet = console.quiet or console.form != "text"
@@ -144,27 +153,59 @@ def run(
             if transport is not None:
                 transports.await_others(transport, carrying.patience)
             met, wall = _run(running, condition, simulated=simulated)
-        outcome = view.outcome(wall)
+        course = view.course(samples)
+        measured = [measures.evaluate(measure, course) for measure in wanted]
+        outcome = view.outcome(wall, measured)
         if table is not None:
-            write_csv(table, samples)
+            write_csv(table, view.robots, samples)
     if plot is not None:
-        draw(plot, profile.name, samples)
+        draw(plot, profile.name, view.robots, samples)
     write_out(summary(outcome))
-    return OK if met else NO
+    return OK if met and all(result.kept for result in measured) else NO
 
 
-def _steps(folder: Path | None, named: str | None, profile: System) -> Sequence[Step]:
+def _timeline(folder: Path | None, named: str | None, profile: System) -> Timeline:
     if named is not None:
-        file = Path(named)
-    elif folder is not None and (folder / "timeline.toml").is_file():
-        file = folder / "timeline.toml"
-    else:
-        return ()
+        return timeline.load(Path(named), profile)
+    if folder is not None and (folder / "timeline.toml").is_file():
+        return timeline.load(folder / "timeline.toml", profile)
+    return Timeline()
+
+
+def _files(
+    console: Console, folder: Path, csv_file: str | None, plot: str | None
+) -> tuple[str, str | None]:
+    """Where the results of an experiment go, unless the command line says otherwise."""
+    name = folder.resolve().name
+    results = Path("build") / name
     try:
-        text = file.read_bytes().decode("utf-8", "replace")
+        results.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ToolError(f"cannot read {file}: {error.strerror}") from error
-    return timeline.parse(text, file.as_posix(), profile)
+        raise ToolError(f"cannot make {results}: {error.strerror}") from error
+    csv_file = csv_file or str(results / f"{name}.csv")
+    if plot is None:
+        if find_spec("matplotlib") is not None:
+            plot = str(results / f"{name}.svg")
+        else:
+            console.say("no picture without matplotlib: pip install 'rtgen[plot]'")
+    console.say(f"results: {', '.join(filter(None, (csv_file, plot)))}")
+    return csv_file, plot
+
+
+def _check_measures(wanted: Sequence[Measure], view: _View) -> None:
+    known = ", ".join(view.poses) or "none"
+    findings = [
+        MEASURE.at(
+            measure.span,
+            f"{name!r} is no pose of the system",
+            hint=f"rtgen.run.pose names: {known}",
+        )
+        for measure in wanted
+        for name in measure.observables
+        if name not in view.poses
+    ]
+    if findings:
+        raise InputError(findings)
 
 
 def _condition(until: str | None, profile: System) -> Condition:
@@ -230,11 +271,19 @@ class _View:
     def __init__(self, running: runtime.System, profile: System) -> None:
         properties = dict(profile.properties)
         self._running = running
-        self.pose_name = self._checked(profile, properties.get("rtgen.run.pose"))
+        names = properties.get("rtgen.run.pose", "").split(",")
+        self.poses = [
+            n for n in (self._checked(profile, n.strip()) for n in names) if n
+        ]
         self._goal_name = self._checked(profile, properties.get("rtgen.run.goal"))
 
+    @property
+    def robots(self) -> list[str]:
+        """The instances whose poses are shown."""
+        return [name.rpartition(".")[0] for name in self.poses]
+
     def _checked(self, profile: System, name: str | None) -> str | None:
-        if name is not None:
+        if name:
             timeline.require_instance(name.partition(".")[0], profile, None)
             try:
                 self._running.observable(name)
@@ -245,19 +294,30 @@ class _View:
         return name
 
     def sample(self) -> Sample:
-        """The present; only where there is a pose."""
-        pose = self._pose(self.pose_name)
-        assert pose is not None
-        return Sample(self._running.time / SECOND, pose, self._pose(self._goal_name))
+        """The present."""
+        poses = tuple(self._pose(name) or _NOWHERE for name in self.poses)
+        return Sample(self._running.time / SECOND, poses, self._pose(self._goal_name))
 
-    def outcome(self, wall: float) -> Outcome:
+    def course(self, samples: Sequence[Sample]) -> Course:
+        """The samples as they are measured."""
+        return Course(
+            [sample.t for sample in samples],
+            {
+                name: [sample.poses[number] for sample in samples]
+                for number, name in enumerate(self.poses)
+            },
+        )
+
+    def outcome(self, wall: float, measured: Sequence[Result]) -> Outcome:
         """The end."""
+        poses = zip(self.robots, map(self._pose, self.poses), strict=True)
         return Outcome(
             rows=[self._row(instance) for instance in self._running.instances],
             goal=self._pose(self._goal_name),
-            pose=self._pose(self.pose_name),
+            poses=[(robot, pose) for robot, pose in poses if pose is not None],
             simulated=self._running.time / SECOND,
             wall=wall,
+            measured=measured,
         )
 
     def _row(self, instance: str) -> Row:
@@ -266,5 +326,5 @@ class _View:
         return Row(instance, _name(s.state), s.ticks, s.overruns, s.lost, why)
 
     def _pose(self, name: str | None) -> Pose | None:
-        values = () if name is None else self._running.observable(name)
+        values = self._running.observable(name) if name else ()
         return (values[0], values[1], values[2]) if len(values) == 3 else None

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from rtgen import timeline
 from rtgen.diagnostics import Diagnostic, InputError, Span
+from rtgen.measures import Measure
 from rtgen.model import Connection, PortReference, System
 from rtgen.system_rules import ELSEWHERE
 from rtgen.timeline import (
@@ -48,11 +49,17 @@ def share(profile: System, here: Collection[str]) -> System:
         components=tuple(c for c in profile.components if c.instance in here),
         connections=tuple(connections),
         properties=tuple(
-            (name, value)
+            (name, kept)
             for name, value in profile.properties
-            if name not in _OBSERVABLES or value.partition(".")[0] not in others
+            if (kept := _without(others, value) if name in _OBSERVABLES else value)
         ),
     )
+
+
+def _without(others: Collection[str], observables: str) -> str:
+    """The observables of a list with commas that are not those of other processes."""
+    names = [name.strip() for name in observables.split(",")]
+    return ", ".join(n for n in names if n.partition(".")[0] not in others)
 
 
 def steps_here(
@@ -79,6 +86,17 @@ def steps_here(
             kept.append(step)
     _raise_if_any(findings)
     return kept
+
+
+def measures_here(
+    measures: Sequence[Measure], here: Collection[str]
+) -> Sequence[Measure]:
+    """The measures of components of this process alone."""
+    return [
+        measure
+        for measure in measures
+        if all(name.partition(".")[0] in here for name in measure.observables)
+    ]
 
 
 def condition_here(

@@ -52,6 +52,7 @@ def together(results: Sequence[FrontendResult]) -> FrontendResult:
             tecs=tuple(u for m in models for u in m.tecs),
             devices=tuple(d for m in models for d in m.devices),
             buses=tuple(b for m in models for b in m.buses),
+            adapters=tuple(a for m in models for a in m.adapters),
         ),
         diagnostics=tuple(in_order(d for r in results for d in r.diagnostics)),
         sources={name: text for r in results for name, text in r.sources.items()},

@@ -9,6 +9,7 @@ from rtgen.model.can_bus import Bus
 from rtgen.model.canopen import Device
 from rtgen.model.components import (
     Activation,
+    Adapter,
     Component,
     ConfigurationParameter,
     Connection,
@@ -66,6 +67,7 @@ from rtgen.model.types import (
 __all__ = [
     "VOID",
     "Activation",
+    "Adapter",
     "Annotation",
     "ArrayType",
     "Attribute",
@@ -151,6 +153,7 @@ class Model:
     tecs: tuple[TecsUnit, ...] = ()
     devices: tuple[Device, ...] = ()
     buses: tuple[Bus, ...] = ()
+    adapters: tuple[Adapter, ...] = ()
     _by_name: dict[ScopedName, Declaration] = field(
         init=False, repr=False, compare=False, default_factory=dict
     )

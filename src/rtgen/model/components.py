@@ -89,6 +89,21 @@ class Component(Declaration):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Adapter:
+    """Makes one struct of another; the component `name` does it.
+
+    `copies` are pairs of a member of the target and the one of the source that fills it, each as
+    a path of member names.
+    """
+
+    name: str
+    source: ScopedName
+    target: ScopedName
+    copies: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SystemComponent:
     """A component of a system. `configuration` maps set id to (parameter, text) pairs.
 

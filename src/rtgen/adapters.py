@@ -1,0 +1,236 @@
+"""Adapters of a project, `[adapter.NAME]`: the components that they become."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from hashlib import sha256
+from typing import TYPE_CHECKING, Final
+
+from rtgen.adapter_rules import (
+    ADAPTER_MEMBER,
+    ADAPTER_NAME,
+    ADAPTER_TYPE,
+    ADAPTER_VALUE,
+)
+from rtgen.diagnostics import Diagnostic, InputError, Rule
+from rtgen.frontends import FrontendResult
+from rtgen.model import (
+    Adapter,
+    Component,
+    Member,
+    Model,
+    NamedType,
+    Port,
+    PortKind,
+    Primitive,
+    PrimitiveType,
+    SourceFile,
+    Struct,
+    Type,
+)
+from rtgen.typemap.python_names import module_name
+
+if TYPE_CHECKING:
+    from rtgen.project import AdapterEntry
+
+_NAME: Final = re.compile(r"[A-Za-z]\w*", re.ASCII)
+_INTEGERS: Final = {
+    Primitive.INT8: (True, 8),
+    Primitive.UINT8: (False, 8),
+    Primitive.OCTET: (False, 8),
+    Primitive.SHORT: (True, 16),
+    Primitive.UNSIGNED_SHORT: (False, 16),
+    Primitive.LONG: (True, 32),
+    Primitive.UNSIGNED_LONG: (False, 32),
+    Primitive.LONG_LONG: (True, 64),
+    Primitive.UNSIGNED_LONG_LONG: (False, 64),
+}
+"""Whether signed, and the bits."""
+_EXACT: Final = {Primitive.FLOAT: 24, Primitive.DOUBLE: 53}
+"""The bits of an integer that a floating-point number holds."""
+
+
+def with_adapters(
+    result: FrontendResult, entries: Sequence[AdapterEntry]
+) -> FrontendResult:
+    """What was read, with the adapters and their components.
+
+    Adapters are left out where the definitions themselves have errors, and so types are missing.
+    """
+    if not entries:
+        return result
+    model = result.model
+    findings: list[Diagnostic] = []
+    adapters: list[Adapter] = []
+    for entry in entries:
+        try:
+            adapters.append(_Maker(model, entry).adapter())
+        except InputError as error:
+            findings += error.diagnostics
+    text = repr([(a.name, a.source, a.target, a.copies) for a in adapters])
+    name = entries[0].span.file
+    file = SourceFile(
+        name=name, key=name, sha256=sha256(text.encode()).hexdigest(), main=True
+    )
+    return replace(
+        result,
+        model=replace(
+            model,
+            files=(*model.files, file),
+            declarations=(*model.declarations, *map(_component, adapters)),
+            adapters=tuple(adapters),
+        ),
+        diagnostics=(*result.diagnostics, *findings),
+    )
+
+
+def _component(adapter: Adapter) -> Component:
+    source, target = "::".join(adapter.source), "::".join(adapter.target)
+    return Component(
+        name=(adapter.name,),
+        repository_id=f"IDL:{adapter.name}:1.0",
+        file=adapter.span.file,
+        span=adapter.span,
+        doc=f"Makes {target} of {source}.",
+        description=f"Makes {target} of {source}",
+        category="Adapters",
+        vendor="rtgen",
+        rate=100.0,
+        max_instances=0,
+        ports=(
+            _port(adapter, PortKind.INPORT, "input", adapter.source, "What comes."),
+            _port(adapter, PortKind.OUTPORT, "output", adapter.target, "What goes."),
+        ),
+        factory=f".adapters.{module_name(adapter.name)}:{adapter.name}",
+    )
+
+
+def _port(
+    adapter: Adapter, kind: PortKind, name: str, type_: tuple[str, ...], doc: str
+) -> Port:
+    return Port(
+        kind=kind,
+        name=name,
+        identifier=name,
+        type=NamedType(type_),
+        span=adapter.span,
+        doc=doc,
+    )
+
+
+@dataclass(frozen=True)
+class _Maker:
+    """Makes the adapter of one table."""
+
+    model: Model
+    entry: AdapterEntry
+
+    def adapter(self) -> Adapter:
+        """The adapter. Raises InputError."""
+        entry = self.entry
+        taken = any(d.name == (entry.name,) for d in self.model.declarations)
+        if taken or not _NAME.fullmatch(entry.name):
+            why = "there is one already" if taken else "it must be an identifier"
+            raise self._error(ADAPTER_NAME, f"adapter {entry.name!r}: {why}")
+        source, target = self._struct(entry.source), self._struct(entry.target)
+        copies: dict[tuple[str, ...], tuple[str, ...]] = {}
+        for to, from_ in entry.mapping:
+            to_path, from_path = tuple(to.split(".")), tuple(from_.split("."))
+            self._check(self._type(target, to_path), self._type(source, from_path), to)
+            for known in copies:
+                shorter = min(len(known), len(to_path))
+                if known[:shorter] == to_path[:shorter]:
+                    message = f"{to!r} and {'.'.join(known)!r} fill the same member"
+                    raise self._error(ADAPTER_VALUE, message)
+            copies[to_path] = from_path
+        told = {path[0] for path in copies}
+        theirs = {member.name: self._kind(member) for member in self._members(source)}
+        for member in self._members(target):
+            name = member.name
+            if name not in told and theirs.get(name) == self._kind(member):
+                copies[(name,)] = (name,)
+        order = [member.name for member in self._members(target)]
+        return Adapter(
+            name=entry.name,
+            source=source.name,
+            target=target.name,
+            copies=tuple(
+                sorted(copies.items(), key=lambda pair: order.index(pair[0][0]))
+            ),
+            span=entry.span,
+        )
+
+    def _struct(self, scoped: str) -> Struct:
+        name = tuple(scoped.removeprefix("::").split("::"))
+        structs = {d.name: d for d in self.model.declarations if isinstance(d, Struct)}
+        if name in structs:
+            return structs[name]
+        known = ["::".join(known) for known in structs]
+        close = get_close_matches(scoped, known, n=1)
+        ending = [k for k in known if k.endswith(f"::{scoped}")]
+        meant = next(iter(ending or close), None)
+        hint = f"did you mean {meant!r}?" if meant else None
+        raise self._error(ADAPTER_TYPE, f"no struct {scoped!r}", hint)
+
+    def _members(self, struct: Struct) -> Iterator[Member]:
+        """Inherited ones first."""
+        if struct.base is not None:
+            base = self.model.find(struct.base)
+            assert isinstance(base, Struct)
+            yield from self._members(base)
+        yield from struct.members
+
+    def _kind(self, member: Member) -> tuple[Type, bool]:
+        return self.model.unalias(member.type), member.optional
+
+    def _type(self, struct: Struct, path: tuple[str, ...]) -> Type:
+        """The type of a member, of a member of a member, and so on."""
+        members = {member.name: member for member in self._members(struct)}
+        name, *rest = path
+        if name not in members:
+            close = get_close_matches(name, members, n=1)
+            known = f"did you mean {close[0]!r}?" if close else ", ".join(members)
+            message = f"{struct.scoped} has no member {name!r}"
+            raise self._error(ADAPTER_MEMBER, message, known)
+        type_ = self.model.unalias(members[name].type)
+        if members[name].optional:
+            raise self._error(ADAPTER_VALUE, f"{name!r} is optional")
+        if not rest:
+            return type_
+        inner = self.model.find(type_.name) if isinstance(type_, NamedType) else None
+        if not isinstance(inner, Struct):
+            message = f"{name!r} of {struct.scoped} is no struct"
+            raise self._error(ADAPTER_MEMBER, message)
+        return self._type(inner, tuple(rest))
+
+    def _check(self, to: Type, from_: Type, name: str) -> None:
+        if to != from_ and not _holds(to, from_):
+            message = f"{name!r} is {to}, which is not always filled by {from_}"
+            raise self._error(ADAPTER_VALUE, message)
+
+    def _error(self, rule: Rule, message: str, hint: str | None = None) -> InputError:
+        if rule is not ADAPTER_NAME:
+            message = f"adapter {self.entry.name!r}: {message}"
+        return InputError([rule.at(self.entry.span, message, hint=hint)])
+
+
+def _holds(to: Type, from_: Type) -> bool:
+    """Whether every number of the one type is one of the other."""
+    if not (isinstance(to, PrimitiveType) and isinstance(from_, PrimitiveType)):
+        return False
+    if to.kind is Primitive.DOUBLE and from_.kind is Primitive.FLOAT:
+        return True
+    if from_.kind not in _INTEGERS:
+        return False
+    signed, bits = _INTEGERS[from_.kind]
+    if to.kind in _EXACT:
+        return bits <= _EXACT[to.kind]
+    if to.kind not in _INTEGERS:
+        return False
+    wide_signed, wide = _INTEGERS[to.kind]
+    if signed == wide_signed:
+        return wide >= bits
+    return wide_signed and wide > bits

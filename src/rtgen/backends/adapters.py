@@ -1,0 +1,104 @@
+"""The modules of adapters, which no user completes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from rtgen.backends import Artifact, Emission, Options
+from rtgen.backends.components.imports import Imports
+from rtgen.backends.components.places import source_of
+from rtgen.backends.python_text import docstring, fit_text, header_comment
+from rtgen.model import Adapter, Component, Model, NamedType, ScopedName, Struct
+from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.python_names import module_name
+
+_METHODS = frozenset({"annotations", "ec_id", "int", "made", "sample", "self"})
+_RUNTIME = ("RTC_OK", "ReturnCode_t")
+
+
+class AdaptersBackend:
+    """Makes a module for each adapter."""
+
+    name = "adapters"
+
+    def emit(self, model: Model, options: Options) -> Emission:
+        """All files of all adapters. The model is checked."""
+        return Emission(tuple(_artifacts(model, options)))
+
+
+BACKEND = AdaptersBackend()
+
+
+def _artifacts(model: Model, options: Options) -> Iterator[Artifact]:
+    names = PythonNames(model, options.package)
+    for number, adapter in enumerate(model.adapters):
+        component = model.find((adapter.name,))
+        assert isinstance(component, Component)
+        source = source_of(model, component)
+        header = header_comment(options.version, [(source.key, source.sha256)])
+        folder, origin = f"{options.folder}/adapters", (source.key,)
+        if number == 0:
+            text = f'{header}"""Adapters between data types."""\n'
+            yield Artifact(f"{folder}/__init__.py", text, origin)
+        text = _module(model, names, adapter, options, header)
+        yield Artifact(f"{folder}/{module_name(adapter.name)}.py", text, origin)
+
+
+def _module(
+    model: Model, names: PythonNames, adapter: Adapter, options: Options, header: str
+) -> str:
+    base = f"{adapter.name}Base"
+    taken = {adapter.name, base, *_METHODS, *_RUNTIME}
+    types = Imports(model, names, "..", taken, options.external)
+    made = types.type_name(adapter.target)
+    body = [
+        f"class {adapter.name}({base}):",
+        docstring(_doc(adapter), 4),
+        "    def on_execute(self, ec_id: int) -> ReturnCode_t:",
+        '        """Convert everything that has come."""',
+        "        while self.input.is_new() and (sample := self.input.read()) is not None:",
+        f"            made = {made}()",
+        *(
+            f"            made.{_path(model, names, adapter.target, to)} ="
+            f" sample.{_path(model, names, adapter.source, source)}"
+            for to, source in adapter.copies
+        ),
+        "            self.output.write(made)",
+        "        return RTC_OK",
+    ]
+    folder = module_name(adapter.name)
+    imports = [*types.lines(), f"from ..components.{folder} import {base}"]
+    head = [
+        "from __future__ import annotations",
+        "",
+        f"from rtgen.runtime import {', '.join(_RUNTIME)}",
+        "",
+        *sorted(imports, key=lambda line: line.split()[1].lower()),
+        "",
+        "",
+    ]
+    title = docstring(f"{adapter.name}: {_doc(adapter)}", 0)
+    return fit_text(f"{header}{title}\n" + "\n".join([*head, *body]) + "\n")
+
+
+def _doc(adapter: Adapter) -> str:
+    return f"Makes {'::'.join(adapter.target)} of {'::'.join(adapter.source)}."
+
+
+def _path(
+    model: Model, names: PythonNames, struct: ScopedName, path: tuple[str, ...]
+) -> str:
+    """The members of a path as Python names them."""
+    name, *rest = path
+    declaration = model.find(struct)
+    assert isinstance(declaration, Struct)
+    own = {member.name: model.unalias(member.type) for member in declaration.members}
+    if name not in own:
+        assert declaration.base is not None
+        return _path(model, names, declaration.base, path)
+    spelled = names.members(declaration)[name]
+    type_ = own[name]
+    if not rest:
+        return spelled
+    assert isinstance(type_, NamedType)
+    return f"{spelled}.{_path(model, names, type_.name, tuple(rest))}"

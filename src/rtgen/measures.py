@@ -1,0 +1,247 @@
+"""What is measured of the poses in a run, and whether it is as it should be: `[[measure]]`."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any, Final, TypeAlias
+
+from rtgen.diagnostics import InputError, Span
+from rtgen.system_rules import MEASURE
+
+Pose: TypeAlias = tuple[float, float, float]
+"""x [m], y [m], heading [rad]."""
+
+_MOST = 1e9
+_STEP = 0.05
+"""Points of a track lie at least this far apart [m]."""
+_ALWAYS: Final = ("name", "kind", "of")
+_LIMITS: Final = ("from", "until", "least", "most")
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A length [m] that is looked at from `begin` to `end` [s], and its limits."""
+
+    name: str
+    kind: str
+    of: str
+    to: str | None
+    begin: float
+    end: float
+    least: float
+    most: float
+    values: tuple[float, ...]
+    span: Span = field(compare=False)
+
+    @property
+    def observables(self) -> tuple[str, ...]:
+        """The poses that it needs."""
+        return (self.of,) if self.to is None else (self.of, self.to)
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """The least and the greatest value that were found; None: nothing to measure."""
+
+    measure: Measure
+    seen: tuple[float, float] | None
+
+    @property
+    def kept(self) -> bool:
+        """Whether the limits were kept all the time."""
+        if self.seen is None:
+            return False
+        return self.measure.least <= self.seen[0] and self.seen[1] <= self.measure.most
+
+
+@dataclass(frozen=True, slots=True)
+class Course:
+    """The poses of a run: `times` [s], and for each observable its poses at these times."""
+
+    times: Sequence[float]
+    poses: Mapping[str, Sequence[Pose]]
+
+    def between(self, begin: float, end: float) -> range:
+        """The indices of the samples in that time, both ends included."""
+        first = bisect_left(self.times, begin - 1e-9)
+        return range(first, bisect_right(self.times, end + 1e-9))
+
+
+def parse(entry: Mapping[str, Any], place: Callable[[str], Span]) -> Measure:
+    """The measure of a table `[[measure]]`; `place` is where its keys stand.
+
+    Raises InputError.
+    """
+
+    def wrong(key: str, message: str, hint: str | None = None) -> InputError:
+        return InputError([MEASURE.at(place(key), message, hint=hint)])
+
+    for key in _ALWAYS:
+        if not isinstance(entry.get(key), str) or not entry[key]:
+            raise wrong("", f"a measure needs {key}, a text")
+    kind = _KINDS.get(entry["kind"])
+    if kind is None:
+        known = ", ".join(_KINDS)
+        raise wrong("kind", f"no kind {entry['kind']!r}", f"known: {known}")
+    needed = [*_ALWAYS, *(["to"] if kind.two else []), *kind.keys]
+    for key in entry:
+        if key not in needed and key not in _LIMITS:
+            known = ", ".join([*needed, *_LIMITS])
+            raise wrong(key, f"unknown key {key!r}; known: {known}")
+    to = entry.get("to")
+    if kind.two and not (isinstance(to, str) and to):
+        raise wrong("to", f"{entry['kind']!r} needs to, an observable")
+    begin, end, least, most = (
+        _number(entry.get(key, default))
+        for key, default in zip(_LIMITS, (0.0, _MOST, 0.0, kind.most), strict=True)
+    )
+    if begin is None or end is None or least is None or most is None:
+        raise wrong("", f"{', '.join(_LIMITS)} must be numbers")
+    values: list[float] = []
+    for key, length in kind.keys.items():
+        found = entry.get(key, 0.0 if length == 1 else None)
+        numbers = [_number(n) for n in (found if isinstance(found, list) else [found])]
+        if len(numbers) != length or None in numbers:
+            raise wrong(key, f"{key!r} must be {length} numbers")
+        values += [n for n in numbers if n is not None]
+    return Measure(
+        entry["name"],
+        entry["kind"],
+        entry["of"],
+        to,
+        begin,
+        end,
+        least,
+        most,
+        tuple(values),
+        place(""),
+    )
+
+
+def _number(value: Any) -> float | None:
+    fine = isinstance(value, int | float) and not isinstance(value, bool)
+    return float(value) if fine and -_MOST <= value <= _MOST else None
+
+
+def evaluate(measure: Measure, course: Course) -> Result:
+    """What came of a measure."""
+    values = [*_KINDS[measure.kind].values(measure, course)]
+    return Result(measure, (min(values), max(values)) if values else None)
+
+
+def _distance(measure: Measure, course: Course) -> Iterator[float]:
+    """How far apart two robots are."""
+    one, other = _two(measure, course)
+    for i in course.between(measure.begin, measure.end):
+        yield _apart(one[i], other[i])
+
+
+def _track(measure: Measure, course: Course) -> Iterator[float]:
+    """How far a robot is from where another one has been, since `values[0]`."""
+    follower, leader = _two(measure, course)
+    [since] = measure.values
+    track: list[Pose] = []
+    grown = course.between(since, measure.end)
+    looked: Pose | None = None
+    for i in grown:
+        if not track or _apart(track[-1], leader[i]) >= _STEP:
+            track.append(leader[i])
+        here = follower[i]
+        if course.times[i] < measure.begin - 1e-9:
+            continue
+        if looked is None or _apart(looked, here) >= _STEP:
+            looked = here
+            yield _from_line(here, [*track, leader[i]])
+
+
+def _inside(measure: Measure, course: Course) -> Iterator[float]:
+    """How far a robot is outside an area: x and y at least, x and y at most."""
+    left, bottom, right, top = measure.values
+    poses = course.poses[measure.of]
+    for i in course.between(measure.begin, measure.end):
+        x, y, _ = poses[i]
+        yield math.hypot(max(left - x, 0.0, x - right), max(bottom - y, 0.0, y - top))
+
+
+def _moved(measure: Measure, course: Course) -> Iterator[float]:
+    """How far a robot is from where it was at the beginning."""
+    poses = course.poses[measure.of]
+    within = course.between(measure.begin, measure.end)
+    for i in within:
+        yield _apart(poses[i], poses[within[0]])
+
+
+def _alike(measure: Measure, course: Course) -> Iterator[float]:
+    """How far apart two robots would be, had they begun at one place in one direction."""
+    one, other = _two(measure, course)
+    within = course.between(measure.begin, measure.end)
+    for i in within:
+        yield _apart(
+            _seen_from(one[within[0]], one[i]), _seen_from(other[within[0]], other[i])
+        )
+
+
+def _displacement(measure: Measure, course: Course) -> Iterator[float]:
+    """How far the whole motion is from the expected one: in m, or in rad if that is more."""
+    poses = course.poses[measure.of]
+    within = course.between(measure.begin, measure.end)
+    if within:
+        x, y, theta = _seen_from(poses[within[0]], poses[within[-1]])
+        wanted = measure.values
+        turn = abs(math.remainder(theta - wanted[2], math.tau))
+        yield max(math.hypot(x - wanted[0], y - wanted[1]), turn)
+
+
+@dataclass(frozen=True, slots=True)
+class _Kind:
+    values: Callable[[Measure, Course], Iterator[float]]
+    two: bool = False
+    keys: Mapping[str, int] = field(default_factory=dict)
+    """Further keys, and how many numbers each has; a single one may be left out, for 0."""
+    most: float = _MOST
+
+
+_KINDS = {
+    "distance": _Kind(_distance, two=True),
+    "track": _Kind(_track, two=True, keys={"since": 1}),
+    "alike": _Kind(_alike, two=True),
+    "inside": _Kind(_inside, keys={"area": 4}, most=0.0),
+    "moved": _Kind(_moved),
+    "displacement": _Kind(_displacement, keys={"expected": 3}),
+}
+
+
+def _two(measure: Measure, course: Course) -> tuple[Sequence[Pose], Sequence[Pose]]:
+    assert measure.to is not None
+    return course.poses[measure.of], course.poses[measure.to]
+
+
+def _apart(one: Pose, other: Pose) -> float:
+    return math.hypot(other[0] - one[0], other[1] - one[1])
+
+
+def _seen_from(start: Pose, pose: Pose) -> Pose:
+    """A pose in the frame of another."""
+    x, y = pose[0] - start[0], pose[1] - start[1]
+    c, s = math.cos(start[2]), math.sin(start[2])
+    return x * c + y * s, y * c - x * s, math.remainder(pose[2] - start[2], math.tau)
+
+
+def _from_line(here: Pose, line: Sequence[Pose]) -> float:
+    """The distance of a point from a line of straight pieces."""
+    best = math.inf
+    for (ax, ay, _), (bx, by, _) in pairwise(line):
+        dx, dy = bx - ax, by - ay
+        size = dx * dx + dy * dy
+        along = 0.0
+        if size > 0.0:
+            along = ((here[0] - ax) * dx + (here[1] - ay) * dy) / size
+            along = min(max(along, 0.0), 1.0)
+        best = min(
+            best, math.hypot(here[0] - ax - along * dx, here[1] - ay - along * dy)
+        )
+    return best
