@@ -61,7 +61,8 @@ def test_a_whole_file(tmp_path: Path) -> None:
     project = written(
         '[sources]\npaths = ["idl"]\ninclude = ["idl/deep"]\ndefine = {B = 1, A = "x"}\n'
         '[output]\ndir = "out"\nskeletons = "src/mine"\npackage = "bots"\ntarget = "embedded"\n'
-        '[components]\nDrive = "mine.drive:Drive"\n[adapter.serial]\nport = 3\n'
+        '[components]\nDrive = "mine.drive:Drive"\n[adapter.Speed]\n'
+        'from = "A"\nto = "M::B"\nmap = {"data.v" = "v"}\n'
         '[lint]\nignore = ["X"]\n'
     )
     assert [p.as_posix() for p in project.sources] == [
@@ -70,6 +71,13 @@ def test_a_whole_file(tmp_path: Path) -> None:
         "idl/deep/c.idl",
     ]
     assert project.include == (Path("idl/deep"),)
+    [adapter] = project.adapters
+    assert (adapter.name, adapter.source, adapter.target) == ("Speed", "A", "M::B")
+    assert adapter.mapping == (("data.v", "v"),)
+    assert adapter.span.line == 12
+    alone = with_arguments(project, paths=["idl/a.IDL"])
+    assert alone.adapters == ()
+    assert with_arguments(project, paths=["idl/a.IDL"], add=True).adapters == (adapter,)
     assert project.define == (("A", "x"), ("B", "1"))
     assert project.import_folders == (tmp_path / "out", tmp_path / "src")
     assert project.skeleton_package == "mine"
