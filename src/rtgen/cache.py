@@ -58,7 +58,11 @@ class Cache:
             str(Path.cwd()),
             str(project.root),
             list(map(str, project.sources)),
-            list(map(str, project.systems)) if project.target == "openrtm" else [],
+            (
+                [str(project.output), *map(str, project.systems)]
+                if project.target == "openrtm"
+                else []
+            ),
             list(map(str, project.include)),
             project.define,
             project.ignore_case_clashes,

@@ -264,7 +264,7 @@ def _with_systems(
         return result
     from rtgen import systems
 
-    found = systems.read(project.systems, root=project.root)
+    found = systems.read(project.systems, root=project.root, output=project.output)
     checked = systems.checked(found.systems, component_models(result.model, options))
     return replace(
         result,

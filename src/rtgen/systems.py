@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
@@ -26,8 +27,11 @@ class Systems:
     dependencies: list[Dependency] = field(default_factory=list)
 
 
-def read(paths: Sequence[Path], *, root: Path) -> Systems:
-    """Reads systems, each with `<Type>.conf` and `<Instance>.conf` of its folder."""
+def read(paths: Sequence[Path], *, root: Path, output: Path) -> Systems:
+    """Reads systems, each with `<Type>.conf` and `<Instance>.conf` of its folder.
+
+    `output` is the output folder of the project.
+    """
     found = Systems()
     for path in paths:
         file = path.as_posix()
@@ -52,9 +56,18 @@ def read(paths: Sequence[Path], *, root: Path) -> Systems:
                     components=tuple(components),
                     key=key_of(path, root),
                     sha256=digest,
+                    folder=_way(output, path.parent),
                 )
             )
     return found
+
+
+def _way(start: Path, folder: Path) -> str:
+    """The relative path of a folder; empty on another drive."""
+    try:
+        return Path(os.path.relpath(folder, start)).as_posix()
+    except ValueError:
+        return ""
 
 
 def checked(systems: Iterable[System], models: Iterable[Model]) -> Iterator[Diagnostic]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -77,12 +78,15 @@ def naming_service(folder: Path) -> Iterator[str]:
         *("-ORBendPoint", f"giop:tcp:127.0.0.1:{port}"),
     ]
     with (folder / "omniNames.out").open("wb") as out:
-        process = subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT)
+        process = subprocess.Popen(
+            command, stdout=out, stderr=subprocess.STDOUT, start_new_session=True
+        )
     try:
         _answers(port, process)
         yield f"127.0.0.1:{port}"
     finally:
-        process.terminate()
+        # The wheel's omniNames is a script that waits for the program: both are ended.
+        os.killpg(process.pid, signal.SIGTERM)
         process.wait()
 
 

@@ -171,8 +171,8 @@ class Activation:
 class System:
     """A system of components, as an RtsProfile tells it; `activation` in its order.
 
-    `created` and `updated` are dates as xsd:dateTime. `source` is the file, where it is one of a
-    project.
+    `created` and `updated` are dates as xsd:dateTime; `key` and `sha256` are as a SourceFile has
+    them, `folder` leads from the output folder to that of the file.
     """
 
     name: str
@@ -187,3 +187,4 @@ class System:
     updated: str = NO_DATE
     key: str = ""
     sha256: str = ""
+    folder: str = ""

@@ -313,6 +313,8 @@ class _Writer:
             header=self._header(),
             instance=comment_text(c.instance),
             rate=number_literal(instance.rate),
+            # Modules are started in their own folders.
+            folder=f"../../{self._system.folder}" if self._system.folder else "",
             beside=c.conf.strip().splitlines(),
             sets=[
                 (set_id, name, text)
