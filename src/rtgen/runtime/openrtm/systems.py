@@ -8,11 +8,14 @@ is, so that the script may run again.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
+from math import isfinite
+from pathlib import Path
 from typing import Any
 
 OK, FAILED = 0, 3
@@ -68,12 +71,9 @@ def main(system: System, arguments: Sequence[str] | None = None) -> int:
     """Carries out the command line; gives the exit code."""
     options = _options(system, arguments)
     try:
-        if options.probe:
-            Client(options.nameserver, options.timeout).naming()
-            return OK
-        if not options.rate_scale > 0:
+        if not (isfinite(options.rate_scale) and options.rate_scale > 0):
             raise StartError("--rate-scale is a number above 0")
-        client = Client(options.nameserver, options.timeout)
+        client = Client(options.nameserver, options.timeout, options.run)
         if options.stop:
             for line in client.stop(system):
                 _tell(line)
@@ -110,14 +110,14 @@ def _options(system: System, arguments: Sequence[str] | None) -> argparse.Namesp
         metavar="SECONDS",
         help="how long to wait for each step [%(default)s]",
     )
-    what = parser.add_mutually_exclusive_group()
-    what.add_argument(
-        "--stop", action="store_true", help="deactivate and end all components"
+    parser.add_argument(
+        "--run",
+        type=Path,
+        metavar="DIR",
+        help="where start.sh has put ids and output of the processes",
     )
-    what.add_argument(
-        "--probe",
-        action="store_true",
-        help="only ask whether the naming service answers",
+    parser.add_argument(
+        "--stop", action="store_true", help="deactivate and end all components"
     )
     return parser.parse_args(arguments)
 
@@ -127,11 +127,18 @@ def _tell(line: str) -> None:
 
 
 class Client:
-    """A CORBA client of the components of a system; `timeout` [s] limits each wait."""
+    """A CORBA client of the components of a system; `timeout` [s] limits each wait.
 
-    def __init__(self, nameserver: str, timeout: float) -> None:
+    `run` is a folder with `<Instance>.pid` and `<Instance>.out` of the components' processes: a
+    component whose process has ended is not waited for.
+    """
+
+    def __init__(
+        self, nameserver: str, timeout: float, run: Path | None = None
+    ) -> None:
         self._nameserver = nameserver
         self._timeout = timeout
+        self._run = run
         try:
             self._corba: Any = import_module("omniORB.CORBA")
             self._rtc: Any = import_module("RTC")
@@ -197,11 +204,26 @@ class Client:
                 if component is not None:
                     self._components[name] = component
                     missing.remove(name)
+                else:
+                    self._require_process(name)
             return not missing
 
         if not self._wait(all_there):
             names = ", ".join(sorted(missing))
             raise StartError(f"not in the naming service {self._nameserver}: {names}")
+
+    def _require_process(self, name: str) -> None:
+        """Raises StartError if the process of a component has ended."""
+        if self._run is None:
+            return
+        try:
+            os.kill(int((self._run / f"{name}.pid").read_text()), 0)
+        except ProcessLookupError:
+            lines = (self._run / f"{name}.out").read_text(errors="replace").split("\n")
+            last = next((line.strip() for line in reversed(lines) if line.strip()), "")
+            raise StartError(f"the process of {name} has ended: {last}") from None
+        except (OSError, ValueError):
+            return  # not started by start.sh, or not ours
 
     def _resolved(self, naming: Any, name: str) -> Any:
         """The living component that a name is bound to, else None."""

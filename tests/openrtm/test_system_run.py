@@ -1,0 +1,380 @@
+"""Systems started, connected and stopped by their scripts, a process for each component."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+from lab import until
+
+from rtgen.cli import run
+
+ROOT = Path(__file__).resolve().parents[2]
+DOUBLED = 42
+
+PROJECT = """\
+[sources]
+paths = ["parts"]
+
+[output]
+package = "workshop"
+skeletons = "src/hands"
+"""
+
+DEFINITIONS = """\
+module Workshop {
+    struct Reading { long count; };
+    interface Doubler { long twice(in long x); };
+};
+
+@rtc(category="Demo", vendor="me", rate=50.0)
+component Source {
+    uses Workshop::Doubler Doubler;
+    publishes Workshop::Reading reading;
+    @default(0) attribute long number;
+    @default(2.0) attribute double each_time;
+};
+
+@rtc(category="Demo", vendor="me", rate=100.0)
+component Worker {
+    provides Workshop::Doubler Doubler;
+    consumes Workshop::Reading reading;
+    @name("reading") publishes Workshop::Reading passed_on;
+};
+
+@rtc(category="Demo", vendor="me", rate=20.0)
+component Sink {
+    consumes Workshop::Reading reading;
+    @default("nothing") attribute string file;
+    @default("nothing") attribute string prefix;
+};
+"""
+
+BEHAVIOURS = {
+    "source": '''
+from rtgen.runtime import RTC_OK, ReturnCode_t
+from workshop.components.source import SourceBase
+from workshop.workshop import Reading
+
+
+class Source(SourceBase):
+    """Has its number doubled, and sends it."""
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        self.reading.write(Reading(self.Doubler.object.twice(self.config.number)))
+        return RTC_OK
+''',
+    "worker": '''
+from rtgen.runtime import RTC_OK, ReturnCode_t
+from workshop.components.worker import WorkerBase
+from workshop import workshop
+
+
+class Doubler(workshop.Doubler):
+    def twice(self, x: int) -> int:
+        return 2 * x
+
+
+class Worker(WorkerBase):
+    """Doubles, and hands on what comes."""
+
+    def on_initialize(self) -> ReturnCode_t:
+        self.Doubler.set_servant(Doubler())
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        while self.reading.is_new():
+            self.passed_on.write(self.reading.read())
+        return RTC_OK
+''',
+    "sink": '''
+from rtgen.runtime import RTC_OK, ReturnCode_t
+from workshop.components.sink import SinkBase
+
+
+class Sink(SinkBase):
+    """Writes down what came last."""
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        if self.reading.is_new():
+            config = self.config
+            text = f"{config.prefix} {self.reading.read_newest().count}"
+            (self.folder / config.file).write_text(text)
+        return RTC_OK
+''',
+}
+
+
+def component(kind: str, more: str = "") -> str:
+    return (
+        f'<rts:Components rts:id="RTC:me:Demo:{kind}:1.0.0" rts:instanceName="{kind}0">'
+        f"{more}</rts:Components>\n"
+    )
+
+
+def value(name: str, text: str) -> str:
+    return (
+        '<rts:ConfigurationSets rts:id="default">'
+        f'<rts:ConfigurationData rts:name="{name}" rts:data="{text}"/>'
+        "</rts:ConfigurationSets>"
+    )
+
+
+def connector(kind: str, source: str, target: str) -> str:
+    ends = (("source", source), ("target", target))
+    inner = "".join(
+        f'<rts:{end}{kind}Port rts:instanceName="{name.partition(".")[0]}" '
+        f'rts:portName="{name}"/>'
+        for end, name in ends
+    )
+    return f"<rts:{kind}PortConnectors>{inner}</rts:{kind}PortConnectors>\n"
+
+
+SYSTEM = (
+    '<rts:RtsProfile rts:id="RTSystem:me:line:1.0.0" rts:version="0.2" '
+    'xmlns:rts="http://www.openrtp.org/namespaces/rts" '
+    'xmlns:rtsExt="http://www.openrtp.org/namespaces/rts_ext">\n'
+    + component("Source", value("number", str(DOUBLED // 2)))
+    + component("Worker")
+    + component("Sink", value("file", "seen.txt"))
+    + connector("Data", "Source0.reading", "Worker0.reading")
+    + connector("Data", "Worker0.reading", "Sink0.reading")
+    + connector("Service", "Source0.Doubler", "Worker0.Doubler")
+    + '<rtsExt:Properties rtsExt:name="rtgen.openrtm.per_cycle" '
+    'rtsExt:value="Source0.each_time"/>\n</rts:RtsProfile>\n'
+)
+
+
+@pytest.fixture(scope="module")
+def workshop(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the project, generated and completed."""
+    folder = tmp_path_factory.mktemp("workshop")
+    written = {
+        "rtgen.toml": PROJECT,
+        "parts/workshop.idl": DEFINITIONS,
+        "parts/line.xml": SYSTEM,
+        "parts/Sink.conf": "conf.default.prefix: it is\n",
+        **{f"src/hands/{name}.py": text for name, text in BEHAVIOURS.items()},
+    }
+    for name, text in written.items():
+        file = folder / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text, encoding="utf-8")
+    (folder / "src/hands/__init__.py").touch()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        assert run(["generate", "--target", "openrtm", "-q"]) == 0
+    return folder
+
+
+@pytest.fixture(scope="module")
+def environment(rtm_environment: dict[str, str]) -> dict[str, str]:
+    """That of the scripts: they find this interpreter, and the ORB's programs."""
+    beside = str(Path(sys.executable).parent)
+    return {
+        **rtm_environment,
+        "PYTHON": sys.executable,
+        "PATH": os.pathsep.join([beside, os.environ["PATH"]]),
+    }
+
+
+def free_port() -> int:
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        port: int = found.getsockname()[1]
+        return port
+
+
+def script(
+    file: Path, environment: dict[str, str], *arguments: str
+) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [str(file), *arguments],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
+def processes(folder: Path) -> list[int]:
+    """The processes that start.sh has started."""
+    return [int(file.read_text()) for file in folder.glob("run/*.pid")]
+
+
+def is_alive(session: int) -> bool:
+    try:
+        os.killpg(session, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+@pytest.fixture
+def ended(environment: dict[str, str]) -> Iterator[Callable[[Path], None]]:
+    """Stops the system in a folder after the test, however the test has ended."""
+    folders: list[Path] = []
+    yield folders.append
+    for folder in folders:
+        left = processes(folder)
+        script(folder / "stop.sh", environment)
+        for session in left:
+            if is_alive(session):
+                os.killpg(session, signal.SIGKILL)
+
+
+def found(rtm: Any, manager: Any, place: str, name: str) -> Any:
+    rtc = import_module("RTC")
+    naming = rtm.CorbaNaming(manager.getORB(), place)
+    return naming.resolve(f"{name}.rtc")._narrow(rtc.RTObject)
+
+
+def values(component: Any) -> dict[str, str]:
+    """The active parameters as a client sees them."""
+    active = component.get_configuration().get_active_configuration_set()
+    return {v.name: v.value.value() for v in active.configuration_data}
+
+
+def test_a_system_runs(
+    rtm: Any,
+    manager: Any,
+    workshop: Path,
+    environment: dict[str, str],
+    ended: Callable[[Path], None],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    folder = workshop / "generated/openrtm/line"
+    ended(folder)
+    place = f"127.0.0.1:{free_port()}"
+    options = ["--nameserver", place, "--rate-scale", "0.5"]
+    started = script(folder / "start.sh", environment, *options)
+    assert started.returncode == 0, started.stderr
+    told = started.stdout.splitlines()
+    assert told[-1] == "ready"
+    order = [line.split()[0] for line in told if line.endswith(" ACTIVE")]
+    assert order.index("Worker0") < order.index("Source0")
+    running = processes(folder)
+    assert len(running) == 4  # the naming service is one of them
+    seen = workshop / "parts/seen.txt"
+    until(lambda: seen.is_file() and seen.read_text() == f"it is {DOUBLED}")
+
+    source = found(rtm, manager, place, "Source0")
+    assert source.get_owned_contexts()[0].get_rate() == 25.0
+    assert float(values(source)["each_time"]) == 4.0
+
+    # A second time nothing is left to do; a second start is refused.
+    again = script(folder / "connect.py", environment, "--nameserver", place)
+    assert again.returncode == 0, again.stderr
+    assert again.stdout.splitlines()[-1] == "ready"
+    second = script(folder / "start.sh", environment, "--nameserver", place)
+    assert second.returncode == 3
+    assert "runs already" in second.stderr
+    assert all(map(is_alive, running))
+
+    stopped = script(folder / "stop.sh", environment)
+    assert stopped.returncode == 0, stopped.stderr
+    assert not any(map(is_alive, running))
+    assert processes(folder) == []
+    monkeypatch.chdir(workshop)
+    assert run(["check", "--target", "openrtm", "-q"]) == 0
+
+
+def test_a_system_that_does_not_come_up_leaves_nothing(
+    workshop: Path,
+    environment: dict[str, str],
+    naming_service: str,
+    ended: Callable[[Path], None],
+) -> None:
+    folder = workshop / "generated/openrtm/line"
+    ended(folder)
+    right = (folder / "connect.py").read_text(encoding="utf-8")
+    # Another interface of the provider, then another port.
+    mapping = re.compile(
+        r'"(Worker0\.port\.Doubler\.provided\.Workshop::Doubler\.)Doubler"'
+    )
+    for pattern, wrong, why in (
+        (mapping, r'"\1Halver"', "a consumer finds no provider"),
+        (re.compile('"Sink0.reading"'), '"Sink0.writing"', "Sink0 has the ports"),
+    ):
+        changed, count = pattern.subn(wrong, right)
+        assert count == 1
+        (folder / "connect.py").write_text(changed, encoding="utf-8")
+        options = ["--nameserver", naming_service]
+        started = script(folder / "start.sh", environment, *options)
+        assert started.returncode == 3
+        assert "ready" not in started.stdout
+        assert why in started.stderr
+        assert processes(folder) == []
+    (folder / "connect.py").write_text(right, encoding="utf-8")
+    behaviour = workshop / "src/hands/sink.py"
+    behaviour.write_text("import nothing_of_this_name\n", encoding="utf-8")
+    started = script(folder / "start.sh", environment, "--nameserver", naming_service)
+    behaviour.write_text(BEHAVIOURS["sink"], encoding="utf-8")
+    assert started.returncode == 3
+    assert "the process of Sink0 has ended: ModuleNotFoundError" in started.stderr
+    assert processes(folder) == []
+
+
+def test_what_is_not_there_is_waited_for_as_long_as_told(
+    workshop: Path, environment: dict[str, str], naming_service: str
+) -> None:
+    connect = workshop / "generated/openrtm/line/connect.py"
+    options = ["--nameserver", naming_service, "--timeout", "0.2"]
+    told = script(connect, environment, *options)
+    assert told.returncode == 3
+    assert "Sink0, Source0, Worker0" in told.stderr
+    nowhere = f"127.0.0.1:{free_port()}"
+    told = script(connect, environment, "--nameserver", nowhere)
+    assert told.returncode == 3
+    assert "no naming service" in told.stderr
+
+
+def test_a_naming_service_elsewhere_is_not_started(
+    workshop: Path, environment: dict[str, str]
+) -> None:
+    folder = workshop / "generated/openrtm/line"
+    elsewhere = f"127.0.0.2:{free_port()}"
+    told = script(folder / "start.sh", environment, f"--nameserver={elsewhere}")
+    assert told.returncode == 3
+    assert f"no naming service answers at {elsewhere}" in told.stderr
+    assert script(folder / "start.sh", environment, "--what").returncode == 2
+
+
+@pytest.mark.slow
+def test_six_processes_drive_to_the_goal(
+    rtm: Any,
+    manager: Any,
+    reference: Path,
+    environment: dict[str, str],
+    tmp_path: Path,
+    ended: Callable[[Path], None],
+) -> None:
+    """The base has reached the goal when PositionInput has no more commands and goes to ERROR."""
+    rtc = import_module("RTC")
+    generated = tmp_path / "generated"
+    generated.symlink_to(reference)
+    (tmp_path / "src").symlink_to(ROOT / "src")
+    folder = generated / "openrtm/rh3_goal"
+    ended(folder)
+    place = f"127.0.0.1:{free_port()}"
+    started = script(
+        folder / "start.sh", environment, "--nameserver", place, "--rate-scale", "0.2"
+    )
+    assert started.returncode == 0, started.stderr
+    position_input = found(rtm, manager, place, "PositionInput0")
+    end = time.monotonic() + 300.0
+    while rtm.get_state(position_input)[1] == rtc.ACTIVE_STATE:
+        assert time.monotonic() < end
+        time.sleep(0.2)
+    assert rtm.get_state(position_input)[1] == rtc.ERROR_STATE
