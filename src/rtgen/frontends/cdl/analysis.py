@@ -74,6 +74,7 @@ class Analysis:
     def run(self, unit: Unit) -> None:
         """Declare what a unit and its imports declare."""
         self.items(unit.items, unit, self.root)
+        self.types.finish()
         self._components.finish()
 
     def model(self) -> tuple[TecsDeclaration, ...]:

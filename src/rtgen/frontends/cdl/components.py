@@ -149,6 +149,9 @@ class Components:
         target = place.lookup(node.target)
         if target is None and (place.lost(node.target) or self._analysis.incomplete):
             return
+        type_ = target.component if isinstance(target, Entity) else None
+        if isinstance(type_, known.Celltype) and plugins.may_join(node.plugin.text):
+            type_.joined_by = node.plugin.text
         if target is None or target.kind not in _GENERATED:
             what = "is not known" if target is None else f"is a {target.kind}"
             self._report(
@@ -193,6 +196,8 @@ class Components:
             plugin = generate.arguments[0]
             assert isinstance(plugin, tree.Name)
             self.applied(plugin, place)
+            if plugins.may_join(plugin.text):
+                type_.joined_by = plugin.text
 
     # After the last file
 

@@ -216,6 +216,8 @@ class Celltype:
     cell_factory: bool = False
     celltype_factory: bool = False
     cells: list[Cell] = field(default_factory=list)
+    joined_by: str | None = None
+    """The plug-in that may join the call ports of the cells."""
 
     @property
     def name(self) -> str:

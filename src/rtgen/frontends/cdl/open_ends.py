@@ -51,6 +51,13 @@ class OpenEnds:
             if free or port.name in cell.exported or port.signature is None:
                 return
             hidden = port.hidden
+            plugin = cell.celltype.joined_by if cell.celltype is not None else None
+            if plugin is not None:
+                message = (
+                    f"{port.name} of {cell.name} is not joined here; {plugin} may do it"
+                )
+                self._report(rules.MADE_BY_PLUGIN.at(cell.span, message))
+                return
             if hidden is None:
                 message = f"the call port {port.name} of {cell.name} is not joined"
                 hint = f"write {port.name} = Cell.eEntry, or make the port [optional]"

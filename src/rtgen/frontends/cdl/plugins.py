@@ -126,6 +126,9 @@ class Applied:
         return next(reversed((*self.generators, *self.on_ways)), None)
 
 
+JOINING = frozenset({"TECSInfoPlugin", "TECSInfoCompoPlugin"})
+"""Plug-ins of celltypes that join call ports of the cells by themselves."""
+
 TECSGEN = THROUGH | GENERATE | DOMAIN
 
 
@@ -142,3 +145,8 @@ def is_ours(name: str) -> bool:
 def is_known(name: str) -> bool:
     """Whether a name, as written, is our plug-in's or one that tecsgen ships."""
     return is_ours(name) or class_name(name) in TECSGEN or f"{name}Plugin" in DOMAIN
+
+
+def may_join(name: str) -> bool:
+    """Whether a plug-in of a celltype may join call ports: of a foreign one nobody knows."""
+    return class_name(name) in JOINING or not is_known(name)

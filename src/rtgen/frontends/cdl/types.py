@@ -118,6 +118,7 @@ class Types:
         self._analysis = analysis
         self._report = analysis.report
         self._anonymous = 0
+        self._later: list[tuple[tree.ScopedName, Unit, Scope]] = []
 
     def of(self, written: tree.QualifiedType, unit: Unit, scope: Scope) -> CType | None:
         """The type with its qualifiers; None if it has errors, which are told."""
@@ -146,10 +147,30 @@ class Types:
             return self._struct(written, unit, scope)
         if isinstance(written, tree.EnumSpecifier):
             return self._enum(written, unit, scope)
+        return self._descriptor(written.signature, unit, scope)
+
+    def _descriptor(
+        self, written: tree.ScopedName, unit: Unit, scope: Scope
+    ) -> CType | None:
+        """The signature of a descriptor may come later."""
+        if scope.find(written) is None:
+            self._later.append((written, unit, scope))
+            around = () if written.absolute or len(written.parts) > 1 else scope.name
+            return DescriptorType((*around, *(part.text for part in written.parts)))
+        return self._signature(written, unit, scope)
+
+    def _signature(
+        self, written: tree.ScopedName, unit: Unit, scope: Scope
+    ) -> CType | None:
         entity = self._analysis.find(
-            written.signature, unit, scope, (Kind.SIGNATURE,), "a descriptor"
+            written, unit, scope, (Kind.SIGNATURE,), "a descriptor"
         )
         return None if entity is None else DescriptorType(entity.name)
+
+    def finish(self) -> None:
+        """Look for the signatures of descriptors that were not known where they stand."""
+        for written, unit, scope in self._later:
+            self._signature(written, unit, scope)
 
     def _basic(self, written: tree.BasicType, unit: Unit) -> CType | None:
         if written.sign is None:

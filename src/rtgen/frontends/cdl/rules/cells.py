@@ -629,11 +629,11 @@ generate( TracePlugin, sWork, "" );
 
 MADE_BY_PLUGIN = Rule(
     "CDL0635",
-    "name that a plug-in may declare",
+    "what a plug-in may declare or join",
     Severity.NOTE,
     """
-The name is not declared here. It may be among what a plug-in of tecsgen declares that was applied
-before, so it is taken for known.
+The name is not declared here, or the call port not joined. It may be among what a plug-in of
+tecsgen declares that was applied before, or joins by itself, so it is taken for right.
 
 ```cdl
 // gives this finding
