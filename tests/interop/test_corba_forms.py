@@ -47,7 +47,7 @@ serving = test_service_forms.serving
 @pytest.fixture(scope="module")
 def objects() -> Iterator[Objects]:
     orb = Orb()
-    yield Objects(orb.orb, orb.poa)
+    yield Objects(orb)
     orb.close()
 
 

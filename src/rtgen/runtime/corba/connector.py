@@ -10,7 +10,7 @@ from typing import Any
 from omniORB import CORBA
 
 from rtgen.runtime.corba.faults import caught, is_inactive, is_unsent
-from rtgen.runtime.corba.naming import Naming
+from rtgen.runtime.corba.naming import Naming, is_alive
 from rtgen.runtime.corba.objects import Objects, Remote
 from rtgen.runtime.errors import (
     ConnectorPropertyError,
@@ -133,7 +133,9 @@ class RemoteProvider:
 
     def _reference(self) -> Any:
         """The reference that the naming service has; None if nobody serves the port."""
-        found = self._naming.providers((self.port.instance, self.port.port))
+        served = self._naming.providers((self.port.instance, self.port.port))
+        # omniORB answers `_is_a` by itself where it can, also for those that are gone.
+        found = {name: r for name, r in served.items() if is_alive(r)}
         identity = self.consumer.interface._descriptor_.repository_id
         name = self.consumer.instance if self._told is None else self._told
         if name in found and found[name]._is_a(identity):

@@ -46,7 +46,7 @@ class Naming:
             context = self._context(port)
             if context is None:
                 context = self._root.bind_new_context(_path(*port))
-            if _is_alive(_resolved(context, name)):
+            if is_alive(_resolved(context, name)):
                 instance = ".".join(port)
                 raise ServedElsewhereError(
                     f"{instance}:{name} is served by another process already, "
@@ -113,15 +113,13 @@ def _resolved(context: Any, id_: str, kind: str = "") -> Any:
         return None
 
 
-def _is_alive(reference: Any) -> bool:
+def is_alive(reference: Any) -> bool:
     """Whether the process of an object answers, whatever it says."""
     if reference is None:
         return False
     try:
         reference._non_existent()
-    except CORBA.OBJECT_NOT_EXIST:
-        return False
-    except (CORBA.TRANSIENT, CORBA.COMM_FAILURE):
+    except (CORBA.OBJECT_NOT_EXIST, CORBA.TRANSIENT, CORBA.COMM_FAILURE):
         return False
     return True
 

@@ -19,11 +19,13 @@ from rtgen.runtime.cdr_values import (
 )
 from rtgen.runtime.corba.faults import caught, raised
 from rtgen.runtime.corba.operations import Operations
+from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.wire_types import Interface, WireTypes
 from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import (
     Invoker,
     MarshalError,
+    ObjectNotExist,
     Servant,
     ServiceError,
     Stub,
@@ -88,9 +90,10 @@ def _tell_fault(operation: str, found: Any, arguments: tuple[object, ...]) -> No
 class Objects:
     """The objects of one process and the references that it holds."""
 
-    def __init__(self, orb: Any, poa: Any) -> None:
-        self._orb = orb
-        self._poa = poa
+    def __init__(self, orb: Orb) -> None:
+        self._orb = orb.orb
+        self._poa = orb.poa
+        self._busy = orb.busy
         self.types = WireTypes(self)
         self._operations: dict[type[Servant], Operations] = {}
         self._classes: dict[type[Servant], type[Any]] = {}
@@ -118,7 +121,7 @@ class Objects:
         if class_ is None:
             class_ = _servant_class(interface, self.operations(interface))
             self._classes[interface] = class_
-        servant = class_(call, exists)
+        servant = class_(call, exists, self._busy)
         return self._poa.id_to_reference(self._poa.activate_object(servant))
 
     def withdraw(self, reference: Any) -> None:
@@ -189,9 +192,12 @@ def _servant_class(interface: type[Servant], operations: Operations) -> type[Any
     descriptor = interface._descriptor_
     described = {name: o.descriptor for name, o in operations.of.items()}
 
-    def keep(self: Any, call: Invoker, exists: Callable[[], bool]) -> None:
+    def keep(
+        self: Any, call: Invoker, exists: Callable[[], bool], busy: list[None]
+    ) -> None:
         self._call = call
         self._exists = exists
+        self._busy = busy
 
     parts: dict[str, Any] = {
         "__init__": keep,
@@ -210,6 +216,7 @@ def _method(name: str, operation: Any) -> Callable[..., Any]:
 
     def method(self: Any, *values: Any) -> Any:
         given = values[:count]
+        self._busy.append(None)
         try:
             if arguments_of is not None:
                 given = _checked(arguments_of, given, "the request is wrong")
@@ -227,6 +234,8 @@ def _method(name: str, operation: Any) -> Callable[..., Any]:
             raise _told(name, fault, error) from error
         except ServiceError as error:
             raise _told(name, error, error.__cause__) from None
+        finally:
+            self._busy.pop()
 
     return method
 
@@ -245,5 +254,7 @@ def _checked(
 
 
 def _told(name: str, error: ServiceError, cause: BaseException | None) -> Any:
-    log.warning("%s: %s", name, error, exc_info=cause)
+    # Clients may ask as often as they like whether a component is ACTIVE.
+    level = logging.DEBUG if isinstance(error, ObjectNotExist) else logging.WARNING
+    log.log(level, "%s: %s", name, error, exc_info=cause)
     return raised(error)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-import threading
+import time
 from typing import Any
 
 import omniORB
@@ -11,6 +11,7 @@ from omniORB import CORBA, PortableServer
 
 from rtgen.runtime.errors import TransportError
 
+_LOOK_AGAIN = 0.005
 LOOPBACK = "127.0.0.1"
 _numbers = itertools.count()
 
@@ -36,19 +37,29 @@ class Orb:
         }
         words = ["rtgen", *(word for pair in options.items() for word in pair)]
         self._timeout = timeout
+        self.busy: list[None] = []
+        """An item for each call that is carried out at the moment."""
+        self.orb: Any = None
         try:
-            self.orb: Any = CORBA.ORB_init(words, CORBA.ORB_ID)
+            self.orb = CORBA.ORB_init(words, CORBA.ORB_ID)
             root = self.orb.resolve_initial_references("RootPOA")
             self.poa: Any = root.create_POA(f"rtgen-{next(_numbers)}", None, [])
             self.poa._get_the_POAManager().activate()
         except (CORBA.Exception, PortableServer.POA.AdapterAlreadyExists) as error:
+            if self._owned and self.orb is not None:
+                self.orb.destroy()
             raise TransportError(f"omniORB cannot listen at {host}: {error}") from error
 
     def close(self) -> None:
-        """Ends all objects, and the ORB if it began here; waits for calls, but not for ever."""
+        """Ends all objects, and the ORB if it began here.
+
+        Waits for calls that are carried out, but no longer than the time-out: an ORB with a servant
+        that never returns is left as it is.
+        """
         self.poa.destroy(False, False)
-        if self._owned:
-            # A servant that never returns would hold destroy() for ever.
-            ending = threading.Thread(target=self.orb.destroy, daemon=True)
-            ending.start()
-            ending.join(self._timeout)
+        deadline = time.monotonic() + self._timeout
+        while self.busy and time.monotonic() < deadline:
+            time.sleep(_LOOK_AGAIN)
+        # In this thread: another one could still be at its end when the interpreter is.
+        if self._owned and not self.busy:
+            self.orb.destroy()

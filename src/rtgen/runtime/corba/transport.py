@@ -43,7 +43,7 @@ class CorbaTransport:
         self._closing = ExitStack()
         orb = Orb(host, timeout)
         self._closing.callback(orb.close)
-        self._objects = Objects(orb.orb, orb.poa)
+        self._objects = Objects(orb)
         self._references: dict[Provider[Any], Any] = {}
         self._connectors: list[RemoteConnector] = []
         self._naming: Naming | None = None
