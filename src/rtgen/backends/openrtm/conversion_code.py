@@ -1,8 +1,8 @@
 """The statements and expressions that convert values to omniORB's objects and back.
 
-What goes out is filled in field by field, in a kept object or in a new one that is made without
-its constructor; what comes in is made by constructors, from the inside out. Structs in structs are
-converted in place up to `_INLINE` fields; beyond that, and for the items of sequences, by calls.
+Structs are filled in field by field: a kept object, or a new one that is made without its
+constructor, since calling those takes longer than all the rest. Structs in structs are converted in
+place up to `_INLINE` fields; beyond that, and for the items of sequences, by calls.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ class ConversionCode:
                 for field in self._fields(declaration)
             )
             return [f"return {class_}({', '.join(parts)})"]
-        lines = [f"wire = new({class_})"]
+        lines = [f"wire = {self._new(class_)}"]
         if isinstance(declaration, Union):
             fill = self._py.function("fill", declaration.name)
             return [*lines, f"{fill}(wire, value)", "return wire"]
@@ -107,9 +107,14 @@ class ConversionCode:
             return [f"value: {ours} = {octets}.of(wire)", "return value"]
         if isinstance(declaration, Union):
             return list(self._of_union(declaration))
-        lines: list[str] = []
-        made = self._made(declaration, "wire", lines, set())
-        return [*lines, f"return {made}"]
+        if isinstance(declaration, ExceptionDecl):
+            parts = (
+                self._incoming(field.type, f"wire.{field.theirs}")
+                for field in self._fields(declaration)
+            )
+            return [f"return {ours}({', '.join(parts)})"]
+        made = self._made(declaration, "value", "wire", set())
+        return [f"value = {self._new(ours)}", *made, "return value"]
 
     def _holds_values(self, declaration: Struct | Union | ExceptionDecl) -> bool:
         return self._classic.holds_values(NamedType(declaration.name))
@@ -135,30 +140,33 @@ class ConversionCode:
             there, here = f"{wire}.{field.theirs}", f"{value}.{field.ours}"
             inner = self._inner(field.type)
             if inner is None:
-                yield self._fill_field(field.type, there, here, fresh)
+                yield from self._fill_field(field.type, there, here, fresh)
                 continue
             inner_wire = _variable(f"{wire}_{field.theirs}", used)
             inner_value = _variable(f"{value}_{field.ours}", used)
-            made = f"{there} = new({self._py.wire_class(inner)})" if fresh else there
+            made = (
+                f"{there} = {self._new(self._py.wire_class(inner))}" if fresh else there
+            )
             yield f"{inner_wire} = {made}"
             yield f"{inner_value} = {here}"
             yield from self._fill_struct(inner, inner_wire, inner_value, fresh, used)
 
-    def _fill_field(self, type_: Type, there: str, here: str, fresh: bool) -> str:
-        if not fresh:
-            plain = self._model.unalias(type_)
-            if self._is_same(plain):
-                return f"{there} = {here}"
-            struct = self._struct(plain)
-            if struct is not None:
-                return f"{self._py.function('fill', struct.name)}({there}, {here})"
-            element = self._kept_element(plain)
-            if element is not None:
-                fill = self._py.function("fill", element.name)
-                to = self._py.function("to", element.name)
-                refill = self._py.helper("refill")
-                return f"{refill}({there}, {here}, {fill}, {to})"
-        return f"{there} = {self._outgoing(type_, here)}"
+    def _fill_field(
+        self, type_: Type, there: str, here: str, fresh: bool
+    ) -> Iterator[str]:
+        plain = self._model.unalias(type_)
+        struct, element = self._struct(plain), self._kept_element(plain)
+        if fresh or (struct is element is None and not self._is_same(plain)):
+            yield f"{there} = {self._outgoing(type_, here)}"
+        elif struct is not None:
+            yield f"{self._py.function('fill', struct.name)}({there}, {here})"
+        elif element is not None:
+            fill = self._py.function("fill", element.name)
+            to = self._py.function("to", element.name)
+            yield f"if {here} or {there}:"
+            yield f"    {self._py.helper('refill')}({there}, {here}, {fill}, {to})"
+        else:
+            yield f"{there} = {here}"
 
     def _kept_element(self, plain: Type) -> Struct | None:
         """The struct that a list consists of whose wire objects are kept."""
@@ -192,24 +200,24 @@ class ConversionCode:
         return size
 
     def _made(
-        self,
-        declaration: Struct | ExceptionDecl,
-        wire: str,
-        lines: list[str],
-        used: set[str],
-    ) -> str:
-        """The expression that makes a value; `lines` gets what has to stand before it."""
-        parts = []
-        for field in self._fields(declaration):
-            there = f"{wire}.{field.theirs}"
+        self, struct: Struct, value: str, wire: str, used: set[str]
+    ) -> Iterator[str]:
+        """The statements that fill in what is to be a value."""
+        for field in self._fields(struct):
+            there, here = f"{wire}.{field.theirs}", f"{value}.{field.ours}"
             inner = self._inner(field.type)
             if inner is None:
-                parts.append(self._incoming(field.type, there))
+                yield f"{here} = {self._incoming(field.type, there)}"
                 continue
-            name = _variable(f"{wire}_{field.theirs}", used)
-            lines.append(f"{name} = {there}")
-            parts.append(self._made(inner, name, lines, used))
-        return f"{self._py.type(declaration.name)}({', '.join(parts)})"
+            inner_value = _variable(f"{value}_{field.ours}", used)
+            inner_wire = _variable(f"{wire}_{field.theirs}", used)
+            made = self._new(self._py.type(inner.name))
+            yield f"{inner_value} = {here} = {made}"
+            yield f"{inner_wire} = {there}"
+            yield from self._made(inner, inner_value, inner_wire, used)
+
+    def _new(self, class_: str) -> str:
+        return f"{self._py.helper('new')}({class_})"
 
     # Unions.
 

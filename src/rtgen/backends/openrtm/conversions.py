@@ -90,7 +90,6 @@ class _Module:
             "openrtm/conversions.py.j2",
             header=_header(self._unit, sources),
             docstring=docstring(title, 0),
-            makes_objects=any("new(" in block for block in blocks),
             imports=self._scope.import_lines(),
             constants=self._scope.constant_lines(),
             blocks="\n\n".join(blocks),
@@ -121,7 +120,6 @@ class _Module:
         )
 
     def _defined(self) -> Iterator[str]:
-        yield "new"
         for declaration in self._declarations:
             known = self._names.conversions(declaration)
             if isinstance(declaration, Interface):

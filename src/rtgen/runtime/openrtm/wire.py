@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import omniORB
 from omniORB import CORBA, tcInternal
@@ -24,8 +24,19 @@ from rtgen.runtime.services import (
     UnknownException,
 )
 
+_T = TypeVar("_T")
+
 Reference: TypeAlias = Callable[[], Any]
 """Gives the omniORB object that a stub calls, or None where there is none (yet)."""
+
+
+if TYPE_CHECKING:
+
+    def new(class_: type[_T]) -> _T:
+        """An object without attributes."""
+
+else:
+    new = object.__new__
 
 
 def class_of(repository_id: str) -> Any:
@@ -55,11 +66,12 @@ def refill(
     to: Callable[[Any], Any],
 ) -> None:
     """Makes the list of wire objects that of the values, keeping those that it has."""
-    del wires[len(values) :]
-    for wire, value in zip(wires, values, strict=False):
+    count = len(wires)
+    if count != len(values):
+        del wires[len(values) :]
+        wires += [to(value) for value in values[count:]]
+    for wire, value in zip(wires, values):  # noqa: B905  (its cost is what counts here)
         fill(wire, value)
-    for value in values[len(wires) :]:
-        wires.append(to(value))
 
 
 def to_fixed(value: Decimal, digits: int, scale: int) -> Any:

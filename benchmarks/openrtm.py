@@ -1,0 +1,287 @@
+"""The target openrtm's conversions beside omniORBpy's own marshalling of the same values.
+
+    python benchmarks/openrtm.py [--all]
+
+For each type of OpenRTM and of the reference build: what it takes to fill the kept wire object of
+an OutPort, over cdrMarshal of it; and to make a value of a wire object, over cdrUnmarshal, which
+made that. Rounds of all tasks alternate, on one processor, whose time is taken; the medians are
+compared. Sequences have 0, 4 and 64 items, where there are any. Printed are the types with the
+highest ratios, with `--all` each type; beside them a new wire object (`to_...`, for service calls
+and `direct` connectors). Ends with 1 where a ratio is above its limit: 1.0 outgoing, 1.2 incoming.
+"""
+
+from __future__ import annotations
+
+import importlib
+import math
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+DEFINITIONS = (".idl", ".cdl", ".eds", ".toml")
+LENGTHS = (0, 4, 64)
+LIMITS = (1.0, 1.2)
+ROUNDS = 11
+SECONDS_PER_ROUND = 0.001
+SHOWN = 12
+
+Task = Callable[[], object]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A value of a type: its name, and the five tasks."""
+
+    name: str
+    tasks: tuple[Task, Task, Task, Task, Task]
+
+
+@dataclass(frozen=True)
+class Result:
+    """Medians in ns: filled, marshalled, made of, unmarshalled, made new.
+
+    Nothing can be said of unmarshalling a wchar: omniORBpy 4.3.3 cannot read what it wrote.
+    """
+
+    name: str
+    times: tuple[float, ...]
+
+    @property
+    def ratios(self) -> tuple[float, float, float]:
+        filled, marshalled, made, unmarshalled, new = self.times
+        return filled / marshalled, made / unmarshalled, new / marshalled
+
+
+def generate(folder: Path) -> list[str]:
+    """Makes the reference build for OpenRTM, and its stubs; gives their names."""
+    specs = ROOT / "specs"
+    files = [str(p) for p in sorted(specs.glob("*/*")) if p.suffix in DEFINITIONS]
+    command = [sys.executable, "-m", "rtgen", "generate", *files, "-q"]
+    told = ["--target", "openrtm", "-o", str(folder), "--no-cache"]
+    subprocess.run([*command, *told], cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
+    idl = {p.stem: p for p in (folder / "generated").glob("openrtm/*/idl/*.idl")}
+    idl |= {p.stem: p for p in (specs / "idl").glob("*.idl")}
+    together = folder / "idl"
+    together.mkdir()
+    for stem, path in idl.items():
+        (together / f"{stem}.idl").write_bytes(path.read_bytes())
+    stubs = folder / "stubs"
+    stubs.mkdir()
+    omniidl = Path(sys.executable).with_name("omniidl")
+    command = [str(omniidl), "-bpython", f"-I{together}", f"-C{stubs}"]
+    subprocess.run([*command, *map(str, sorted(together.iterdir()))], check=True)
+    return sorted(idl)
+
+
+def conversions(folder: Path) -> Iterator[tuple[type[Any], Any]]:
+    """Our classes of structs, each with the module of its conversions."""
+    for file in sorted((folder / "generated").rglob("_corba/[a-z]*.py")):
+        package = ".".join(file.parent.parent.relative_to(folder / "generated").parts)
+        types = importlib.import_module(f"{package}._idl.{file.stem}")
+        module = importlib.import_module(f"{package}._corba.{file.stem}")
+        for name, value in vars(types).items():
+            own = isinstance(value, type) and value.__module__ == types.__name__
+            if own and hasattr(module, f"fill_{name}"):
+                yield value, module
+
+
+def example(descriptor: Any, types: dict[str, type[Any]], length: int) -> Any:
+    """A value of the type whose sequences have that many items."""
+    from rtgen.runtime.descriptors import (
+        ArrayDescriptor,
+        EnumDescriptor,
+        PrimitiveDescriptor,
+        SequenceDescriptor,
+        StringDescriptor,
+        StructDescriptor,
+        UnionDescriptor,
+        plain,
+    )
+
+    descriptor = plain(descriptor)
+    match descriptor:
+        case StructDescriptor(members=members):
+            made = (example(m.type, types, length) for m in members)
+            return types[descriptor.repository_id](*made)
+        case UnionDescriptor():
+            return types[descriptor.repository_id]()
+        case EnumDescriptor():
+            return list(types[descriptor.repository_id])[-1]
+        case StringDescriptor():
+            return "robot"
+        case SequenceDescriptor(element, bound):
+            count = length if bound is None else min(length, bound)
+            return joined(
+                [example(element, types, length) for _ in range(count)], element
+            )
+        case ArrayDescriptor(element, (first, *rest)):
+            inner = ArrayDescriptor(element, tuple(rest)) if rest else element
+            return joined([example(inner, types, length) for _ in range(first)], inner)
+        case PrimitiveDescriptor("boolean"):
+            return True
+        case PrimitiveDescriptor("char" | "wchar"):
+            return "r"
+        case PrimitiveDescriptor("float" | "double"):
+            return 0.75
+        case PrimitiveDescriptor(name) if name not in ("any", "Object"):
+            return 7
+    return default(descriptor)
+
+
+def default(descriptor: Any) -> Any:
+    """The initial value of what is no plain data."""
+    from rtgen.runtime.values import AnyValue
+
+    return AnyValue() if getattr(descriptor, "name", "") == "any" else None
+
+
+def joined(items: list[Any], element: Any) -> Any:
+    """The items as `bytes` or `str`, where that is how such a sequence is written."""
+    from rtgen.runtime.descriptors import plain
+
+    name = getattr(plain(element), "name", "")
+    if name in ("octet", "uint8"):
+        return bytes(items)
+    return "".join(items) if name == "char" else items
+
+
+def cases(folder: Path) -> Iterator[Case]:
+    """Every struct, with sequences of all lengths."""
+    import omniORB
+
+    known = list(conversions(folder))
+    types = {
+        value._descriptor_.repository_id: value
+        for kind, _ in known
+        for value in vars(sys.modules[kind.__module__]).values()
+        if isinstance(value, type) and hasattr(value, "_descriptor_")
+    }
+    for kind, module in known:
+        code = omniORB.findTypeCode(kind._descriptor_.repository_id)
+        seen = set()
+        for length in LENGTHS:
+            value = example(kind._descriptor_, types, length)
+            octets = value.to_cdr()
+            if octets in seen:
+                continue
+            seen.add(octets)
+            name = kind._descriptor_.name + (f", {length}" if len(seen) > 1 else "")
+            yield Case(name, tasks(kind, module, code, value))
+
+
+def nothing() -> None:
+    """Stands for what cannot be measured."""
+
+
+def tasks(kind: type[Any], module: Any, code: Any, value: Any) -> Any:
+    """The five tasks of a value."""
+    import omniORB
+
+    fill, to, of, new = (
+        getattr(module, f"{word}_{kind.__name__}")
+        for word in ("fill", "to", "from", "new")
+    )
+    marshal, unmarshal = omniORB.cdrMarshal, omniORB.cdrUnmarshal
+    kept = new()
+    fill(kept, value)
+    octets = marshal(code, kept, 1)
+    has_wchar = "wchar" in repr(kind._descriptor_)
+    arrived = to(value) if has_wchar else unmarshal(code, octets, 1)
+    assert of(arrived) == value
+    return (
+        lambda: fill(kept, value),
+        lambda: marshal(code, kept, 1),
+        lambda: of(arrived),
+        nothing if has_wchar else lambda: unmarshal(code, octets, 1),
+        lambda: to(value),
+    )
+
+
+def measured(case: Case) -> Result:
+    """The medians of rounds that alternate between the tasks."""
+    clock = time.process_time_ns
+    numbers = []
+    for task in case.tasks:
+        start, count = clock(), 0
+        while clock() - start < SECONDS_PER_ROUND * 1e9:
+            task()
+            count += 1
+        numbers.append(max(count, 1))
+    samples: list[list[float]] = [[] for _ in case.tasks]
+    for _ in range(ROUNDS):
+        for task, number, times in zip(case.tasks, numbers, samples, strict=True):
+            repeat = range(number)
+            start = clock()
+            for _ in repeat:
+                task()
+            times.append((clock() - start) / number)
+    medians = [statistics.median(times) for times in samples]
+    if case.tasks[3] is nothing:
+        medians[3] = math.inf
+    return Result(case.name, tuple(medians))
+
+
+def table(title: str, results: list[Result]) -> None:
+    """Times in ns and ratios, a line for each result."""
+    print(f"{title}\n")
+    columns = ("fill", "marshal", "ratio", "from", "unmarshal", "ratio", "to", "ratio")
+    print(f"{'type':34}" + "".join(f"{column:>10}" for column in columns))
+    for result in results:
+        filled, marshalled, made, unmarshalled, new = result.times
+        out, into, fresh = result.ratios
+        numbers = (
+            *(f"{filled:10.0f}{marshalled:10.0f}{out:10.2f}",),
+            *(f"{made:10.0f}{unmarshalled:10.0f}{into:10.2f}",),
+            *(f"{new:10.0f}{fresh:10.2f}",),
+        )
+        print(f"{result.name:34}" + "".join(numbers))
+    print()
+
+
+def main() -> int:
+    """Prints the tables; 1 if a ratio is above its limit."""
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        stems = generate(folder)
+        sys.path.insert(0, str(folder / "generated"))
+        from omniORB import CORBA
+
+        from rtgen.runtime.openrtm import stubs
+
+        CORBA.ORB_init(["bench", "-ORBnativeCharCodeSet", "UTF-8"])
+        stubs.load(folder / "stubs", stems)
+        results = [measured(case) for case in cases(folder)]
+    ways = (
+        "outgoing (fill / marshal)",
+        "incoming (from / unmarshal)",
+        "new (to / marshal)",
+    )
+    if "--all" in sys.argv[1:]:
+        table("Every type", results)
+    for way in (0, 1):
+        ordered = sorted(results, key=lambda r: -r.ratios[way])
+        table(f"{ways[way]}: the highest", ordered[:SHOWN])
+    for way, text in enumerate(ways):
+        ordered = sorted(results, key=lambda r: r.ratios[way])
+        ratios = [result.ratios[way] for result in ordered]
+        middle, highest = statistics.median(ratios), ratios[-1]
+        limit = f", limit {LIMITS[way]}" if way < 2 else ""
+        print(
+            f"{text}: {len(ratios)} values, median {middle:.2f}, highest {highest:.2f}{limit}"
+        )
+    exceeded = any(r.ratios[way] > LIMITS[way] for r in results for way in (0, 1))
+    return 1 if exceeded else 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())
