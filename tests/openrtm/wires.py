@@ -17,6 +17,8 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "interop"))
 
 import samples
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from padding import masked, padding
 
 from rtgen.backends import Options
@@ -40,9 +42,8 @@ from rtgen.runtime.descriptors import (
 )
 from rtgen.runtime.openrtm import stubs
 
-__all__ = ["Kind", "Wires", "agree", "samples", "wired", "wired_text"]
-
 _numbers = itertools.count()
+_EXAMPLES = 12
 
 
 @dataclass(frozen=True)
@@ -185,6 +186,25 @@ def agree(kind: Kind, value: Any, kept: Any, little_endian: bool) -> None:
     if not holds(kind.descriptor, "wchar"):
         back = omniorb.cdrUnmarshal(kind.code, octets, int(little_endian))
         assert kind.of(back) == value
+
+
+def values_agree(kind: Kind, all_types: dict[str, type[Any]]) -> None:
+    """Random values of a type, which are filled into one wire object after the other."""
+    descriptor = kind.descriptor
+    kept = None if kind.is_exception else kind.new()
+
+    @settings(
+        max_examples=_EXAMPLES,
+        deadline=None,
+        database=None,
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(samples.values(descriptor), st.booleans())
+    def check(tree: Any, little_endian: bool) -> None:
+        value = samples.build(descriptor, tree, all_types)
+        agree(kind, value, kept, little_endian)
+
+    check()
 
 
 def holds(descriptor: Descriptor, primitive: str, depth: int = 0) -> bool:

@@ -325,6 +325,8 @@ TOLD_AS: dict[type[ServiceError], str] = {
 
 SYSTEM_EXCEPTIONS: dict[str, type[ServiceError]] = {
     **{f"IDL:omg.org/CORBA/{name}:1.0": type_ for type_, name in TOLD_AS.items()},
+    "IDL:omg.org/CORBA/BAD_PARAM:1.0": MarshalError,
+    "IDL:omg.org/CORBA/DATA_CONVERSION:1.0": MarshalError,
     "IDL:omg.org/CORBA/INV_OBJREF:1.0": ObjectNotExist,
     "IDL:omg.org/CORBA/TRANSIENT:1.0": CommunicationFailure,
 }

@@ -18,6 +18,7 @@ from rtgen.model import (
     Home,
     Interface,
     MapType,
+    Member,
     Model,
     NamedType,
     Native,
@@ -39,8 +40,10 @@ _UNKNOWN = {
     Primitive.INT8: "IDL has no `int8` before version 4",
     Primitive.UINT8: "IDL has no `uint8` before version 4",
     Primitive.LONG_DOUBLE: "omniORBpy has no `long double`",
-    Primitive.VALUE_BASE: "omniORBpy cannot marshal a `ValueBase`",
 }
+
+_VALUE_BASE: ScopedName = ()
+"""Stands for `ValueBase` among the names of types."""
 
 _NO_SWITCH = (Primitive.OCTET, Primitive.WCHAR)
 """What IDL 4 alone has as the type of a discriminator."""
@@ -55,7 +58,10 @@ class Classic:
         self._waiting: set[ScopedName] = set()
 
     def reason(self, name: ScopedName) -> str:
-        """Why there is no such type or interface there; empty where there is."""
+        """Why there is no such type or interface there; empty where there is.
+
+        What stands for something unknown gets a stand-in there, too.
+        """
         if name in self._waiting:
             return ""
         if name not in self._reasons:
@@ -80,7 +86,7 @@ class Classic:
 
     def _problems(self, declaration: Declaration) -> Iterator[str]:
         if declaration.annotation(OPAQUE) is not None:
-            yield f"`{declaration.scoped}` is not known"
+            return
         match declaration:
             case Bitset() | Bitmask():
                 kind = type(declaration).__name__.lower()
@@ -98,7 +104,7 @@ class Classic:
                 yield from self._in_struct(declaration)
             case ExceptionDecl(members=members):
                 for member in members:
-                    yield from self._in_type(member.type)
+                    yield from self._in_member(declaration, member)
             case Union():
                 yield from self._in_union(declaration)
             case Interface():
@@ -114,7 +120,12 @@ class Classic:
             member = holder.members[place]
             if member.optional:
                 yield f"`{struct.scoped}` has the optional member `{member.name}`"
-            yield from self._in_type(member.type)
+            yield from self._in_member(struct, member)
+
+    def _in_member(self, holder: Declaration, member: Member) -> Iterator[str]:
+        if member.name == "self":
+            yield f"`{holder.scoped}` has a member `self`, which breaks omniORBpy's class"
+        yield from self._in_type(member.type)
 
     def _in_union(self, union: Union) -> Iterator[str]:
         switch = self._model.unalias(union.switch)
@@ -136,13 +147,9 @@ class Classic:
             for name in (*attribute.get_raises, *attribute.set_raises):
                 yield from filter(None, (self.reason(name),))
         for operation in interface.operations:
-            yield from self._in_operation(interface, operation)
+            yield from self._in_operation(operation)
 
-    def _in_operation(
-        self, interface: Interface, operation: Operation
-    ) -> Iterator[str]:
-        if operation.context:
-            yield f"`{interface.scoped}::{operation.name}` has a context"
+    def _in_operation(self, operation: Operation) -> Iterator[str]:
         for type_ in (operation.returns, *(p.type for p in operation.parameters)):
             yield from self._in_type(type_)
         yield from filter(None, map(self.reason, operation.raises))
@@ -179,6 +186,7 @@ class Classic:
             for d in self._model.declarations
             if isinstance(d, Valuetype | ValueBox)
         }
+        found.add(_VALUE_BASE)
         holders = {
             d.name: self._held(d)
             for d in self._model.declarations
@@ -214,4 +222,6 @@ class Classic:
                 return self._names_in(key) | self._names_in(value)
             case NamedType(name):
                 return {name}
+            case PrimitiveType(Primitive.VALUE_BASE):
+                return {_VALUE_BASE}
         return set()

@@ -35,14 +35,19 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
+from rtgen.model.declarations import OPAQUE
 
 _INLINE = 48
 """The most fields, those of inner structs included, that are converted in one function."""
+
+STAND_IN = "opaque"
+"""The member, an octet, of what stands for a struct that is not known."""
 
 _BY_OCTETS = {
     Primitive.ANY: "ANYTHING",
     Primitive.TYPE_CODE: "TYPE_CODE",
     Primitive.OBJECT: "OBJECT",
+    Primitive.VALUE_BASE: "VALUE",
 }
 
 
@@ -79,7 +84,8 @@ class ConversionCode:
             return [f"wire.__dict__.update({fresh}.__dict__)"]
         if isinstance(declaration, Union):
             return list(self._fill_union(declaration))
-        return list(self._fill_struct(declaration, "wire", "value", False, set()))
+        lines = list(self._fill_struct(declaration, "wire", "value", False, set()))
+        return lines or ["pass"]
 
     def to(self, declaration: Struct | Union | ExceptionDecl) -> list[str]:
         """The body of what makes a wire object of `value`."""
@@ -96,6 +102,8 @@ class ConversionCode:
         if isinstance(declaration, Union):
             fill = self._py.function("fill", declaration.name)
             return [*lines, f"{fill}(wire, value)", "return wire"]
+        if declaration.annotation(OPAQUE) is not None:
+            lines.append(f"wire.{STAND_IN} = 0")
         lines += self._fill_struct(declaration, "wire", "value", True, set())
         return [*lines, "return wire"]
 
@@ -349,9 +357,12 @@ class ConversionCode:
         depth: int,
         convert: _Convert,
     ) -> str:
-        element: Type = type_.element
-        if isinstance(type_, ArrayType) and len(type_.dimensions) > 1:
-            element = ArrayType(type_.element, type_.dimensions[1:])
+        element = _element(type_)
+        if self._names.mapping.is_text(type_):
+            if convert == self._outgoing:
+                return f"list({expression})"
+            octets = self._names.mapping.annotation(type_) == "bytes"
+            return f"bytes({expression})" if octets else f'"".join({expression})'
         if self._is_immutable(self._model.unalias(element)):
             return f"list({expression})"
         item = "item" if depth == 1 else f"item_{depth}"
@@ -374,7 +385,9 @@ class ConversionCode:
             case FixedType():
                 return False
             case SequenceType() | ArrayType():
-                return self._names.mapping.is_text(plain)
+                # omniORBpy has lists where the definition has another name for octet or char.
+                direct = isinstance(_element(plain), PrimitiveType)
+                return direct and self._names.mapping.is_text(plain)
             case NamedType():
                 return False
         return True
@@ -384,8 +397,16 @@ class ConversionCode:
         if self._is_immutable(plain):
             return True
         if isinstance(plain, SequenceType | ArrayType):
-            return self._is_same(self._model.unalias(plain.element))
+            texts = self._names.mapping.is_text(plain)
+            return not texts and self._is_same(self._model.unalias(_element(plain)))
         return False
+
+
+def _element(type_: SequenceType | ArrayType) -> Type:
+    """What the items of a list are: those of an array of arrays are arrays."""
+    if isinstance(type_, ArrayType) and len(type_.dimensions) > 1:
+        return ArrayType(type_.element, type_.dimensions[1:])
+    return type_.element
 
 
 def _variable(name: str, used: set[str]) -> str:

@@ -43,6 +43,7 @@ STOCK = frozenset(
 OPENRTM_NAME = "openrtm_name"
 """The annotation that names a port for OpenRTM."""
 
+_STOCK_STEMS = {stem.casefold(): "" for stem in STOCK}
 _NOT_IN_STEM = re.compile(r"\W", re.ASCII)
 _NO_TYPES = (Component, Home)
 
@@ -104,10 +105,11 @@ class Unit:
             if module not in with_types:
                 continue
             stem = PurePosixPath(files[0]).stem
-            stock = stem in STOCK
+            stock = files[0].endswith(".idl") and stem in STOCK
             plain = name = identifier(_NOT_IN_STEM.sub("_", stem))
             number = 1
-            while not stock and stems.get(name.casefold(), module) != module:
+            taken = {**_STOCK_STEMS, **stems}
+            while not stock and taken.get(name.casefold(), module) != module:
                 number += 1
                 name = f"{plain}_{number}"
             stems[name.casefold()] = module

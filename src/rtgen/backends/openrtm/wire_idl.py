@@ -10,11 +10,22 @@ from rtgen.backends import Artifact
 from rtgen.backends.idl_text import idl_text
 from rtgen.backends.openrtm import rules
 from rtgen.backends.openrtm.classic import Classic
+from rtgen.backends.openrtm.conversion_code import STAND_IN
 from rtgen.backends.openrtm.plan import ComponentPlan, IdlFile, Unit
+from rtgen.backends.openrtm.wire_names import wire_id
 from rtgen.backends.python_text import header, header_comment
 from rtgen.backends.rendering import render
 from rtgen.diagnostics import Diagnostic
-from rtgen.model import Component, Declaration, Home, Model, Struct
+from rtgen.model import (
+    Component,
+    Declaration,
+    Home,
+    Member,
+    Model,
+    Primitive,
+    PrimitiveType,
+    Struct,
+)
 from rtgen.model.declarations import OPAQUE
 
 
@@ -57,7 +68,7 @@ class WireIdl:
         ]
         for port, type_ in (*data, *services):
             reason = self._classic.reason(type_.name)
-            if reason and type_.annotation(OPAQUE) is None:
+            if reason:
                 message = f"OpenRTM cannot have the port `{port.name}`: {reason}"
                 yield rules.NOT_CLASSIC.at(port.span, message)
 
@@ -101,12 +112,18 @@ class WireIdl:
                 continue
             if self._classic.reason(declaration.name):
                 continue
-            if isinstance(declaration, Struct) and declaration.base is not None:
+            if not isinstance(declaration, Struct):
+                yield declaration
+            elif declaration.annotation(OPAQUE) is not None:
+                octet = PrimitiveType(Primitive.OCTET)
+                member = Member(name=STAND_IN, type=octet, span=declaration.span)
+                yield replace(
+                    declaration, repository_id=wire_id(declaration), members=(member,)
+                )
+            else:
                 members = self._classic.members(declaration)
                 yield replace(
                     declaration,
                     base=None,
                     members=tuple(struct.members[place] for struct, place in members),
                 )
-                continue
-            yield declaration

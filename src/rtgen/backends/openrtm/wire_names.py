@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from rtgen.backends.openrtm.plan import Unit
-from rtgen.model import Declaration, Interface, ScopedName
+from rtgen.model import Declaration, Interface, ScopedName, Struct
+from rtgen.model.declarations import OPAQUE
 from rtgen.typemap.idl_python import PythonMapping, PythonNames
 
 CORBA_PACKAGE = "_corba"
@@ -97,6 +98,13 @@ class WireNames:
         declared = {d.name for d in declarations}
         first = {d.name[:1] for d in declarations if len(d.name) > 1}
         return frozenset(first - declared)
+
+
+def wire_id(declaration: Declaration) -> str:
+    """The repository id that omniORB knows a type by: a stand-in is not what it stands for."""
+    if isinstance(declaration, Struct) and declaration.annotation(OPAQUE) is not None:
+        return f"IDL:rtgen.opaque/{'/'.join(declaration.name)}:1.0"
+    return declaration.repository_id
 
 
 def mangled(name: str) -> str:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 from rtgen.backends.openrtm.plan import Unit
-from rtgen.backends.openrtm.wire_names import CORBA_PACKAGE, WireNames
+from rtgen.backends.openrtm.wire_names import CORBA_PACKAGE, WireNames, wire_id
 from rtgen.backends.python_text import string_literal
 from rtgen.model import Declaration, Enum, ScopedName
 from rtgen.typemap.python_names import identifier
@@ -13,8 +14,8 @@ from rtgen.typemap.python_names import identifier
 WIRE = "rtgen.runtime.openrtm.wire"
 """The module of the runtime that conversions use."""
 
-_VARIABLES = ("value", "wire", "item", "part", "state", "made", "error", "result")
-"""What names of variables in the functions begin with."""
+_VARIABLE = re.compile("(value|wire|item|part|state|made|error|result|context)(_.*)?")
+"""The names of variables in the functions."""
 
 
 class WireScope:
@@ -102,7 +103,7 @@ class WireScope:
         return self._constant(declaration, "_octets", made)
 
     def _id(self, declaration: Declaration) -> str:
-        return string_literal(declaration.repository_id)
+        return string_literal(wire_id(declaration))
 
     def _constant(self, declaration: Declaration, suffix: str, made: str) -> str:
         key = suffix, declaration.name
@@ -113,8 +114,10 @@ class WireScope:
 
     def _free(self, name: str) -> str:
         name = identifier(name)
-        while name in self._taken or name.startswith(_VARIABLES):
-            name = f"{name}_" if name in self._taken else f"_{name}"
+        if _VARIABLE.fullmatch(name):
+            name = f"_{name}"
+        while name in self._taken:
+            name += "_"
         self._taken.add(name)
         return name
 

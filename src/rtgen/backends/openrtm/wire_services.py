@@ -45,6 +45,7 @@ class _Operation:
     call: str
     take: list[str]
     declared: str
+    key: str
 
 
 class WireServices:
@@ -131,6 +132,7 @@ class WireServices:
             raises=operation.raises,
             name=name,
             decorators=[],
+            context=bool(operation.context),
         )
 
     def _made(
@@ -143,21 +145,27 @@ class WireServices:
         raises: Sequence[ScopedName],
         name: str,
         decorators: list[str],
+        context: bool = False,
     ) -> _Operation:
         code = self._code
         any_type = self._py.helper("Any", "typing")
         inward = ", ".join(code.incoming(type_, n) for n, type_ in given)
         served = f"{method}{inward})" if method.endswith("(") else f"{method}{inward}"
-        outward = ", ".join(code.outgoing(type_, n) for n, type_ in given)
+        sent = [code.outgoing(type_, n) for n, type_ in given]
+        taken = [n for n, _ in given]
+        if context:
+            sent.append(self._py.helper("NO_CONTEXT"))
+            taken.append(_apart("context", taken))
+        outward = ", ".join(sent)
         called = f"{self._py.helper('called')}(self._reference).{wire_name}({outward})"
-        result, made = _apart([n for n, _ in given])
+        result, made = _apart("result", taken), _apart("made", taken)
         declared = ", ".join(
             f"{self._wire_class(e)}: {self._py.function('of', e)}"
             for e in dict.fromkeys(raises)
         )
         return _Operation(
             wire_name=wire_name,
-            wire_parameters="".join(f", {n}: {any_type}" for n, _ in given),
+            wire_parameters="".join(f", {n}: {any_type}" for n in taken),
             serve=f"{result} = {served}" if results else served,
             give=self._give(results, result),
             raises=[
@@ -173,6 +181,7 @@ class WireServices:
             call=f"{result} = {called}" if results else called,
             take=list(self._take(results, result, made)),
             declared=f", {{{declared}}}" if declared else "",
+            key=string_literal(wire_name),
         )
 
     def _wire_class(self, exception: ScopedName) -> str:
@@ -189,10 +198,11 @@ class WireServices:
         code = self._code
         if len(results) < 2:
             return "".join(code.outgoing(type_, result) for type_ in results)
-        return ", ".join(
+        parts = [
             code.outgoing(type_, f"{result}[{place}]")
             for place, type_ in enumerate(results)
-        )
+        ]
+        return f"({', '.join(parts)})"
 
     def _take(self, results: Sequence[Type], result: str, made: str) -> Iterator[str]:
         """The statements that give the caller what omniORB gave."""
@@ -205,14 +215,11 @@ class WireServices:
                 code.incoming(type_, f"{result}[{place}]")
                 for place, type_ in enumerate(results)
             ]
-            yield f"return {', '.join(parts)}"
+            yield f"return ({', '.join(parts)})"
 
 
-def _apart(given: Sequence[str]) -> tuple[str, str]:
-    """Names for variables that no parameter has: `result`, `made`."""
-    names = []
-    for name in ("result", "made"):
-        while name in given:
-            name += "_"
-        names.append(name)
-    return names[0], names[1]
+def _apart(name: str, given: Sequence[str]) -> str:
+    """A name for a variable that no parameter has."""
+    while name in given:
+        name += "_"
+    return name

@@ -14,15 +14,10 @@ import omniORB
 from omniORB import CORBA, tcInternal
 
 from rtgen.runtime.cdr_faults import decoded, encoded
+from rtgen.runtime.corba.faults import caught
 from rtgen.runtime.descriptors import ANY, Descriptor, PrimitiveDescriptor
 from rtgen.runtime.openrtm.stubs import StubsMissingError
-from rtgen.runtime.services import (
-    BadOperation,
-    MarshalError,
-    ObjectNotExist,
-    ServiceError,
-    UnknownException,
-)
+from rtgen.runtime.services import ObjectNotExist
 
 _T = TypeVar("_T")
 
@@ -110,7 +105,12 @@ class Octets:
 ANYTHING = Octets(ANY, CORBA.TC_any)
 TYPE_CODE = Octets(PrimitiveDescriptor("CORBA::TypeCode"), CORBA.TC_TypeCode)
 OBJECT = Octets(PrimitiveDescriptor("Object"), CORBA.TC_Object)
+VALUE = Octets(PrimitiveDescriptor("ValueBase"), "IDL:omg.org/CORBA/ValueBase:1.0")
 """Conversions of the basic types that are no plain data."""
+
+
+NO_CONTEXT = CORBA.Context("", None)
+"""The context of calls: none is kept here."""
 
 
 class Objects:
@@ -143,9 +143,6 @@ class Objects:
         return None if wire is None else self._stub(lambda: wire)
 
 
-_NONE: Mapping[type[Any], Callable[[Any], Exception]] = {}
-
-
 def called(reference: Reference) -> Any:
     """The object to call. Raises ObjectNotExist where there is none."""
     found = reference()
@@ -154,8 +151,13 @@ def called(reference: Reference) -> Any:
     return found
 
 
+_NONE: Mapping[type[Any], Callable[[Any], Exception]] = {}
+
+
 def raised(
-    error: Exception, declared: Mapping[type[Any], Callable[[Any], Exception]] = _NONE
+    operation: str,
+    error: Exception,
+    declared: Mapping[type[Any], Callable[[Any], Exception]] = _NONE,
 ) -> Exception:
     """What a call through a stub raises for what omniORB raised.
 
@@ -164,19 +166,6 @@ def raised(
     convert = declared.get(type(error))
     if convert is not None:
         return convert(error)
-    if not isinstance(error, CORBA.SystemException):
-        raise error
-    kind = _SYSTEM.get(type(error), ServiceError)
-    return kind(f"{type(error).__name__}: {error}")
-
-
-_SYSTEM: dict[type[Any], type[ServiceError]] = {
-    CORBA.OBJECT_NOT_EXIST: ObjectNotExist,
-    CORBA.INV_OBJREF: ObjectNotExist,
-    CORBA.UNKNOWN: UnknownException,
-    CORBA.BAD_OPERATION: BadOperation,
-    CORBA.NO_IMPLEMENT: BadOperation,
-    CORBA.BAD_PARAM: MarshalError,
-    CORBA.DATA_CONVERSION: MarshalError,
-    CORBA.MARSHAL: MarshalError,
-}
+    if isinstance(error, CORBA.SystemException):
+        return caught(operation, error)
+    raise error
