@@ -6,19 +6,18 @@ configuration and life cycle, with values of every type that a port has.
 
 from __future__ import annotations
 
-import configparser
 import json
 import subprocess
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import middleware
 import peers
 import pytest
+from conformance import BEHAVIOURS, component_of
 from lab import Lab, resolved, until
 from specimens import COUNT, specimen
 
@@ -26,25 +25,6 @@ from rtgen.runtime import Component
 from rtgen.runtime.profiles import ParameterProfile
 
 HERE = Path(__file__).parent
-GENERATED = HERE.parents[1] / "generated"
-LISTS = ("refrobots/components/entry_points.txt", "tecs/entry_points.txt")
-
-
-class EntryPoints(configparser.ConfigParser):
-    """Names keep their case."""
-
-    def optionxform(self, optionstr: str) -> str:
-        return optionstr
-
-
-def behaviours() -> dict[str, str]:
-    """Of every component of the reference build what makes it, `module:name`."""
-    lists = EntryPoints()
-    lists.read(GENERATED / file for file in LISTS)
-    return {n: v for section in lists.sections() for n, v in lists[section].items()}
-
-
-BEHAVIOURS = behaviours()
 IN_EVERY_RUN = {"RefHardRh3", "PositionInput", "EposDriveProxy", "MotorBoardMarshaller"}
 """Enough of everything for a quick look; all others are slow by their number."""
 
@@ -115,9 +95,7 @@ class Module:
     @cached_property
     def behaviour(self) -> Component:
         """One like it in this process: what the definition says."""
-        module, _, attribute = BEHAVIOURS[self.name].partition(":")
-        made: Component = getattr(import_module(module), attribute)(f"{self.name}0")
-        return made
+        return component_of(self.name)
 
     def ports(self, kind: str, made: dict[Any, Any]) -> dict[Any, Any]:
         """Ports of the behaviour that are in its definition: it may add others of its own."""

@@ -7,6 +7,7 @@ import re
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -120,6 +121,8 @@ class Manager:
         # A wait without a limit would keep signals from being handled.
         while not self._ended.wait(0.2):
             pass
+        # The call that ended the last component gets its answer before the ORB ends.
+        time.sleep(0.1)
         self.shutdown()
 
     def terminate(self) -> None:

@@ -1,0 +1,98 @@
+"""Modules with the behaviours of the reference build, started and used as an engineer does."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import time
+from pathlib import Path
+from typing import Any
+
+import middleware
+import peers
+import pytest
+from conformance import BEHAVIOURS, component_of
+from lab import Lab, resolved, until
+
+ROOT = Path(__file__).parents[2]
+IN_EVERY_RUN = {"Navigation", "PositionInput"}
+FAILS = {
+    "CanopenManager": "there is no network ''",
+    "CeilingCamera": "ceiling_map",
+    "CeilingNavigation": "ceiling_map",
+    "DispPosition": "route_map",
+    "Odometry": "a wheel is missing",
+    "OdometryRh2": "a wheel is missing",
+    "PathPlanning": "route_map",
+    "PlanningManager": "has no waypoint",
+    "PositionInput": "all commands are carried out",
+}
+"""Who ends in ERROR alone, or by initial values: a word of the reason in the manager's log."""
+
+
+@pytest.fixture(scope="session")
+def complete(reference: Path) -> Path:
+    """The reference build with its behaviours where the project has its skeletons."""
+    behaviours = reference.parent / "src" / "refnav"
+    shutil.copytree(ROOT / "src" / "refnav", behaviours, dirs_exist_ok=True)
+    return reference
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=() if name in IN_EVERY_RUN else pytest.mark.slow)
+        for name in sorted(BEHAVIOURS)
+    ],
+)
+def test_a_module_starts_runs_and_ends(
+    name: str,
+    rtm: Any,
+    lab: Lab,
+    complete: Path,
+    naming_service: str,
+    rtm_environment: dict[str, str],
+) -> None:
+    import RTC
+
+    folder = complete / "openrtm" / name
+    script = ["sh", "idlcompile.sh"]
+    subprocess.run(script, cwd=folder, env=rtm_environment, check=True)
+    peers.load_stubs(folder / "stubs")
+    options = {
+        "corba.nameservers": naming_service,
+        "naming.formats": "start/%n.rtc",
+        "logger.file_name": "./rtc.log",
+    }
+    command = [f"{name}.py", "-f", "rtc.conf"]
+    with middleware.launched(command, options, rtm_environment, folder) as process:
+        component = resolved(rtm, naming_service, f"start/{name}0.rtc", process)
+        writers = [
+            feeding(rtm, lab, component, f"{name}0.{port}", in_port.type)
+            for port, in_port in component_of(name).in_ports.items()
+        ]
+        assert rtm.activate(component) == RTC.RTC_OK
+        for writer in writers:
+            assert writer.write()
+        if name in FAILS:
+            until(lambda: rtm.is_in_error(component))
+            assert FAILS[name] in (folder / "rtc.log").read_text()
+            assert rtm.reset(component) == RTC.RTC_OK
+        else:
+            time.sleep(3.0 / rtm.get_current_rate(component, 0))
+            assert rtm.is_in_active(component), (folder / "rtc.log").read_text()
+            assert rtm.deactivate(component) == RTC.RTC_OK
+        assert rtm.is_in_inactive(component)
+        component.exit()
+        assert process.wait(20) == 0, (folder / "manager.out").read_text()
+
+
+def feeding(rtm: Any, lab: Lab, component: Any, port: str, type_: Any) -> Any:
+    """An OutPort with an initial value of the type that is connected to an InPort."""
+    import RTC
+
+    out = lab.out_port(peers.wire(type_()))
+    target = rtm.get_port_by_name(component, port)
+    asked = rtm.Properties()
+    assert rtm.connect("feed", asked, out.getPortRef(), target) == RTC.RTC_OK, port
+    return out
