@@ -222,6 +222,19 @@ def holds(descriptor: Descriptor, primitive: str, depth: int = 0) -> bool:
     return plain(descriptor) == PrimitiveDescriptor(primitive)
 
 
-def type_code_octets(descriptor: Descriptor) -> bytes:
-    """A type code of ours."""
-    return encoded(PrimitiveDescriptor("CORBA::TypeCode"), descriptor, True)
+def type_codes(wires: Wires) -> Iterator[Any]:
+    """The descriptors of all types of a package that omniORB knows."""
+    omniorb = importlib.import_module("omniORB")
+    for type_ in wires.types.values():
+        if omniorb.findTypeCode(type_._descriptor_.repository_id) is not None:
+            yield type_._descriptor_
+
+
+def equal_type_codes(descriptor: Any) -> bool:
+    """Whether omniORB's type code is ours, names and aliases included."""
+    omniorb = importlib.import_module("omniORB")
+    corba = importlib.import_module("omniORB.CORBA")
+    octets = encoded(PrimitiveDescriptor("CORBA::TypeCode"), descriptor, True)
+    ours = omniorb.cdrUnmarshal(corba.TC_TypeCode, octets, 1)
+    theirs = omniorb.findTypeCode(descriptor.repository_id)
+    return bool(theirs.equal(ours))
