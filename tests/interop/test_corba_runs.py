@@ -391,6 +391,17 @@ def test_a_call_takes_no_longer_than_the_time_out_and_is_sent_once(
     assert here.adder.naps == 2
 
 
+def test_a_process_ends_though_a_servant_does_not_return(
+    project: Path, names: str, stack: ExitStack, serving: Callable[[], Run]
+) -> None:
+    counter = serving()
+    here = Here(stack, names, timeout=0.3)
+    here.connect()
+    with pytest.raises(runtime.CallTimeout):
+        here.adder.nap(3600.0)
+    assert counter.end() == 0, counter.told()
+
+
 def answers(here: Here) -> bool:
     """Whether a call comes back."""
     try:

@@ -26,7 +26,7 @@ _OBSERVABLES = ("rtgen.run.pose", "rtgen.run.goal")
 def named(only: str, profile: System) -> frozenset[str]:
     """The instances of a list with commas. Raises InputError for one that is unknown."""
     names = [name.strip() for name in only.split(",")]
-    return frozenset(timeline.require_instance(n, profile, None) for n in names if n)
+    return frozenset(timeline.require_instance(n, profile, None) for n in names)
 
 
 def share(profile: System, here: Collection[str]) -> System:

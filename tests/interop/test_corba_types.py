@@ -1,0 +1,193 @@
+"""Types that travel in another form by omniORB, and those that cannot travel."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+import forwarder
+import pytest
+
+pytest.importorskip("omniORB", reason="omniORBpy is not installed")
+sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
+
+import emitted
+
+from rtgen.runtime.calls import calls_of
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.corba.objects import Objects
+from rtgen.runtime.corba.orb import Orb
+from rtgen.runtime.descriptors import PrimitiveDescriptor, StringDescriptor
+from rtgen.runtime.services import MarshalError
+from rtgen.runtime.values import AnyValue
+
+IDL = """
+module M {
+  typedef sequence<wchar> WideLetters;
+  typedef wchar WideKey[2];
+  typedef char Letters[2][3];
+  typedef sequence<char, 4> Word;
+  typedef fixed<31,4> Large;
+  typedef sequence<fixed<3,1> > Smalls;
+  struct Node;
+  typedef sequence<Node> Nodes;
+  struct Node { any load; Nodes below; string class; };
+  struct Plain;
+  typedef sequence<Plain> Plains;
+  struct Plain { long load; Plains below; };
+  union Tree switch (char) {
+    case 'n': Node deep; case 'a': case 'b': any load; default: fixed<3,1> small;
+  };
+  union Quiet switch (short) { case 1: long number; case -2: string text; };
+  enum Numbered { @value(3) THREE, @value(7) SEVEN };
+  struct Held { Numbered which; Word few; int8 small; uint8 octet_; };
+  exception Odd { any what; Large much; string from; };
+  interface Echo {
+    WideLetters echo_wide_letters(in WideLetters a);
+    WideKey echo_wide_keys(in WideKey a);
+    Letters echo_letters(in Letters a);
+    Word echo_words(in Word a);
+    Large echo_large(in Large a);
+    Smalls echo_smalls(in Smalls a);
+    Node echo_nodes(in Node a);
+    Plain echo_plains(in Plain a);
+    Tree echo_trees(in Tree a);
+    Quiet echo_quiet(in Quiet a);
+    Numbered echo_numbered(in Numbered a);
+    Held echo_held(in Held a);
+    CORBA::TypeCode echo_codes(in CORBA::TypeCode a);
+    any echo_anys(in any a);
+    void fail(in long a) raises (Odd);
+  };
+
+  valuetype V { public long x; };
+  struct Loose { @optional long x; };
+  bitmask Flags { F0, F1 };
+  typedef map<string, long> Table;
+  interface Refused {
+    V echo_values(in V a);
+    long double echo_quads(in long double a);
+    Loose echo_loose(in Loose a);
+    Flags echo_flags(in Flags a);
+    Table echo_tables(in Table a);
+    long works(in long a);
+  };
+};
+"""
+
+Connect = Callable[[Any], Any]
+
+
+@pytest.fixture(scope="module")
+def m(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    return emitted.emit_text(tmp_path_factory.mktemp("corba_types"), IDL).m
+
+
+@pytest.fixture(params=["in the process", "by a socket"])
+def connect(m: Any, request: pytest.FixtureRequest) -> Iterator[Connect]:
+    """The stub of a servant that gives back what it is given."""
+    orb = Orb()
+    objects = Objects(orb)
+    with ExitStack() as stack:
+
+        def connected(interface: Any) -> Any:
+            methods = {name: lambda self, a: a for name in calls_of(interface)}
+
+            def fail(self: Any, a: int) -> None:
+                raise m.Odd(AnyValue(m.Plain, m.Plain(a)), Decimal("-1.2500"), "here")
+
+            methods["fail"] = fail
+            servant = type("Servant", (interface,), methods)()
+            reference = objects.exported(servant, None)
+            if request.param == "by a socket":
+                told = objects.imported(reference, None)
+                told = stack.enter_context(forwarder.forwarded(told))
+                reference = objects.exported(told, None)
+            return objects.stub(interface, reference)
+
+        yield connected
+    orb.close()
+
+
+def test_what_is_converted(m: Any, connect: Connect) -> None:
+    stub = connect(m.Echo)
+    leaf = m.Node(AnyValue(StringDescriptor(), "leaf"), [], "é")
+    node = m.Node(AnyValue(m.Plain, m.Plain(1, [m.Plain(2)])), [leaf, leaf], "root")
+    plain = m.Plain(1, [m.Plain(2, [m.Plain(3)]), m.Plain(4)])
+    largest = Decimal("123456789012345678901234567.8901")
+    cases: list[tuple[str, Any]] = [
+        ("wide_letters", ["あ", "é", "\ud7ff"]),
+        ("wide_keys", ["あ", "\0"]),
+        ("letters", ["abc", "\xe9\0z"]),
+        ("words", "\xe9\xffa"),
+        ("words", ""),
+        ("large", largest),
+        ("large", -largest),
+        ("large", Decimal("0.0000")),
+        ("smalls", [Decimal("-99.9"), Decimal("0.1")]),
+        ("nodes", node),
+        ("plains", plain),
+        ("trees", m.Tree("n", node)),
+        ("trees", m.Tree("b", AnyValue(PrimitiveDescriptor("double"), 0.5))),
+        ("trees", m.Tree("z", Decimal("1.5"))),
+        ("quiet", m.Quiet(1, 7)),
+        ("quiet", m.Quiet(-2, "text")),
+        ("quiet", m.Quiet(5, None)),
+        ("numbered", m.SEVEN),
+        ("held", m.Held(m.THREE, "ab", -128, 255)),
+        ("anys", AnyValue(m.Node, node)),
+        ("anys", AnyValue()),
+    ]
+    for name, value in cases:
+        answer = getattr(stub, f"echo_{name}")(value)
+        assert answer == value, name
+        assert type(answer) is type(value)
+    assert stub.echo_large(Decimal("1.5")).as_tuple().exponent == -4
+    for code in (m.Plain, m.Node, m.Quiet):
+        assert stub.echo_codes(code._descriptor_) is code._descriptor_
+    assert stub.echo_codes(PrimitiveDescriptor("double")) == PrimitiveDescriptor(
+        "double"
+    )
+    with pytest.raises(m.Odd) as caught:
+        stub.fail(3)
+    assert caught.value == m.Odd(
+        AnyValue(m.Plain, m.Plain(3)), Decimal("-1.2500"), "here"
+    )
+
+
+def test_what_does_not_fit_is_told_with_its_place(m: Any, connect: Connect) -> None:
+    stub = connect(m.Echo)
+    for name, value in (
+        ("wide_keys", ["あ"]),
+        ("wide_letters", ["\U0001f600"]),
+        ("letters", ["abc", "ab"]),
+        ("words", "abcde"),
+        ("words", "あ"),
+        ("large", Decimal("0.00001")),
+        ("nodes", m.Node(3, [], "")),
+        ("plains", m.Plain(2**31)),
+        ("trees", m.Tree("z", Decimal("100.5"))),
+        ("held", m.Held(m.THREE, "ab", 128, 0)),
+    ):
+        with pytest.raises(CdrError, match=rf"^Echo\.echo_{name} request\.a"):
+            getattr(stub, f"echo_{name}")(value)
+
+
+def test_what_cannot_travel_is_refused_when_it_is_called(
+    m: Any, connect: Connect
+) -> None:
+    stub = connect(m.Refused)
+    for name, value in (
+        ("values", None),
+        ("quads", 0.5),
+        ("loose", m.Loose()),
+        ("flags", m.Flags(1)),
+        ("tables", {}),
+    ):
+        with pytest.raises(MarshalError, match=f"echo_{name} is not marshalled: "):
+            getattr(stub, f"echo_{name}")(value)
+    assert stub.works(3) == 3

@@ -1,0 +1,126 @@
+"""What `--only` leaves of a system, its timeline and its conditions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from rtgen.cli import shares
+from rtgen.diagnostics import InputError, Span
+from rtgen.model import Connection, PortReference, System, SystemComponent
+from rtgen.timeline import Ask, Condition, Connect, Disconnect, SetParameter, Step
+
+PLACE = Span("s.xml", 1, 1, 1, 2)
+
+
+def port(text: str) -> PortReference:
+    instance, _, name = text.partition(".")
+    return PortReference(instance=instance, port=name)
+
+
+def link(name: str, source: str, target: str, *, service: bool = True) -> Connection:
+    ends = {"source": port(source), "target": port(target)}
+    return Connection(name=name, service=service, span=PLACE, **ends)
+
+
+def system(*connections: Connection) -> System:
+    parts = [
+        SystemComponent(instance=name, type="T", id="", path_uri="", span=PLACE)
+        for name in ("A0", "B0", "C0")
+    ]
+    return System(
+        name="s",
+        id="",
+        file="s.xml",
+        abstract="",
+        components=tuple(parts),
+        connections=connections,
+        properties=(
+            ("rtgen.run.pose", "B0.pose"),
+            ("rtgen.run.goal", "A0.goal"),
+            ("rtgen.run.until", "B0=ERROR,5"),
+        ),
+    )
+
+
+def test_components_connections_and_properties() -> None:
+    whole = system(
+        link("ab", "A0.x", "B0.x"),
+        link("bc", "B0.y", "C0.y"),
+        link("aa", "A0.out", "A0.in", service=False),
+        link("bb", "B0.out", "B0.in", service=False),
+    )
+    here = shares.named(" A0 ", whole)
+    part = shares.share(whole, here)
+    assert [c.instance for c in part.components] == ["A0"]
+    assert [c.name for c in part.connections] == ["ab", "aa"]
+    assert dict(part.properties) == {
+        "rtgen.run.goal": "A0.goal",
+        "rtgen.run.until": "B0=ERROR,5",
+    }
+    assert shares.share(whole, shares.named("A0,B0,C0", whole)) == whole
+
+
+@pytest.mark.parametrize("text", ["D0", "A0,D0", "", "A0,,B0"])
+def test_unknown_names(text: str) -> None:
+    with pytest.raises(InputError) as caught:
+        shares.named(text, system())
+    assert [d.code for d in caught.value.diagnostics] == ["SYS0005"]
+
+
+def test_data_between_processes() -> None:
+    crossing = [
+        link("one", "A0.out", "B0.in", service=False),
+        link("two", "C0.out", "A0.in", service=False),
+    ]
+    with pytest.raises(InputError) as caught:
+        shares.share(system(*crossing), {"A0"})
+    assert [d.code for d in caught.value.diagnostics] == ["SYS0009"] * 2
+    assert caught.value.diagnostics[0].span == PLACE
+
+
+def step(action: Any) -> Step:
+    return Step(0, action, PLACE)
+
+
+def test_steps_of_a_timeline() -> None:
+    whole = system(link("ab", "A0.x", "B0.x"), link("bc", "B0.y", "C0.y"))
+    ends = port("B0.y"), port("A0.y")
+    mine = [
+        step(Ask("activate", "A0")),
+        step(SetParameter("A0", "p", "1")),
+        step(Disconnect("ab")),
+        step(Connect("new", *ends, {})),
+        step(Disconnect("new")),
+    ]
+    others = [
+        step(Ask("activate", "B0")),
+        step(SetParameter("C0", "p", "1")),
+        step(Disconnect("bc")),
+        step(Connect("other", port("B0.z"), port("C0.z"), {})),
+        step(Disconnect("other")),
+    ]
+    mixed = [s for pair in zip(mine, others, strict=True) for s in pair]
+    assert shares.steps_here(mixed, whole, {"A0"}) == mine
+
+
+def test_a_step_that_connects_data_ports_of_two_processes() -> None:
+    whole = system(link("data", "B0.out", "A0.in", service=False))
+    again = step(Connect("data", port("B0.out"), port("A0.in"), {}))
+    with pytest.raises(InputError) as caught:
+        shares.steps_here([again], whole, {"A0"})
+    assert [d.code for d in caught.value.diagnostics] == ["SYS0009"]
+
+
+def test_conditions_and_values() -> None:
+    condition = Condition(5, "B0", "ERROR")
+    assert shares.condition_here(condition, {"B0"}, asked=True) == condition
+    assert shares.condition_here(condition, {"A0"}, asked=False) == Condition(5)
+    assert shares.condition_here(Condition(5), {"A0"}, asked=True) == Condition(5)
+    with pytest.raises(InputError, match="SYS0009"):
+        shares.condition_here(condition, {"A0"}, asked=True)
+    value = SetParameter("B0", "p", "1")
+    shares.require_here([value], {"B0"})
+    with pytest.raises(InputError, match="--set: B0 is not among"):
+        shares.require_here([value], {"A0"})
