@@ -80,6 +80,13 @@ class SimulatedRefHard(Component, Generic[P]):
             self._placed = True
         self._now = self.now()
         self._control.start(self._now)
+        return self.on_rate_changed(ec_id)
+
+    def on_rate_changed(self, ec_id: int) -> ReturnCode_t:
+        """Take the period of the executions."""
+        context = self.get_context(ec_id)
+        assert context is not None, "the component takes part in it"
+        self._period = 1.0 / context.get_rate()
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
@@ -97,7 +104,8 @@ class SimulatedRefHard(Component, Generic[P]):
         config = self.config
         base = self._base
         now = self.now()
-        dt = (now - self._now) * 1e-9
+        # What steers the base knows nothing of an overrun either: it costs time, and bends no path.
+        dt = min((now - self._now) * 1e-9, self._period)
         self._now = now
         # The wheels first run on at the speeds they had: a command acts from now on.
         base.roll(dt)

@@ -16,6 +16,7 @@ from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.measures import Measure
 from rtgen.model import PortReference, System
 from rtgen.system_rules import CONDITION, PARAMETER, TIMELINE, UNKNOWN_INSTANCE
+from rtgen.typemap.connector_properties import own_properties
 
 SECOND = 1_000_000_000
 
@@ -340,7 +341,9 @@ class _Reader:
         links = self._own
         name = self._link(value, span, links).name
         known = next(c for c in self._system.connections if c.name == name)
-        return Connect(name, known.source, known.target, dict(known.properties))
+        return Connect(
+            name, known.source, known.target, own_properties(known.properties)
+        )
 
     def _link(self, text: str, span: Span, links: list[_Link]) -> _Link:
         """The connection of that name, else of that connector id."""

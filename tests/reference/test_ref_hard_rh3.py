@@ -10,7 +10,7 @@ from bench import Bench
 
 from refnav.ref_hard_rh3 import RefHardRh3
 from refrobots import RefHard, iis, rtc
-from rtgen.runtime import Component, LifeCycleState
+from rtgen.runtime import SECOND, Component, LifeCycleState
 
 PER_TURN = 2000 * 74.91
 
@@ -44,6 +44,21 @@ def test_the_plant_has_a_geometry_of_its_own(bench: Bench) -> None:
     bench.send("InTargetVelocity", velocity(0.0, 0.1))
     bench.run(10.0)
     assert truth(bench)[2] == pytest.approx(0.995 * 0.441 / 0.464, abs=0.002)
+
+
+def test_an_overrun_costs_time_and_moves_the_base_no_further(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    bench.send("InTargetVelocity", velocity(0.1))
+    bench.run(1.0)
+    before = truth(bench)[0]
+    bench.run(0.001)
+    step = truth(bench)[0] - before
+    now = bench.component.now
+    monkeypatch.setattr(bench.component, "now", lambda: now() + 5 * SECOND)
+    before = truth(bench)[0]
+    bench.run(0.001)
+    assert truth(bench)[0] - before == pytest.approx(step, rel=1e-6)
 
 
 def test_angles_are_whole_counts_of_the_encoder(bench: Bench) -> None:

@@ -27,7 +27,7 @@ from rtgen.system_rules import (
     UNKNOWN_TYPE,
 )
 from rtgen.timeline import SECOND, Action, Ask, Connect, Disconnect, SetParameter, Step
-from rtgen.typemap.connector_properties import is_foreign
+from rtgen.typemap.connector_properties import own_properties
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import CorbaTransport
@@ -78,7 +78,7 @@ def assemble(
             connection.name,
             connection.source,
             connection.target,
-            {k: text for k, text in connection.properties if not is_foreign(k)},
+            own_properties(connection.properties),
         )
         findings += _findings(CONNECTION, connection.span, _performing(system, action))
     for step in steps:

@@ -74,7 +74,8 @@ _KEYS = (
     "dataport.fan_out",
     "dataport.allow_dup_connection",
 )
-_ADDRESS_PREFIX = "dataport.corba_cdr."
+IGNORED = ("dataport.corba_cdr.", "rtgen.")
+"""How properties begin that mean nothing here: addresses, and what other targets are told."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,8 +98,8 @@ def parse(properties: Mapping[str, str]) -> ConnectorSettings:
     """Reads the properties of a data connection.
 
     Interface, byte order and marshalling are checked and have no effect, since both ends are in
-    one process; `dataport.data_type` informs only, and addresses (`dataport.corba_cdr.*`), which
-    system editors save, are left alone. Raises ConnectorPropertyError.
+    one process; `dataport.data_type` informs only; addresses (`dataport.corba_cdr.*`), which
+    system editors save, and what other targets are told (`rtgen.*`) are left alone. Raises ConnectorPropertyError.
     """
     return _Reader(properties).settings()
 
@@ -135,7 +136,7 @@ class _Reader:
         )
 
     def _check_key(self, key: str) -> None:
-        if key in _KEYS or key.startswith(_ADDRESS_PREFIX):
+        if key in _KEYS or key.startswith(IGNORED):
             return
         near = difflib.get_close_matches(key, _KEYS, 1)
         hint = f"; did you mean {near[0]!r}?" if near else ""

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from rtgen.runtime.component import Component
+from rtgen.runtime.connector_properties import IGNORED
 from rtgen.runtime.descriptors import InterfaceDescriptor, difference
 from rtgen.runtime.errors import (
     ConnectionLimitError,
@@ -129,7 +130,7 @@ def read_properties(properties: Mapping[str, str]) -> tuple[dict[str, str], bool
     named = {key: text for key, text in properties.items() if ".required." in key}
     strictness = properties.get(_STRICTNESS, "best_effort")
     for key in properties:
-        if key not in named and key != _STRICTNESS:
+        if key not in named and key != _STRICTNESS and not key.startswith(IGNORED):
             raise ConnectorPropertyError(
                 f"unknown property {key!r} of a service connection"
             )

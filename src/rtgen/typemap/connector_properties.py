@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from math import isfinite
 
 SUBSCRIPTIONS = ("flush", "new", "periodic")
@@ -109,6 +109,11 @@ def table(*, service: bool) -> Mapping[str, Value]:
 def is_pair(key: str) -> bool:
     """Whether a property of a service connector tells a consumer its provider."""
     return ".required." in key
+
+
+def own_properties(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Those of OpenRTM among the properties of a connector in a file."""
+    return {key: text for key, text in pairs if not is_foreign(key)}
 
 
 def is_foreign(key: str) -> bool:

@@ -45,7 +45,7 @@ from rtgen.typemap.connector_properties import (
     OVERRIDE,
     OWN_PORT,
     STRICTNESS,
-    is_foreign,
+    own_properties,
 )
 from rtgen.typemap.parameters import Parameters
 
@@ -192,7 +192,7 @@ class _Writer:
         """The connection as OpenRTM wants it: its names of the ports, all properties stated."""
         source: PortKind | None = None
         target: PortKind | None = None
-        given = {k: t for k, t in connection.properties if not is_foreign(k)}
+        given = own_properties(connection.properties)
         if connection.service:
             pairs, lonely = service_pairs(connection, self._ends)
             for end, consumer in lonely:
