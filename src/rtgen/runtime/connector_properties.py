@@ -99,7 +99,8 @@ def parse(properties: Mapping[str, str]) -> ConnectorSettings:
 
     Interface, byte order and marshalling are checked and have no effect, since both ends are in
     one process; `dataport.data_type` informs only; addresses (`dataport.corba_cdr.*`), which
-    system editors save, and what other targets are told (`rtgen.*`) are left alone. Raises ConnectorPropertyError.
+    system editors save, and what other targets are told (`rtgen.*`) are left alone.
+    Raises ConnectorPropertyError.
     """
     return _Reader(properties).settings()
 

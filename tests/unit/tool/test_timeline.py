@@ -38,7 +38,7 @@ SYSTEM = System(
             target=B,
             service=False,
             span=SPAN,
-            properties=(("k", "v"),),
+            properties=(("dataport.k", "v"),),
         ),
     ),
 )
@@ -99,7 +99,7 @@ def test_a_timeline_in_order_of_time() -> None:
         (0.5, Connect("A0.out-B0.in", A, B, {"p": "1"})),
         (0.5, Ask("deactivate", "B0")),
         (2.0, Disconnect("wire")),
-        (2.0, Connect("wire", A, B, {"k": "v"})),
+        (2.0, Connect("wire", A, B, {"dataport.k": "v"})),
         (2.0, SetParameter("A0", "x", "1")),
         (2.0, SetParameter("B0", "y", "2")),
         (2.0, Ask("reset", "B0")),
@@ -115,7 +115,7 @@ def actions(text: str) -> list[object]:
 @pytest.mark.parametrize(
     ("text", "expected"),
     [
-        ('connect = "7f-3"', [Connect("wire", A, B, {"k": "v"})]),
+        ('connect = "7f-3"', [Connect("wire", A, B, {"dataport.k": "v"})]),
         ('disconnect = "7f-3"', [Disconnect("wire")]),
         ('disconnect = {from = "A0.out", to = "B0.in"}', [Disconnect("wire")]),
         ('disconnect = {from = "B0.in", to = "A0.out"}', [Disconnect("wire")]),
