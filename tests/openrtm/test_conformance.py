@@ -385,3 +385,9 @@ def check_life_cycle(module: Module) -> None:
         *("on_activated", "on_execute", "on_aborting", "on_error", "on_reset"),
         *("on_activated", "on_execute", "on_deactivated"),
     ]
+
+
+def test_every_component_has_a_module(reference: Path) -> None:
+    """What the other tests go through is all there is."""
+    found = {file.stem for file in reference.glob("openrtm/*/*.py")} - {"connect"}
+    assert found == set(BEHAVIOURS)
