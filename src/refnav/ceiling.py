@@ -11,7 +11,7 @@ from math import atan2, ceil, cos, hypot, sin, sqrt
 from typing import NamedTuple
 
 from refnav.geometry import Pose
-from refnav.map_text import MapError, lines
+from refnav.map_text import lines, mistake
 
 BRIGHT = 255
 
@@ -58,10 +58,10 @@ def parse(text: str, name: str) -> list[Lamp]:
     for line, _, values in lines(text, name, {"m": 3}):
         lamp = Lamp(*values)
         if lamp.radius <= 0.0:
-            raise MapError(name, line, "a lamp has a radius above 0")
+            raise mistake(name, line, "a lamp has a radius above 0")
         lamps.append(lamp)
     if not lamps:
-        raise MapError(name, 1, "no lamp")
+        raise mistake(name, 1, "no lamp")
     return lamps
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from random import Random
 
 from refnav.ceiling import BRIGHT, View, parse, picture
-from refnav.map_text import MapError
+from refnav.map_text import MapError, text_of
 from refnav.messages import pose_of
 from refrobots import rtc
 from refrobots.components.ceiling_camera import CeilingCameraBase
@@ -19,11 +19,9 @@ class CeilingCamera(CeilingCameraBase):
         """Look up."""
         name = self.config.ceiling_map
         try:
-            self._lamps = parse((self.folder / name).read_text(encoding="utf-8"), name)
-        except (OSError, UnicodeDecodeError) as error:
-            return self.fail(f"ceiling_map: {error}")
+            self._lamps = parse(text_of(self.folder, name), name)
         except MapError as error:
-            return self.fail(str(error))
+            return self.fail(f"ceiling_map: {error}")
         self._chance = Random(self.config.seed)
         return RTC_OK
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from refnav.ceiling import View, blobs, fitted, in_body, parse, recognised
-from refnav.map_text import MapError
+from refnav.map_text import MapError, text_of
 from refnav.pose_history import PoseHistory
 from refrobots import iis, rtc
 from refrobots.components.ceiling_navigation import CeilingNavigationBase
@@ -21,11 +21,9 @@ class CeilingNavigation(CeilingNavigationBase):
         """Load the map of the ceiling."""
         name = self.config.NavigationMap
         try:
-            self._lamps = parse((self.folder / name).read_text(encoding="utf-8"), name)
-        except (OSError, UnicodeDecodeError) as error:
-            return self.fail(f"NavigationMap: {error}")
+            self._lamps = parse(text_of(self.folder, name), name)
         except MapError as error:
-            return self.fail(str(error))
+            return self.fail(f"NavigationMap: {error}")
         self._about = PoseHistory()
         return RTC_OK
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from refnav.geometry import Pose
-from refnav.map_text import MapError
+from refnav.map_text import MapError, text_of
 from refnav.messages import pose_of
 from refnav.picture import Picture, PictureError
 from refnav.route_map import RouteMap, parse
@@ -30,14 +30,13 @@ class DispPosition(DispPositionBase):
         name = self.config.map_file
         try:
             if name:
-                text = (self.folder / name).read_text(encoding="utf-8")
-                self._map = parse(text, name)
+                self._map = parse(text_of(self.folder, name), name)
             if self.config.picture:
                 self._picture = Picture(self.folder / self.config.picture)
-        except (OSError, UnicodeDecodeError) as error:
+        except MapError as error:
             return self.fail(f"map_file: {error}")
-        except (MapError, PictureError) as error:
-            return self.fail(str(error))
+        except PictureError as error:
+            return self.fail(f"picture: {error}")
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:

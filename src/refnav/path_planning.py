@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import atan2, hypot
 
 from refnav.geometry import Pose
-from refnav.map_text import MapError
+from refnav.map_text import MapError, text_of
 from refnav.planner import Planner, poses
 from refnav.planning import SAME_PLACE
 from refnav.route_map import RouteMap, parse
@@ -25,12 +25,9 @@ class PathPlanning(Planner, PathPlanningBase):
         """Load the map."""
         name = self.config.map_file
         try:
-            text = (self.folder / name).read_text(encoding="utf-8")
-            self._map: RouteMap | None = parse(text, name)
-        except (OSError, UnicodeDecodeError) as error:
-            return self.fail(f"map_file: {error}")
+            self._map: RouteMap | None = parse(text_of(self.folder, name), name)
         except MapError as error:
-            return self.fail(str(error))
+            return self.fail(f"map_file: {error}")
         return super().on_activated(ec_id)
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:

@@ -7,7 +7,7 @@ from heapq import heappop, heappush
 from math import hypot
 
 from refnav.geometry import Pose
-from refnav.map_text import MapError, lines
+from refnav.map_text import lines, mistake
 
 
 class RouteMap:
@@ -59,18 +59,18 @@ def parse(text: str, name: str) -> RouteMap:
         if letter == "n":
             number = _node(name, line, values[0])
             if number in nodes:
-                raise MapError(name, line, f"node {number} is there already")
+                raise mistake(name, line, f"node {number} is there already")
             nodes[number] = Pose(*values[1:])
         else:
             first, second = (_node(name, line, value) for value in values[:2])
             links.append((line, first, second, values[2]))
     if not nodes:
-        raise MapError(name, 1, "no node")
+        raise mistake(name, 1, "no node")
     costs: dict[int, dict[int, float]] = {number: {} for number in nodes}
     for line, first, second, cost in links:
         for number in (first, second):
             if number not in nodes:
-                raise MapError(name, line, f"there is no node {number}")
+                raise mistake(name, line, f"there is no node {number}")
         a, b = nodes[first], nodes[second]
         worth = cost if cost > 0.0 else hypot(b.x - a.x, b.y - a.y)
         costs[first][second] = costs[second][first] = worth
@@ -79,7 +79,7 @@ def parse(text: str, name: str) -> RouteMap:
 
 def _node(name: str, line: int, value: float) -> int:
     if value != int(value):
-        raise MapError(name, line, f"{value} is no number of a node")
+        raise mistake(name, line, f"{value} is no number of a node")
     return int(value)
 
 

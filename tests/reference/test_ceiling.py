@@ -139,8 +139,11 @@ def test_what_is_no_ceiling(tmp_path: Path, text: str, why: str) -> None:
         parse(text, "ceiling_map")
     assert str(caught.value) == why
     (tmp_path / "ceiling_map").write_text(text, encoding="utf-8")
-    for component in (CeilingCamera("C0"), CeilingNavigation("C1")):
+    for component, parameter in (
+        (CeilingCamera("C0"), "ceiling_map"),
+        (CeilingNavigation("C1"), "NavigationMap"),
+    ):
         component.folder = tmp_path
         bench = Bench(component, 10.0)
         bench.activate()
-        assert component.reason == why
+        assert component.reason == f"{parameter}: {why}"

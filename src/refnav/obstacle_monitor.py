@@ -1,0 +1,85 @@
+"""ObstacleMonitor: how near obstacles are, and a picture of them."""
+
+from __future__ import annotations
+
+from collections import deque
+from math import cos, hypot, sin
+
+from refnav.geometry import Pose
+from refnav.messages import pose_of
+from refnav.picture import Picture, PictureError
+from refnav.pose_history import PoseHistory
+from refrobots import iis, rtc
+from refrobots.components.obstacle_monitor import ObstacleMonitorBase
+from rtgen.runtime import RTC_OK, ReturnCode_t
+
+
+class ObstacleMonitor(ObstacleMonitorBase):
+    """Keeps what was seen while it is active, and draws it at the end.
+
+    Its observable `nearest` is the distance of the nearest point of the newest scan [m], none
+    before there is one.
+    """
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Show how near the nearest obstacle is."""
+        self._nearest: tuple[float, ...] = ()
+        self.observables["nearest"] = lambda: self._nearest
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Start anew."""
+        config = self.config
+        self._nearest = ()
+        self._poses = PoseHistory()
+        self._trail: list[Pose] = []
+        self._seen: deque[list[tuple[float, float]]] = deque(maxlen=config.scans)
+        if config.picture:
+            try:
+                self._picture = Picture(self.folder / config.picture)
+            except PictureError as error:
+                return self.fail(f"picture: {error}")
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Look at the scans that have come."""
+        while self.position.is_new() and (pose := self.position.read()) is not None:
+            self._poses.add(pose)
+            self._trail.append(pose_of(pose.data))
+        while self.obstacles.is_new() and (scan := self.obstacles.read()) is not None:
+            self._look(scan)
+        return RTC_OK
+
+    def _look(self, scan: iis.TimedPoint2DSeq) -> None:
+        pose = self._poses.at(scan.tm) if self._poses else Pose(0.0, 0.0, 0.0)
+        along, across = cos(pose.theta), sin(pose.theta)
+        self._seen.append(
+            [
+                (
+                    pose.x + point.x * along - point.y * across,
+                    pose.y + point.x * across + point.y * along,
+                )
+                for point in scan.data
+            ]
+        )
+        if scan.data:
+            distance = min(hypot(point.x, point.y) for point in scan.data)
+            self._nearest = (distance,)
+            self.nearest.write(rtc.TimedDouble(scan.tm, distance))
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Draw."""
+        if not self.config.picture:
+            return RTC_OK
+        picture = self._picture
+        picture.points(
+            [point for points in self._seen for point in points], "0.4", "obstacles"
+        )
+        picture.line([pose[:2] for pose in self._trail], "tab:blue", "trail")
+        if self._trail:
+            picture.arrow(self._trail[-1], "tab:red", "pose")
+        try:
+            picture.save(self.instance_name)
+        except PictureError as error:
+            return self.fail(str(error))
+        return RTC_OK

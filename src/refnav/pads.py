@@ -1,0 +1,92 @@
+"""Game pads: what a script says, or what a hand does with a real one."""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from typing import Any, NamedTuple, Protocol
+
+from refnav.stick_script import Script
+
+BUTTONS = 12
+
+
+class PadError(Exception):
+    """A game pad that is not there, or not any more."""
+
+
+class Sticks(NamedTuple):
+    """Sticks from -1 to 1, to the right and towards the hand positive; a bit for each button."""
+
+    lx: float = 0.0
+    ly: float = 0.0
+    rx: float = 0.0
+    ry: float = 0.0
+    buttons: int = 0
+
+
+class Pad(Protocol):
+    """A game pad."""
+
+    def read(self, seconds: float) -> Sticks | None:
+        """Where the sticks are so long after the start; None while the pad is not there."""
+
+    def close(self) -> None:
+        """Let go of the device."""
+
+
+class ScriptedPad:
+    """Does what a script says; behind its end the pad is not there."""
+
+    def __init__(self, script: Script) -> None:
+        self._script = script
+
+    def read(self, seconds: float) -> Sticks | None:
+        """As the script has it."""
+        held = self._script.at(seconds)
+        if held is None:
+            return None
+        lx, ly, rx, ry, buttons = held
+        return Sticks(lx, ly, rx, ry, round(buttons))
+
+    def close(self) -> None:
+        """Nothing to let go of."""
+
+
+class RealPad:
+    """A game pad of this machine, by SDL. Raises PadError if there is none of that number."""
+
+    def __init__(self, port: str) -> None:
+        digits = re.search(r"(\d+)$", port)
+        number = int(digits[1]) if digits else 0
+        try:
+            import pygame
+        except ImportError as error:
+            raise PadError(
+                "a real game pad needs pygame: pip install 'rtgen[joystick]'"
+            ) from error
+        self._pygame: Any = pygame
+        pygame.display.init()
+        pygame.joystick.init()
+        found = pygame.joystick.get_count()
+        if number >= found:
+            self.close()
+            raise PadError(f"there is no game pad {port}; {found} found")
+        self._pad = pygame.joystick.Joystick(number)
+
+    def read(self, seconds: float) -> Sticks | None:
+        """Where the sticks are now."""
+        pygame = self._pygame
+        with suppress(pygame.error):
+            pygame.event.pump()
+            if self._pad.get_init() and self._pad.get_numaxes() >= 4:
+                lx, ly, rx, ry = (self._pad.get_axis(i) for i in range(4))
+                count = min(BUTTONS, self._pad.get_numbuttons())
+                bits = (self._pad.get_button(i) << i for i in range(count))
+                return Sticks(lx, ly, rx, ry, sum(bits))
+        return None
+
+    def close(self) -> None:
+        """Let go of the device."""
+        self._pygame.joystick.quit()
+        self._pygame.display.quit()

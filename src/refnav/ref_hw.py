@@ -1,0 +1,72 @@
+"""RefHw: the base of the simulator."""
+
+from __future__ import annotations
+
+from math import tau
+
+from refnav.base_control import true_wheels
+from refnav.geometry import Pose
+from refnav.plant import Plant, counted
+from refrobots import iis, rtc
+from refrobots.components.ref_hw import RefHwBase
+from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
+
+
+class RefHw(RefHwBase):
+    """Its observables are `truth`, the true pose (x, y, theta) [m, rad], and `wheels` [rad/s]."""
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Put the base on the floor."""
+        self._plant = Plant(true_wheels(self.config))
+        self._placed = False
+        self.observables["truth"] = lambda: self._plant.pose
+        self.observables["wheels"] = lambda: tuple(self._plant.speeds)
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """At rest, where it stood."""
+        config = self.config
+        self._plant.kinematics = true_wheels(config)
+        if not self._placed:
+            self._plant.place(
+                Pose(config.PlantStart_x, config.PlantStart_y, config.PlantStart_theta)
+            )
+            self._placed = True
+        self._wanted = [0.0, 0.0]
+        self._now = self.now()
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Brake."""
+        self._plant.halt()
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Brake."""
+        self._plant.halt()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Roll on, and send angles and pose."""
+        config, plant = self.config, self._plant
+        now = self.now()
+        dt = (now - self._now) / SECOND
+        self._now = now
+        plant.roll(dt)
+        command = self.WheelSpeed.read_newest()
+        if command is not None:
+            if len(command.data) != len(self._wanted):
+                return self.fail(f"WheelSpeed: {len(command.data)} speeds for 2 wheels")
+            self._wanted = command.data
+        plant.drive(self._wanted, config.Velocity_limit, config.Acceleration_limit * dt)
+        count = tau / config.EncoderCount
+        angles = rtc.TimedDoubleSeq(
+            data=[counted(angle, count) for angle in plant.angles]
+        )
+        self.stamp(angles)
+        self.WheelAngle.write(angles)
+        x, y, theta = plant.pose
+        pose = iis.TimedPose2D(data=rtc.Pose2D(rtc.Point2D(x, y), theta))
+        self.stamp(pose)
+        self.pose.write(pose)
+        return RTC_OK

@@ -1,0 +1,332 @@
+"""The components of Figure 2-4, each alone."""
+
+from __future__ import annotations
+
+from math import atan2, hypot, pi
+from pathlib import Path
+
+import pytest
+from bench import Bench
+from pipeline import NAVIGATION
+
+from refnav.collision_detection import CollisionDetection
+from refnav.game_pad import GamePad
+from refnav.lrf_capture_urg import LRFCapture_URG
+from refnav.motor_control import MotorControl
+from refnav.obstacle_monitor import ObstacleMonitor
+from refnav.obstacles_avoidance import ObstaclesAvoidance
+from refnav.pads import Sticks
+from refnav.ref_hw import RefHw
+from refnav.switch_input_rtc import SwitchInputRTC
+from refnav.urg_to_obstacles import Urg_to_Obstacles
+from refrobots import iis, rtc
+from rtgen.runtime import LifeCycleState
+
+
+def velocity(vx: float, va: float = 0.0) -> iis.TimedVelocity2D:
+    return iis.TimedVelocity2D(data=rtc.Velocity2D(vx, 0.0, va))
+
+
+def pose(x: float, y: float, theta: float) -> iis.TimedPose2D:
+    return iis.TimedPose2D(data=rtc.Pose2D(rtc.Point2D(x, y), theta))
+
+
+def points(*places: tuple[float, float]) -> iis.TimedPoint2DSeq:
+    return iis.TimedPoint2DSeq(data=[rtc.Point2D(x, y) for x, y in places])
+
+
+def told(samples: list[iis.TimedVelocity2D]) -> list[tuple[float, float]]:
+    return [(sample.data.vx, sample.data.va) for sample in samples]
+
+
+def switch() -> Bench:
+    bench = Bench(SwitchInputRTC("SwitchInputRTC0"), 20.0)
+    bench.activate()
+    return bench
+
+
+def test_the_navigation_waits_half_a_second_for_the_hand() -> None:
+    bench = switch()
+    bench.send("inVelAuto", velocity(0.1))
+    bench.run(0.05)
+    assert told(bench.sent("outVel")) == [(0.1, 0.0)]
+    bench.send("inVelJoy", velocity(0.9))
+    bench.run(0.05)
+    assert told(bench.sent("outVel")) == [(0.9, 0.0)]
+    passed = []
+    for i in range(1, 13):
+        bench.send("inVelAuto", velocity(0.1))
+        bench.run(0.05)
+        passed += [i] * len(bench.sent("outVel"))
+    # More than 0.5 s, so the tenth execution after the hand's still waits.
+    assert passed == [11, 12]
+
+
+def test_without_input_nothing_is_sent() -> None:
+    bench = switch()
+    bench.run(2.0)
+    assert bench.sent("outVel") == []
+
+
+def test_the_hand_is_passed_on_at_once_and_first() -> None:
+    bench = switch()
+    bench.send("inVelAuto", velocity(0.1))
+    bench.send("inVelJoy", velocity(0.9))
+    bench.run(0.05)
+    assert told(bench.sent("outVel")) == [(0.9, 0.0)]
+
+
+def pad(tmp_path: Path, text: str) -> Bench:
+    (tmp_path / "script").write_text(text, encoding="utf-8")
+    bench = Bench(GamePad("GamePad0"), 100.0)
+    bench.component.folder = tmp_path
+    bench.set(script="script", Klx="0.5", Kly="0.4", Krx="0.3")
+    bench.activate()
+    return bench
+
+
+def test_sticks_and_buttons_are_sent_as_they_are_and_as_velocities(
+    tmp_path: Path,
+) -> None:
+    bench = pad(tmp_path, "1 0.25 -0.5 1.0 -1.0 2049\n")
+    [sample] = bench.sent("Velocity2DIIS")
+    assert (sample.data.vx, sample.data.vy, sample.data.va) == (
+        pytest.approx(0.2),
+        pytest.approx(-0.125),
+        pytest.approx(-0.3),
+    )
+    [first] = bench.sent("Velocity")
+    assert (first.v, first.w) == (pytest.approx(0.2), pytest.approx(-0.3))
+    [second] = bench.sent("VelocityIIS")
+    assert (second.vx, second.vy, second.w) == (
+        pytest.approx(0.2),
+        pytest.approx(-0.125),
+        pytest.approx(-0.3),
+    )
+    assert [s.data for s in bench.sent("Button")] == [2049]
+    for name, value in (("LX", 0.25), ("LY", -0.5), ("RX", 1.0), ("RY", -1.0)):
+        assert [s.data for s in bench.sent(f"Stick{name}")] == [value]
+        assert [s.data for s in bench.sent(f"Stick{name}d")] == [value]
+
+
+def test_a_pad_that_goes_lets_go_of_its_sticks_once(tmp_path: Path) -> None:
+    bench = pad(tmp_path, "0.05 0 -1 0 0 0\n")
+    bench.run(0.2)
+    sent = [s.data for s in bench.sent("StickLYd")]
+    assert sent == [-1.0] * 5 + [0.0]
+    # The velocity of the third phase is sent only while the pad is there.
+    assert told(bench.sent("Velocity2DIIS")) == [(pytest.approx(0.4), 0.0)] * 5
+    assert [s.v for s in bench.sent("Velocity")][-1] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("parameters", "why"),
+    [
+        ({"script": "none"}, "script: none: No such file or directory"),
+        ({"script": "bad"}, "script: bad:1: "),
+    ],
+)
+def test_a_script_that_is_none(
+    tmp_path: Path, parameters: dict[str, str], why: str
+) -> None:
+    (tmp_path / "bad").write_text("1 2\n", encoding="utf-8")
+    bench = Bench(GamePad("GamePad0"), 66.0)
+    bench.component.folder = tmp_path
+    bench.set(**parameters)
+    bench.activate()
+    assert bench.state is LifeCycleState.ERROR_STATE
+    assert bench.component.reason.startswith(why)
+
+
+def test_a_device_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pygame", reason="pygame is not installed: rtgen[joystick]")
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    bench = Bench(GamePad("GamePad0"), 66.0)
+    bench.set(str_port="/dev/input/js99")
+    bench.activate()
+    assert bench.component.reason == (
+        "str_port: there is no game pad /dev/input/js99; 0 found"
+    )
+
+
+def test_sticks_at_rest() -> None:
+    assert Sticks() == (0.0, 0.0, 0.0, 0.0, 0)
+
+
+def scan(noise: str = "0.0", **parameters: str) -> rtc.RangeData:
+    bench = Bench(LRFCapture_URG("LRFCapture_URG0"), 10.0)
+    bench.component.folder = NAVIGATION
+    bench.set(noise=noise, **parameters)
+    bench.activate()
+    bench.send("pose", pose(0.0, 0.0, pi / 2))
+    bench.run(0.1)
+    [found] = bench.sent("range")
+    assert isinstance(found, rtc.RangeData)
+    return found
+
+
+def test_a_scan_is_that_of_an_urg() -> None:
+    found = scan()
+    assert found.config.maxRange == 4.0
+    assert found.config.minAngle == pytest.approx(-2 * pi / 3, abs=0.004)
+    assert found.config.maxAngle == pytest.approx(2 * pi / 3, abs=0.004)
+    assert len(found.ranges) == round(4 * pi / 3 / found.config.angularRes) + 1
+    # Straight ahead, from 0.2 m before the axle, is the wall at y = 2.
+    assert found.ranges[len(found.ranges) // 2] == pytest.approx(1.8, abs=0.001)
+    assert all(reach == 0.0 or 0.02 <= reach <= 4.0 for reach in found.ranges)
+    assert 0.0 in scan(angle="3.1").ranges
+
+
+def test_noise_is_as_large_as_told_and_the_same_in_each_run() -> None:
+    clean, noisy = scan().ranges, scan(noise="0.01").ranges
+    errors = [b - a for a, b in zip(clean, noisy, strict=True) if a and b]
+    spread = (sum(error * error for error in errors) / len(errors)) ** 0.5
+    assert 0.008 < spread < 0.012
+    assert noisy == scan(noise="0.01").ranges
+    assert noisy != scan(noise="0.01", seed="2").ranges
+
+
+def test_points_stand_where_the_walls_are() -> None:
+    bench = Bench(Urg_to_Obstacles("Urg_to_Obstacles0"), 50.0)
+    bench.activate()
+    bench.send("range", scan())
+    bench.run(0.02)
+    [found] = bench.sent("obstacles")
+    ahead = [p for p in found.data if abs(atan2(p.y, p.x)) < 0.3]
+    assert ahead
+    assert all(p.x == pytest.approx(2.0, abs=0.002) for p in ahead)
+    gaps = [
+        hypot(a.x - b.x, a.y - b.y)
+        for a, b in zip(found.data, found.data[1:], strict=False)
+    ]
+    assert min(gaps) >= 0.02
+
+
+def avoidance() -> Bench:
+    bench = Bench(ObstaclesAvoidance("ObstaclesAvoidance0"), 100.0)
+    bench.activate()
+    return bench
+
+
+def driven(bench: Bench, *obstacles: tuple[float, float]) -> tuple[float, float]:
+    bench.send("obstacles", points(*obstacles))
+    bench.send("velocity_in", velocity(0.3))
+    bench.run(0.01)
+    [sample] = bench.sent("velocity_out")
+    return sample.data.vx, sample.data.va
+
+
+def test_on_a_free_way_the_velocity_is_passed_on() -> None:
+    assert driven(avoidance()) == (0.3, 0.0)
+    assert driven(avoidance(), (1.0, 0.9), (3.0, 0.0)) == (0.3, 0.0)
+
+
+def test_an_obstacle_is_passed_on_the_side_that_is_free() -> None:
+    for ahead in (1.4, 1.6, 1.8):
+        assert driven(avoidance(), (ahead, 0.1))[1] < 0.0
+        assert driven(avoidance(), (ahead, -0.1))[1] > 0.0
+
+
+def test_before_a_wall_the_base_slows_down_and_stops() -> None:
+    wall = [(0.75, 0.05 * i) for i in range(-60, 61)]
+    slow, _ = driven(avoidance(), *wall)
+    assert 0.0 < slow < 0.3
+    assert driven(avoidance(), *[(0.6, y) for _, y in wall])[0] == 0.0
+
+
+def test_without_scans_the_base_stands() -> None:
+    bench = avoidance()
+    bench.send("velocity_in", velocity(0.3))
+    bench.run(0.01)
+    assert told(bench.sent("velocity_out")) == [(0.0, 0.0)]
+    assert driven(bench) == (0.3, 0.0)
+    bench.run(0.6)
+    bench.send("velocity_in", velocity(0.3))
+    bench.run(0.01)
+    assert told(bench.sent("velocity_out")) == [(0.0, 0.0)]
+
+
+def test_turning_on_the_spot_and_backing_off_are_passed_on() -> None:
+    bench = avoidance()
+    bench.send("obstacles", points((0.3, 0.0)))
+    for asked in ((0.0, 0.5), (-0.2, 0.0)):
+        bench.send("velocity_in", velocity(*asked))
+        bench.run(0.01)
+        assert told(bench.sent("velocity_out")) == [asked]
+
+
+def test_the_monitor_tells_the_nearest_obstacle() -> None:
+    bench = Bench(ObstacleMonitor("ObstacleMonitor0"), 10.0)
+    bench.activate()
+    assert bench.component.observables["nearest"]() == ()
+    bench.send("obstacles", points((3.0, 4.0), (0.0, -2.0)), points())
+    bench.run(0.1)
+    assert [s.data for s in bench.sent("nearest")] == [2.0]
+    assert bench.component.observables["nearest"]() == (2.0,)
+
+
+def test_a_picture_of_an_unknown_kind() -> None:
+    bench = Bench(ObstacleMonitor("ObstacleMonitor0"), 10.0)
+    bench.set(picture="seen.gif")
+    bench.activate()
+    assert bench.component.reason == (
+        "picture: seen.gif is no picture; one of .svg, .png, .pdf"
+    )
+
+
+def test_without_a_base_to_stop_collision_detection_is_in_error() -> None:
+    bench = Bench(CollisionDetection("CollisionDetection0"), 100.0)
+    bench.activate()
+    bench.send("obstacles", points((0.6, 0.0)))
+    bench.send("velocity", velocity(0.3))
+    bench.run(0.02)
+    assert bench.state is LifeCycleState.ERROR_STATE
+    assert bench.component.reason.startswith("BumpRefHard: ")
+
+
+def test_a_stopped_base_is_released_when_it_is_to_back_off() -> None:
+    motors = Bench(MotorControl("MotorControl0"), 100.0)
+    detection = CollisionDetection("CollisionDetection0")
+    motors.system.add(detection, 100.0)
+    motors.system.connect(
+        ("CollisionDetection0", "BumpRefHard"), ("MotorControl0", "BumpRefHard")
+    )
+    source = motors.system.component("Peer0")
+    source.add_out_port("obstacles", iis.TimedPoint2DSeq)
+    source.add_out_port("velocity", iis.TimedVelocity2D)
+    for name in ("obstacles", "velocity"):
+        motors.system.connect(("Peer0", name), ("CollisionDetection0", name))
+    motors.activate()
+    motors.system.activate("CollisionDetection0")
+    motors.run(0.02)
+
+    def wheels(vx: float) -> float:
+        motors.send("obstacles", points((0.6, 0.0)))
+        motors.send("velocity", velocity(vx))
+        motors.send("InTargetVelocity", velocity(vx))
+        motors.run(0.05)
+        speed = motors.sent("WheelSpeed")[-1].data[0]
+        assert isinstance(speed, float)
+        return speed
+
+    assert wheels(0.3) == 0.0
+    assert detection.observables["stopped"]() == (1.0,)
+    assert wheels(-0.2) == pytest.approx(-2.0)
+    assert detection.observables["stopped"]() == (0.0,)
+
+
+def test_the_simulated_base_does_what_its_wheels_are_told() -> None:
+    bench = Bench(RefHw("RefHw0"), 1000.0)
+    bench.set(PlantStart_x="1.0")
+    bench.activate()
+    bench.send("WheelSpeed", rtc.TimedDoubleSeq(data=[3.0, 3.0]))
+    bench.run(1.0)
+    x, y, _ = bench.component.observables["truth"]()
+    assert 1.25 < x < 1.3
+    assert y == 0.0
+    assert bench.sent("pose")[-1].data.position.x == x
+    left, right = bench.sent("WheelAngle")[-1].data
+    assert left == right == pytest.approx((x - 1.0) / 0.0995, abs=1e-3)
+    bench.send("WheelSpeed", rtc.TimedDoubleSeq(data=[1.0]))
+    bench.run(0.002)
+    assert bench.component.reason == "WheelSpeed: 1 speeds for 2 wheels"

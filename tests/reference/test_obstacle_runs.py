@@ -1,0 +1,126 @@
+"""Figure 2-4: a base goes round obstacles, stops before a wall, and obeys a hand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from math import hypot
+from pathlib import Path
+
+import pytest
+from pipeline import NAVIGATION, at_end, build, profile
+
+from refnav.geometry import Pose
+from refnav.room import Room, parse
+from rtgen.runtime import SECOND, System
+
+OBSTACLES = NAVIGATION / "obstacles.xml"
+BODY = 0.45
+"""Radius of the body [m], as Odometry, ObstaclesAvoidance and CollisionDetection have it."""
+
+
+def room(name: str) -> Room:
+    return parse((NAVIGATION / name).read_text(encoding="utf-8"), name)
+
+
+@dataclass
+class Drive:
+    """A run, with the true pose every 10 ms."""
+
+    system: System
+    poses: list[tuple[int, Pose]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        note = lambda: self.poses.append((self.system.time, self.pose))  # noqa: E731
+        self.system.every(SECOND // 100, note)
+
+    @property
+    def pose(self) -> Pose:
+        return Pose(*self.system.observable("RefHw0.truth"))
+
+    def room_left(self, around: Room) -> float:
+        """The least room between the body and anything on the way [m]."""
+        return min(around.distance(pose.x, pose.y) for _, pose in self.poses) - BODY
+
+    def away(self, x: float, y: float) -> float:
+        return hypot(self.pose.x - x, self.pose.y - y)
+
+
+@pytest.fixture(scope="module")
+def drive(tmp_path_factory: pytest.TempPathFactory) -> tuple[Drive, Path]:
+    picture = tmp_path_factory.mktemp("obstacles") / "seen.svg"
+    built = build(profile(OBSTACLES), [f"ObstacleMonitor0.picture={picture}"])
+    with built:
+        run = Drive(built)
+        assert built.run(100 * SECOND, at_end)
+    return run, picture
+
+
+def test_the_obstacle_is_passed_and_the_goal_reached(
+    drive: tuple[Drive, Path],
+) -> None:
+    run, _ = drive
+    _, last = run.poses[-1]
+    assert run.room_left(room("room")) > 0.1
+    assert hypot(last.x - 7.0, last.y) < 0.05
+    # The first post stands on the straight line to the goal.
+    assert max(abs(pose.y) for _, pose in run.poses) > 0.5
+
+
+def test_the_monitor_draws_what_was_seen(drive: tuple[Drive, Path]) -> None:
+    text = drive[1].read_text(encoding="utf-8")
+    assert "<!-- obstacles -->" in text
+    assert "<!-- trail -->" in text
+
+
+def test_a_blocked_corridor_stops_the_base_before_contact() -> None:
+    built = build(profile(OBSTACLES), ["LRFCapture_URG0.room=blocked_room"])
+    with built:
+        run = Drive(built)
+        built.run(SECOND // 10)
+        built.deactivate("GamePad0")
+        assert not built.run(40 * SECOND, at_end)
+        assert run.room_left(room("blocked_room")) > 0.1
+        assert run.pose.x > 1.5
+        assert built.observable("RefHw0.wheels") == pytest.approx((0.0, 0.0), abs=0.05)
+
+
+def test_collision_detection_alone_stops_the_base_before_contact() -> None:
+    built = build(profile(OBSTACLES), ["LRFCapture_URG0.room=blocked_room"])
+    with built:
+        run = Drive(built)
+        built.disconnect("PathFollower0.velocity_ObstaclesAvoidance0.velocity_in")
+        built.disconnect("ObstaclesAvoidance0.velocity_out_SwitchInputRTC0.inVelAuto")
+        built.connect(("PathFollower0", "velocity"), ("SwitchInputRTC0", "inVelAuto"))
+        assert not built.run(40 * SECOND, at_end)
+        assert built.observable("CollisionDetection0.stopped") == (1.0,)
+        assert 0.05 < run.room_left(room("blocked_room")) < 0.3
+        assert tuple(built.observable("RefHw0.wheels")) == (0.0, 0.0)
+
+
+def test_a_hand_takes_over_and_the_base_goes_on_by_itself() -> None:
+    built = build(profile(OBSTACLES), ["GamePad0.script=hand.txt"])
+    built.component("GamePad0").folder = Path(__file__).parent / "scripts"
+    with built:
+        run = Drive(built)
+        built.run(SECOND // 10)
+        built.deactivate("GamePad0")
+        built.run(6 * SECOND)
+        before = run.pose
+        built.activate("GamePad0")
+        built.run(9 * SECOND)
+        held = run.pose
+        # The hand holds the stick still: the base stands although its goal is far.
+        assert hypot(held.x - before.x, held.y - before.y) < 0.1
+        assert built.run(120 * SECOND, at_end)
+        assert run.away(7.0, 0.0) < 0.05
+        assert run.room_left(room("room")) > 0.1
+
+
+def test_two_runs_are_the_same() -> None:
+    ends = []
+    for _ in range(2):
+        with build(profile(OBSTACLES)) as built:
+            built.run(6 * SECOND)
+            ends.append(tuple(built.observable("RefHw0.truth")))
+    assert ends[0] == ends[1]
+    assert ends[0][0] > 0.5
