@@ -14,6 +14,7 @@ import middleware
 import pytest
 from wires import (
     Wires,
+    emit,
     equal_type_codes,
     imported,
     type_codes,
@@ -337,6 +338,39 @@ assert _GlobalIDL.RefHard and _GlobalIDL__POA.RefHard
 assert len([n for n in vars(_GlobalIDL) if n.startswith("_objref_")]) > 1
 """,
         rtm_environment,
+    )
+    assert (run.returncode, run.stderr) == (0, "")
+
+
+def test_modules_with_the_name_of_something_else(
+    tmp_path: Path, rtm_environment: dict[str, str]
+) -> None:
+    """A component's own file is found before the stubs, and so are modules of Python."""
+    (tmp_path / "ship.idl").write_text(
+        "module Ship { interface Steer { void left(); }; };\n"
+        "module calendar { struct Day { long number; }; interface Notes {}; };\n"
+    )
+    unit = emit(tmp_path, [tmp_path / "ship.idl"])
+    made = tmp_path / "stubs"
+    made.mkdir()
+    middleware.compile_idl(made, [tmp_path / "idl" / "ship.idl"])
+    (tmp_path / "Ship.py").write_text("raise SystemExit('the wrong one')\n")
+    script = tmp_path / "start.py"
+    script.write_text(f"""
+from rtgen.runtime.openrtm import stubs
+stubs.load({str(made)!r}, ["ship"])
+import Ship, Ship__POA, calendar, calendar__POA
+assert Ship.Steer and Ship__POA.Steer and calendar.Day and calendar__POA.Notes
+from {unit.options.package}._corba.ship import SteerStub, new_Day
+assert new_Day().number == 0
+""")
+    environment = {**rtm_environment, "PYTHONDONTWRITEBYTECODE": "1"}
+    run = subprocess.run(
+        [sys.executable, str(script)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert (run.returncode, run.stderr) == (0, "")
 

@@ -83,7 +83,8 @@ NOT_CLASSIC = Rule(
     """
 Data and calls of an OpenRTM component are omniORB's, so its types and interfaces have to be such as
 omniidl 4.3 compiles: the IDL of CORBA 2.6, without `long double`. It has no `map`, `bitset`,
-`bitmask`, `int8` and `uint8`, no optional members, no enumerators with values of their own.
+`bitmask`, `int8` and `uint8`, no optional members, no enumerators with values of their own; a
+member called `self` breaks the class that omniidl makes.
 
 ```idl
 struct Readings { map<string, double> by_name; };
@@ -98,4 +99,31 @@ bases in each struct.
 """,
 )
 
-RULES = (RENAMED, SAME_NAME, TWO_NAMES, PACKAGE, SAME_FOLDER, NOT_CLASSIC)
+PYTHON_MODULE = Rule(
+    "RTC0571",
+    "IDL module with the name of one of Python's",
+    Severity.WARNING,
+    """
+omniidl makes a Python module of an IDL module, with its name. Where Python has one of that name,
+which is loaded already, omniORB puts the types into that one: an IDL module `typing` or `time` so
+breaks other code in surprising ways.
+
+```idl
+module calendar {    // RTC0571
+    struct Day { long number; };
+};
+```
+
+Rename the IDL module, if it is yours to rename.
+""",
+)
+
+RULES = (
+    RENAMED,
+    SAME_NAME,
+    TWO_NAMES,
+    PACKAGE,
+    SAME_FOLDER,
+    NOT_CLASSIC,
+    PYTHON_MODULE,
+)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
+from sys import stdlib_module_names
 
 from rtgen.backends import Artifact
 from rtgen.backends.idl_text import idl_text
@@ -35,6 +36,7 @@ class WireIdl:
     def __init__(self, unit: Unit) -> None:
         self._unit = unit
         self._classic = Classic(unit.model)
+        self._told: set[str] = set()
 
     def artifacts(self, plan: ComponentPlan) -> Iterator[Artifact]:
         """The files of a component: its IDL but for OpenRTM's own, and what compiles it."""
@@ -59,7 +61,7 @@ class WireIdl:
             yield Artifact(f"{plan.folder}/{name}", text, (source.key,))
 
     def findings(self, plan: ComponentPlan) -> Iterator[Diagnostic]:
-        """An error for each port whose type or interface classic IDL cannot have."""
+        """What classic IDL cannot have at a port, and modules that Python has as well."""
         data = [(port.port, port.type) for port in (*plan.in_ports, *plan.out_ports)]
         services = [
             (interface.port, interface.type)
@@ -71,6 +73,21 @@ class WireIdl:
             if reason:
                 message = f"OpenRTM cannot have the port `{port.name}`: {reason}"
                 yield rules.NOT_CLASSIC.at(port.span, message)
+        yield from self._modules_of_python(plan)
+
+    def _modules_of_python(self, plan: ComponentPlan) -> Iterator[Diagnostic]:
+        """A warning at the first declaration of each such IDL module."""
+        files = {path for file in plan.own_idl_files for path in file.files}
+        for declaration in self._unit.model.declarations:
+            module = declaration.name[0]
+            clashes = declaration.file in files and len(declaration.name) > 1
+            if clashes and module in stdlib_module_names and module not in self._told:
+                self._told.add(module)
+                message = (
+                    f"`{declaration.scoped}` is in the module `{module}`: omniORB may "
+                    "put it into Python's module of that name"
+                )
+                yield rules.PYTHON_MODULE.at(declaration.span, message)
 
     def text(self, file: IdlFile) -> str:
         """The text of a file, with the files included that it needs."""

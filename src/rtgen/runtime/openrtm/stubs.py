@@ -28,8 +28,9 @@ def load(folder: Path | str, stems: Iterable[str]) -> None:
 
     OpenRTM comes first, where it is installed, and the folder is the last of `sys.path`: an IDL
     file may reopen the module RTC, or have interfaces outside of modules, and then there is a
-    package `RTC` or `_GlobalIDL` in the folder, which must not stand for OpenRTM's. Raises
-    StubsMissingError.
+    package `RTC` or `_GlobalIDL` in the folder, which must not stand for OpenRTM's. Where something
+    else has the name of an IDL module, such as the component's own file, `import` will find the
+    stubs all the same. Raises StubsMissingError.
     """
     if find_spec("OpenRTM_aist") is not None:
         import_module("OpenRTM_aist")
@@ -44,3 +45,23 @@ def load(folder: Path | str, stems: Iterable[str]) -> None:
             if error.name != name:
                 raise
             raise StubsMissingError(f"{stem}.idl in {path}") from error
+    _claim(path)
+
+
+def _claim(folder: str) -> None:
+    """Takes the names of the folder's packages that an import would find elsewhere."""
+    import omniORB
+
+    for package in sorted(Path(folder).glob("*/__init__.py")):
+        name = package.parent.name
+        # What omniORB keeps until the package is imported.
+        if name in omniORB._partialModules and not _is_stub(name):
+            omniORB.promotePartialModule(name)
+
+
+def _is_stub(name: str) -> bool:
+    """Whether an import would find a package that omniidl made: stubs of files lie beside it."""
+    found = find_spec(name)
+    if found is None or found.origin is None:
+        return False
+    return any(Path(found.origin).parent.parent.glob("*_idl.py"))

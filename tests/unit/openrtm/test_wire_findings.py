@@ -1,0 +1,115 @@
+"""What the target openrtm says of types that omniORB cannot have."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from rtgen.backends import Emission, Options
+from rtgen.backends.openrtm.backend import BACKEND
+from rtgen.diagnostics import has_errors
+from rtgen.frontends.idl import load
+
+
+def emission(folder: Path, text: str) -> Emission:
+    path = folder / "case.idl"
+    path.write_text(text)
+    read = load([path], root=folder)
+    assert not has_errors(read.diagnostics), read.diagnostics
+    options = Options("robots", "behaviours", "0.1.0", target="openrtm")
+    return BACKEND.emit(read.model, options)
+
+
+@pytest.mark.parametrize(
+    ("declared", "reason"),
+    [
+        ("struct T { map<string, long> m; };", "IDL has no `map` before version 4"),
+        ("struct T { int8 x; };", "IDL has no `int8` before version 4"),
+        ("struct T { sequence<uint8> x; };", "IDL has no `uint8` before version 4"),
+        ("struct T { long double x; };", "omniORBpy has no `long double`"),
+        ("struct T { @optional long x; };", "has the optional member `x`"),
+        ("struct T { long self; };", "has a member `self`, which breaks"),
+        ("struct T {};", "`M::T` has no members"),
+        ("bitmask B { one }; struct T { B set; };", "`M::B` is a bitmask"),
+        ("bitset B { bitfield<3> x; }; struct T { B set; };", "`M::B` is a bitset"),
+        ("enum E { @value(2) two }; struct T { E e_; };", "with values of their own"),
+        ("union T switch (octet) { case 1: long x; };", "is switched by `octet`"),
+        (
+            "native N; interface I { void f(in N n_); }; struct T { I i_; };",
+            "`M::N` is native",
+        ),
+        (
+            "local interface I { void f(); }; struct T { I i_; };",
+            "is a local interface",
+        ),
+        ("interface I; struct T { I i_; };", "is declared, but not defined"),
+        ("abstract interface I {}; struct T { I i_; };", "is an abstract interface"),
+        (
+            "custom valuetype V { public long x; }; struct T { V v_; };",
+            "custom valuetype",
+        ),
+        ("abstract valuetype V {}; struct T { V v_; };", "is an abstract valuetype"),
+        ("struct A { int8 x; }; typedef A B; struct T { B b_; };", "no `int8`"),
+    ],
+)
+def test_types_that_omniorb_has_not(tmp_path: Path, declared: str, reason: str) -> None:
+    text = f"module M {{ {declared} }};\ncomponent C {{ consumes M::T data; }};"
+    found = emission(tmp_path, text)
+    assert not found.artifacts
+    (finding,) = found.diagnostics
+    assert finding.code == "RTC0570"
+    assert finding.message.startswith("OpenRTM cannot have the port `data`: ")
+    assert reason in finding.message
+    assert finding.span is not None
+    assert finding.span.line == 2
+
+
+@pytest.mark.parametrize(
+    ("operations", "reason"),
+    [
+        ("M::T f();", "no `map`"),
+        ("void f(in M::T x);", "no `map`"),
+        ("attribute M::T x;", "no `map`"),
+        ("void f() raises (M::X);", "no `map`"),
+        ("attribute long x setraises (M::X);", "no `map`"),
+    ],
+)
+def test_interfaces_that_omniorb_has_not(
+    tmp_path: Path, operations: str, reason: str
+) -> None:
+    declared = "struct T { map<string, long> m; }; exception X { T given; };"
+    text = f"""
+    module M {{ {declared} interface I {{ {operations} }}; interface J : I {{}}; }};
+    component C {{ provides M::J one; uses M::I two; }};
+    """
+    found = emission(tmp_path, text)
+    assert [d.code for d in found.diagnostics] == ["RTC0570", "RTC0570"]
+    assert all(reason in d.message for d in found.diagnostics)
+
+
+def test_what_no_port_has_may_be_of_idl_4(tmp_path: Path) -> None:
+    text = """
+    module M { struct New { map<string, long> m; }; struct T { long x; }; };
+    component C { consumes M::T data; };
+    """
+    found = emission(tmp_path, text)
+    assert not found.diagnostics
+    (idl,) = (a.text for a in found.artifacts if a.path.endswith("case.idl"))
+    assert "struct T" in idl
+    assert "New" not in idl
+
+
+def test_modules_that_python_has_as_well(tmp_path: Path) -> None:
+    text = """
+    module typing { struct T { long x; }; struct U { long x; }; };
+    struct calendar { long x; };
+    module logging { struct Unused { long x; }; };
+    component C { consumes typing::T data; publishes calendar out_; };
+    component D { consumes typing::U data; };
+    """
+    found = emission(tmp_path, text)
+    assert found.artifacts
+    assert [d.code for d in found.diagnostics] == ["RTC0571", "RTC0571"]
+    first = found.diagnostics[0]
+    assert first.message.startswith("`typing::T` is in the module `typing`: omniORB")
