@@ -10,9 +10,11 @@ import signal
 import socket
 import subprocess
 import sys
+import sysconfig
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +30,7 @@ from rtgen.runtime.service_connectors import ServicePort
 
 ROOT = Path(__file__).parents[2]
 BOARD = ROOT / "specs" / "tecs" / "rh3_board.xml"
+NAVIGATION = ROOT / "specs" / "navigation" / "rh3_goal.xml"
 PATIENCE = 20.0
 
 
@@ -110,11 +113,16 @@ class Run:
         self.process.kill()
         self.process.communicate()
 
+    def samples(self) -> list[dict[str, Any]]:
+        """The samples that were written so far."""
+        lines = self.log.read_text().split("\n")[:-1]
+        events = [json.loads(line) for line in lines]
+        return [event for event in events if event["event"] == "sample"]
+
     def results(self) -> list[tuple[int, str]]:
         """The samples of Caller0."""
-        events = [json.loads(line) for line in self.log.read_text().splitlines()]
-        samples = [e["value"] for e in events if e["event"] == "sample"]
-        return [(s["number"], s["error"]) for s in samples]
+        values = [event["value"] for event in self.samples()]
+        return [(value["number"], value["error"]) for value in values]
 
 
 @pytest.fixture
@@ -269,6 +277,44 @@ def test_the_wheels_of_rh3_in_one_process_and_its_marshaller_in_another(
     x = float(robot.output.partition("final pose")[2].strip(" (").partition(",")[0])
     assert x > 0.01, robot.told()
     assert "simulated [s]" in marshaller.output
+
+
+@pytest.mark.slow
+def test_a_client_of_omniidl_stops_the_base_and_lets_it_go(
+    start: Callable[..., Run], here: Here, names: str, tmp_path: Path
+) -> None:
+    omniidl = shutil.which("omniidl", path=sysconfig.get_path("scripts"))
+    if omniidl is None:
+        pytest.skip("omniidl is not installed")
+    file = ROOT / "specs" / "idl" / "RefHardRh3Pro.idl"
+    program = tmp_path / "client.py"
+    subprocess.run([omniidl, "-bpython", str(file)], cwd=tmp_path, check=True)
+    program.write_text(
+        "import sys, _GlobalIDL\n"
+        "from omniORB import CORBA\n"
+        "base = CORBA.ORB_init().string_to_object(sys.argv[1])._narrow(_GlobalIDL.RefHard)\n"
+        "getattr(base, sys.argv[2])()\n"
+    )
+    goal = ("--set", "PositionInput0.01_x=9", "--set", "PositionInput0.01_y=0")
+    run = start(*goal, "--until", "100", system=NAVIGATION)
+
+    def asked(operation: str) -> None:
+        url = f"corbaname::{names}#RefHardRh30.InventGUIRefHard/RefHard"
+        subprocess.run([sys.executable, str(program), url, operation], check=True)
+
+    run.wait_for("PositionInput0 ACTIVE")
+    for operation in ("Stop", "Go"):
+        time.sleep(1.0)
+        asked(operation)
+    time.sleep(1.0)
+    assert run.end() == 1  # before its time is over
+    wheels = [e["value"]["data"] for e in run.samples() if e["port"] == "OutWheelAngle"]
+    moving = [one != other for one, other in pairwise(wheels)]
+    # Standing, driving, stopped for a while, driving again.
+    first = moving.index(True)
+    stopped = "".join(map("01".__getitem__, moving[first:]))
+    assert "0" * 100 in stopped
+    assert stopped.rstrip("0").endswith("1" * 50)
 
 
 def test_results_exceptions_and_attributes(
