@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
-from rtgen.diagnostics import Diagnostic, InputError, Span
+from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.timeline import (
     SECOND,
@@ -15,6 +17,7 @@ from rtgen.timeline import (
     SetParameter,
     assignment,
     condition,
+    load,
     parse,
 )
 
@@ -202,3 +205,46 @@ def test_wrong_timelines(text: str, code: str, line: int, message: str) -> None:
     assert found.span is not None
     assert (found.span.file, found.span.line) == ("timeline.toml", line)
     assert message in found.message
+
+
+def test_a_timeline_follows_another(tmp_path: Path) -> None:
+    (tmp_path / "first.toml").write_text(
+        '[[at]]\nt = 5\nconnect = { from = "A0.x", to = "B0.y", name = "more" }\n'
+        '[[measure]]\nname = "one"\nkind = "moved"\nof = "A0.truth"\n'
+    )
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep" / "second.toml").write_text(
+        'follows = "../first.toml"\n'
+        '[[measure]]\nname = "two"\nkind = "moved"\nof = "B0.truth"\n'
+        '[[at]]\nt = 4\ndisconnect = "wire"\n[[at]]\nt = 6\ndisconnect = "more"\n'
+    )
+    found = load(tmp_path / "deep" / "second.toml", SYSTEM)
+    assert [step.action for step in found.steps] == [
+        Disconnect("wire"),
+        Connect("more", X, Y, {}),
+        Disconnect("more"),
+    ]
+    assert [measure.name for measure in found.measures] == ["one", "two"]
+    one, two = found.measures
+    assert (one.span.line, two.span.line) == (4, 2)
+    assert two.span.file.endswith("deep/second.toml")
+
+
+@pytest.mark.parametrize(
+    ("text", "line"),
+    [
+        ("follows = 3", 1),
+        ("at = 3", 1),
+        ("measure = [1]", 1),
+        ('[[at]]\nt = 1\n[[measure]]\nname = "n"\nkind = "far"\nof = "A0.t"', 5),
+        ('[[measure]]\nname = "n"\n[[at]]\nt = -1', 4),
+    ],
+)
+def test_wrong_sections_have_their_place(text: str, line: int) -> None:
+    assert findings(text)[0].span.line == line  # type: ignore[union-attr]
+
+
+def test_a_timeline_that_cannot_be_read(tmp_path: Path) -> None:
+    (tmp_path / "t.toml").write_text('follows = "missing.toml"\n')
+    with pytest.raises(ToolError, match=r"missing\.toml"):
+        load(tmp_path / "t.toml", SYSTEM)

@@ -1,0 +1,61 @@
+"""How much faster than real time the joint experiments run in simulated time.
+
+    python benchmarks/experiments.py
+
+Each runs as `rtgen run` does it, without pictures. The bound is 50 times real time.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from pathlib import Path
+
+from rtgen import compiler, runtime, timeline
+from rtgen.cli.assembly import assemble
+from rtgen.cli.factories import Factories
+from rtgen.project import load
+
+ROOT = Path(__file__).resolve().parent.parent
+EXPERIMENTS = Path("specs/experiments")
+NAMES = ("interchange", "two_robots", "chain", "leader_exchange", "one_to_four")
+BOUND = 50.0
+ROUNDS = 3
+
+
+def ratio(name: str) -> tuple[float, float]:
+    """Simulated seconds, and how many of them in each second, of one experiment."""
+    folder = EXPERIMENTS / name
+    profile, diagnostics, _ = compiler.read_system(folder / "system.xml")
+    if profile is None:
+        raise SystemExit("\n".join(d.message for d in diagnostics))
+    plan = timeline.load(folder / "timeline.toml", profile)
+    text = dict(profile.properties)["rtgen.run.until"]
+    end = timeline.condition(text, profile, None).limit
+    assert end is not None
+    factories = Factories(load())
+    clock = runtime.SimulatedClock()
+    with assemble(profile, factories, clock, (), plan.steps) as system:
+        begun = time.perf_counter()
+        system.run(end)
+        taken = time.perf_counter() - begun
+    seconds = end / runtime.SECOND
+    return seconds, seconds / taken
+
+
+def main() -> None:
+    """Prints the ratios; ends with 1 if one is below the bound."""
+    os.chdir(ROOT)
+    slow = False
+    print(f"{'experiment':16}{'simulated [s]':>14}{'ratio':>8}  (bound {BOUND:g})")
+    for name in NAMES:
+        runs = [ratio(name) for _ in range(ROUNDS)]
+        best = max(found for _, found in runs)
+        slow |= best < BOUND
+        print(f"{name:16}{runs[0][0]:14.0f}{best:8.0f}")
+    sys.exit(slow)
+
+
+if __name__ == "__main__":
+    main()
