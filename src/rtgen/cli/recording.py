@@ -105,6 +105,7 @@ def draw(
         for number, robot in enumerate(robots):
             alone = len(robots) == 1
             colour = "tab:blue" if alone else f"C{number % 10}"
+            begin = "tab:green" if alone else "black"
             poses = [s.poses[number] for s in samples]
             axes.plot(
                 [p[0] for p in poses],
@@ -112,7 +113,7 @@ def draw(
                 color=colour,
                 label="robot" if alone else robot,
             )
-            _mark(axes, poses[:1], "tab:green", _only(number, "start"), scale)
+            _mark(axes, poses[:1], begin, _only(number, "start"), scale)
             _mark(axes, poses[-1:], colour, _only(number, "end"), scale)
         _mark(axes, goals, "tab:red", "goal", scale)
         axes.margins(0.12)
