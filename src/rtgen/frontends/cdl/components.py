@@ -145,9 +145,14 @@ class Components:
 
     def generate(self, node: tree.Generate, place: Place) -> None:
         """Take a plug-in that is applied to something declared before."""
+        maker = self._regions.applied.unknown
         self.applied(node.plugin, place)
         target = place.lookup(node.target)
         if target is None and (place.lost(node.target) or self._analysis.incomplete):
+            return
+        if target is None and maker is not None:
+            message = f"{node.target} is not declared here; {maker} may do it"
+            self._report(rules.MADE_BY_PLUGIN.at(place.span(node.target), message))
             return
         type_ = target.component if isinstance(target, Entity) else None
         if isinstance(type_, known.Celltype) and plugins.may_join(node.plugin.text):
