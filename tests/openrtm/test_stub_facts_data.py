@@ -143,6 +143,61 @@ def test_a_publisher_sends_all(lab: Lab) -> None:
     assert found == list(range(8))
 
 
+def test_a_publisher_skips(lab: Lab) -> None:
+    """Each third value is sent."""
+    out, inp = pair(lab)
+    lab.connect(
+        out,
+        inp,
+        subscription_type="new",
+        publisher__push_policy="skip",
+        publisher__skip_count="2",
+        buffer__length="32",
+    )
+    found: list[int] = []
+    for number in range(12):
+        assert out.write(long(number))
+    until(lambda: (found.extend(read_all(inp)), len(found) == 4)[1])
+    assert found == [found[0] + 3 * place for place in range(4)]
+
+
+def test_a_publisher_keeps_what_a_full_receiver_refuses(lab: Lab) -> None:
+    out, inp = pair(lab)
+    lab.connect(
+        out,
+        inp,
+        subscription_type="new",
+        publisher__push_policy="all",
+        buffer__length="4",
+        inport__buffer__length="1",
+        inport__buffer__write__full_policy="do_nothing",
+    )
+    assert out.write(long(0))
+    until(inp.isNew)
+    out.write(long(1))
+    until(lambda: not out.write(long(2)))
+    assert inp.read().data == 0
+    out.write(long(3))
+    until(inp.isNew)
+    assert inp.read().data == 1
+
+
+def test_what_cannot_be_marshalled_is_not_sent(lab: Lab) -> None:
+    out, inp = pair(lab)
+    lab.connect(out, inp)
+    assert out.write(long("text")) is False  # type: ignore[arg-type]
+    assert out.write(long(1))
+    assert read_all(inp) == [1]
+
+
+def test_ends_of_a_connection_have_their_own_buffers(lab: Lab) -> None:
+    out, inp = pair(lab)
+    lab.connect(out, inp, buffer__length="2", inport__buffer__length="3")
+    for number in range(5):
+        out.write(long(number))
+    assert read_all(inp) == [2, 3, 4]
+
+
 def test_a_publisher_with_a_rate(lab: Lab) -> None:
     out, inp = pair(lab)
     lab.connect(

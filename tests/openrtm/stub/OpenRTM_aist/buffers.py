@@ -88,11 +88,24 @@ class RingBuffer:
             self._changed.notify_all()
         return DataPortStatus.PORT_OK, value
 
-    def take(self, keep: int = 0) -> list[Any]:
-        """Removes all unread values but the newest `keep`, and gives them."""
+    def oldest(self) -> Any:
+        """The oldest unread value, which stays; None if there is none."""
         with self._changed:
-            taken = [
-                self._unread.popleft() for _ in range(max(0, len(self._unread) - keep))
-            ]
+            return self._unread[0] if self._unread else None
+
+    def forget(self, value: Any) -> None:
+        """Removes a value, if it still is the oldest."""
+        with self._changed:
+            if self._unread and self._unread[0] is value:
+                self._unread.popleft()
+                self._changed.notify_all()
+
+    def drop(self, count: int | None = None, keep: int = 0) -> int:
+        """Removes the oldest values, at most `count`, all but `keep`; gives how many."""
+        with self._changed:
+            most = max(0, len(self._unread) - keep)
+            dropped = most if count is None else min(most, count)
+            for _ in range(dropped):
+                self._unread.popleft()
             self._changed.notify_all()
-        return taken
+        return dropped

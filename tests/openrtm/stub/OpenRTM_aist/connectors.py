@@ -123,7 +123,7 @@ class InPortConnector(Connector):
             return status, data
         try:
             value = from_octets(self._like, octets, self._info.little_endian)
-        except CORBA.SystemException:
+        except Exception:
             return DataPortStatus.UNKNOWN_ERROR, data
         return status, value
 
@@ -171,7 +171,13 @@ class OutPortPushConnector(Connector):
         self._publisher = PUBLISHERS[subscription](self._send, info.properties)
 
     def write(self, data: Any) -> int:
-        return self._publisher.write(to_octets(data, self._info.little_endian))
+        """A value that cannot be marshalled is refused, and nobody is told why."""
+        try:
+            octets = to_octets(data, self._info.little_endian)
+        except Exception:
+            return DataPortStatus.UNKNOWN_ERROR
+        status: int = self._publisher.write(octets)
+        return status
 
     def _send(self, octets: bytes) -> int:
         try:
@@ -199,7 +205,11 @@ class OutPortPullConnector(Connector):
         return self._served.reference
 
     def write(self, data: Any) -> int:
-        return self._buffer.write(to_octets(data, self._info.little_endian))
+        try:
+            octets = to_octets(data, self._info.little_endian)
+        except Exception:
+            return DataPortStatus.UNKNOWN_ERROR
+        return self._buffer.write(octets)
 
     def disconnect(self) -> int:
         self._served.close()

@@ -221,9 +221,9 @@ class OutPort(DataPortBase):
             self._add(OutPortDirectConnector(info, peer))
         elif not is_pull(info):
             text = given.get("dataport.corba_cdr.inport_ior")
-            subscription = info.properties.getProperty(
-                "io_mode"
-            ) or info.properties.getProperty("subscription_type", "flush")
+            asked = info.properties.getProperty
+            subscription = asked("io_mode") or asked("subscription_type", "flush")
+            subscription = subscription.strip().lower()
             if not text or subscription not in PUBLISHERS:
                 return RTC.RTC_ERROR
             self._add(OutPortPushConnector(info, subscription, orb.from_text(text)))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from typing import Any
 
 from .buffers import DataPortStatus, RingBuffer
 from .properties import Properties
@@ -32,7 +33,8 @@ class PublisherNew:
         self._buffer = RingBuffer(properties.getNode("buffer"))
         self._policy = properties.getProperty("publisher.push_policy", "new")
         self._skip = int(properties.getProperty("publisher.skip_count", "0"))
-        self._skipped = self._skip
+        self._skipped = 0
+        self._written = False
         self._status = DataPortStatus.PORT_OK
         self._wake = threading.Condition()
         self._running = True
@@ -40,12 +42,15 @@ class PublisherNew:
         self._thread.start()
 
     def write(self, octets: bytes) -> int:
+        """BUFFER_FULL if the receiver was full the last time, although the value is kept."""
         if self._status == DataPortStatus.CONNECTION_LOST:
             return self._status
+        full = self._status == DataPortStatus.SEND_FULL
         status = self._buffer.write(octets)
         with self._wake:
+            self._written = True
             self._wake.notify()
-        return status
+        return DataPortStatus.BUFFER_FULL if full else status
 
     def close(self) -> None:
         with self._wake:
@@ -60,30 +65,40 @@ class PublisherNew:
 
     def _wait(self) -> bool:
         with self._wake:
-            self._wake.wait_for(lambda: not self._running or self._buffer.readable())
+            self._wake.wait_for(lambda: not self._running or self._written)
+            self._written = False
             return self._running
 
     def _push(self) -> None:
-        for octets in self._due():
-            status = self._send(octets)
-            if status == DataPortStatus.CONNECTION_LOST:
-                self._status = status
-                return
-
-    def _due(self) -> list[bytes]:
         if self._policy == "fifo":
-            status, octets = self._buffer.read()
-            return [octets] if status == DataPortStatus.PORT_OK else []
-        written = self._buffer.take()
-        if self._policy == "all":
-            return written
-        if self._policy == "skip":
-            return [octets for octets in written if self._not_skipped()]
-        return written[-1:]
+            if self._send_oldest() and self._buffer.readable():
+                with self._wake:
+                    self._written = True
+        elif self._policy == "all":
+            while self._send_oldest():
+                continue
+        elif self._policy == "skip":
+            while self._drop(self._skip - self._skipped) and self._send_oldest():
+                self._skipped = 0
+        else:
+            self._buffer.drop(keep=1)
+            self._send_oldest()
 
-    def _not_skipped(self) -> bool:
-        self._skipped = (self._skipped + 1) % (self._skip + 1)
-        return self._skipped == 0
+    def _drop(self, count: int) -> bool:
+        """Whether there were so many to be skipped."""
+        self._skipped += self._buffer.drop(count=count)
+        return self._skipped == self._skip
+
+    def _send_oldest(self) -> bool:
+        """Sends a value, and forgets it if it was taken; whether there was one that was."""
+        waiting = self._buffer.oldest()
+        if waiting is None:
+            return False
+        self._status = self._send(waiting)
+        if self._status != DataPortStatus.PORT_OK:
+            return False
+        self._buffer.forget(waiting)
+        return True
 
 
 class PublisherPeriodic(PublisherNew):
@@ -100,11 +115,8 @@ class PublisherPeriodic(PublisherNew):
         with self._wake:
             return not self._wake.wait_for(lambda: not self._running, self._period)
 
-    def _due(self) -> list[bytes]:
-        return super()._due() if self._buffer.readable() else []
 
-
-PUBLISHERS = {
+PUBLISHERS: dict[str, Any] = {
     "flush": PublisherFlush,
     "block": PublisherFlush,
     "new": PublisherNew,

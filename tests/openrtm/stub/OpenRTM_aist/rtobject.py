@@ -32,6 +32,7 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
         self._own: list[ExecutionContextBase] = []
         self._foreign: list[Any] = []
         self._created = True
+        self._raised = False
         self._objref = self._this()
 
     # What a component's author defines.
@@ -155,8 +156,9 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
     def on_activated(self, ec_id: int) -> Any:
         self._configsets.update()
         code = self._call(self.onActivated, ec_id)
-        for port in self._ports:
-            port.activateInterfaces()
+        if not self._raised:
+            for port in self._ports:
+                port.activateInterfaces()
         return code
 
     def on_deactivated(self, ec_id: int) -> Any:
@@ -188,9 +190,11 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
 
     def _call(self, callback: Callable[..., Any], *arguments: Any) -> Any:
         """Anything but a return code, and any exception, is an error."""
+        self._raised = False
         try:
             code = callback(*arguments)
         except Exception:
+            self._raised = True
             self._rtcout.RTC_ERROR(traceback.format_exc())
             return RTC.RTC_ERROR
         return code if code in RTC.ReturnCode_t._items else RTC.RTC_ERROR
