@@ -8,23 +8,23 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-import giop
-
 from rtgen.runtime.cdr_values import ObjectReference
 
 
 @contextmanager
 def forwarded(reference: ObjectReference) -> Iterator[ObjectReference]:
     """A reference to the same object by another port."""
-    host, port, _ = giop.address(reference)
+    (tag, profile), *others = reference.profiles
+    # IIOP (CORBA 3.3 part 2, 9.7.2): byte order, version, host, port.
+    order = "<" if profile[0] else ">"
+    (length,) = struct.unpack_from(f"{order}I", profile, 4)
+    host = profile[8 : 7 + length].decode()
+    place = 8 + length + length % 2
+    (port,) = struct.unpack_from(f"{order}H", profile, place)
     with socket.create_server((host, 0)) as server:
         threading.Thread(target=_accept, args=(server, host, port), daemon=True).start()
-        near = server.getsockname()[1]
-        # IIOP profile: port behind the host name, as two octets of its byte order.
-        (tag, profile), *others = reference.profiles
-        order = "<" if profile[0] else ">"
-        place = profile.index(struct.pack(f"{order}H", port), 8 + len(host))
-        moved = profile[:place] + struct.pack(f"{order}H", near) + profile[place + 2 :]
+        near = struct.pack(f"{order}H", server.getsockname()[1])
+        moved = profile[:place] + near + profile[place + 2 :]
         yield ObjectReference(reference.type_id, ((tag, moved), *others))
 
 

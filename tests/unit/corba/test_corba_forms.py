@@ -14,7 +14,7 @@ import forwarder
 import pytest
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
-sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "types"))
 
 import test_service_forms
 from test_service_forms import (

@@ -28,7 +28,7 @@ from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.transport import CorbaTransport
 from rtgen.runtime.service_connectors import ServicePort
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 BOARD = ROOT / "specs" / "tecs" / "rh3_board.xml"
 NAVIGATION = ROOT / "specs" / "navigation" / "rh3_goal.xml"
 PATIENCE = 20.0
@@ -78,7 +78,8 @@ class Run:
         self.log = self.errors.with_suffix(".jsonl")
         command = [sys.executable, "-m", "rtgen", "run", str(system), "--clock", "real"]
         command += ["--transport", "corba", "--log", str(self.log), *arguments]
-        environment = {**os.environ, "PYTHONPATH": str(project)}
+        paths = [str(project), os.environ.get("PYTHONPATH", "")]
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, paths))}
         with self.errors.open("w", encoding="utf-8") as errors:
             self.process = subprocess.Popen(
                 command,
@@ -109,9 +110,11 @@ class Run:
         return self.process.returncode
 
     def kill(self) -> None:
-        """Ends it at once."""
+        """Ends it at once, if it still runs."""
         self.process.kill()
-        self.process.communicate()
+        assert self.process.stdout is not None
+        if not self.process.stdout.closed:
+            self.process.communicate()
 
     def samples(self) -> list[dict[str, Any]]:
         """The samples that were written so far."""
@@ -136,8 +139,7 @@ def start(project: Path, names: str) -> Iterator[Callable[..., Run]]:
 
     yield started
     for run in runs:
-        if run.process.poll() is None:
-            run.kill()
+        run.kill()
 
 
 @pytest.fixture
@@ -379,6 +381,7 @@ def test_only_service_ports_reach_other_processes(here: Here) -> None:
 # What goes wrong.
 
 
+@pytest.mark.slow
 def test_a_provider_that_is_not_active(
     project: Path, start: Callable[..., Run]
 ) -> None:
@@ -437,6 +440,7 @@ def test_a_call_takes_no_longer_than_the_time_out_and_is_sent_once(
     assert here.adder.naps == 2
 
 
+@pytest.mark.slow
 def test_a_process_ends_though_a_servant_does_not_return(
     project: Path, names: str, stack: ExitStack, serving: Callable[[], Run]
 ) -> None:
@@ -474,8 +478,7 @@ def test_calls_go_on_without_the_naming_service(
                 here.adder.add(2, 3)
     finally:
         server.close()
-        if counter.process.poll() is None:
-            counter.kill()
+        counter.kill()
 
 
 def test_an_instance_runs_once(
@@ -489,6 +492,7 @@ def test_an_instance_runs_once(
     assert here.adder.add(2, 3) == 5
 
 
+@pytest.mark.slow
 def test_names_that_lead_nowhere_are_replaced(
     here: Here, serving: Callable[[], Run]
 ) -> None:
@@ -506,6 +510,7 @@ def test_nobody_serves_what_is_called(start: Callable[..., Run]) -> None:
     assert "start the process that runs it" in caller.told()
 
 
+@pytest.mark.slow
 def test_ctrl_c_while_waiting(start: Callable[..., Run]) -> None:
     caller = start("--only", "Caller0")
     caller.wait_for("naming service")
