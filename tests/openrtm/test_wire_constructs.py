@@ -240,7 +240,7 @@ def test_the_text_is_blacks_and_type_checks(tmp_path: Path) -> None:
     further, clashes = tmp_path / "wired_further.idl", tmp_path / "wire_typing.idl"
     further.write_text(FURTHER)
     clashes.write_text(CLASHES)
-    given = [further, clashes, *sorted(INTEROP.glob("*.idl"))]
+    given = [further, clashes, INTEROP / "calls.idl", INTEROP / "valuetypes.idl"]
     for number, path in enumerate(given):
         emit(tmp_path / str(number), [path])
     modules = sorted(tmp_path.rglob("_corba/*.py"))
