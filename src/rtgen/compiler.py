@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from rtgen.cache import Cache
     from rtgen.frontends import FrontendResult
+    from rtgen.frontends.rtc_profile import Profiles
     from rtgen.model import Model, System
     from rtgen.project import Project
 
@@ -56,8 +57,14 @@ class Compilation:
         return has_errors(self.diagnostics)
 
 
-def read(project: Project, *, lowered: bool = False) -> FrontendResult:
-    """The model of the project's definitions; `lowered`: with the IDL and components of devices."""
+def read(
+    project: Project, *, lowered: bool = False, adopted: Profiles | None = None
+) -> FrontendResult:
+    """The model of the project's definitions; `lowered`: with the IDL and components of devices.
+
+    `adopted` are profiles that were read elsewhere, in the place of the project's own and of
+    components of their names.
+    """
     from rtgen.frontends import together
 
     of_tecs = _ending_with(project.sources, ".cdl")
@@ -68,13 +75,19 @@ def read(project: Project, *, lowered: bool = False) -> FrontendResult:
     results: list[FrontendResult] = []
     side = None
     profiles = None
-    if of_profiles:
+    if adopted is not None:
+        from rtgen import component_profiles
+
+        needed = component_profiles.needed(adopted, of_idl)
+        profiles = replace(needed, given=frozenset())
+    elif of_profiles:
         from rtgen import component_profiles
 
         root, include = project.root, project.include
         profiles = component_profiles.read(
             of_profiles, of_idl, root=root, include=include
         )
+    if profiles is not None:
         of_idl += profiles.paths
     if of_devices or of_buses:
         from rtgen import devices

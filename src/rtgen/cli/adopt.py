@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
-from rtgen.diagnostics import ToolError, has_errors, in_order
+from rtgen.diagnostics import ToolError
 
 
 @click.command()
@@ -26,49 +26,18 @@ def adopt(
 ) -> int:
     """Make a definition of a component of OpenRTM-aist-Python, on standard output.
 
-    FILE is a module as RTCBuilder or rtc-template make it. It is read, never executed: what is
-    computed when it runs is told, and left out.
+    FILE is a module as RTCBuilder, rtc-template or rtgen make it. It is read, never executed: what
+    is computed when it runs is told, and left out.
     """
-    from rtgen import component_profiles
+    from rtgen.cli.adopted import adopted
     from rtgen.cli.component_text import component_idl
-    from rtgen.frontends import idl, openrtm_python, together
-    from rtgen.frontends.rtc_profile import Profiles
-    from rtgen.model import Component, SourceFile
-    from rtgen.project import load
 
-    module = openrtm_python.read(Path(file))
-    if module.profile is None:
-        console.findings(module.diagnostics, {file: module.source})
+    found = adopted(Path(file), [Path(folder) for folder in include])
+    console.findings(found.diagnostics, found.sources)
+    if found.component is None:
         return BAD_INPUT
-    project = load()
-    folders = [Path(folder) for folder in include]
-    definitions = [path for f in folders for path in sorted(f.glob("*.idl"))]
-    definitions += [p for p in project.sources if p.suffix.lower() == ".idl"]
-    shown = module.profile.file
-    profiles = Profiles(
-        (module.profile,),
-        (SourceFile(name=shown, key=Path(file).name, sha256="", main=True),),
-        module.diagnostics,
-        {shown: module.source},
-    )
-    needed = component_profiles.needed(profiles, definitions)
-    types = idl.load(
-        definitions,
-        root=project.root,
-        include=(*folders, *project.include),
-        virtual=needed.virtual,
-    )
-    made = together(needed.results(types))
-    found = in_order(made.diagnostics)
-    console.findings(found, made.sources)
-    if has_errors(found):
-        return BAD_INPUT
-    component = next(
-        d
-        for d in made.model.declarations
-        if isinstance(d, Component) and d.file == shown
-    )
-    text = component_idl(made.model, component)
+    component = found.component
+    text = component_idl(found.model, component)
     if output is None:
         write_out(text)
         return OK

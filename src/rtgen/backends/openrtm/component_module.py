@@ -88,6 +88,11 @@ class _ComponentModule:
         imports += [
             self._import(path, local) for path, local in sorted(self._modules.items())
         ]
+        imports += [
+            f"import {name}" if name == local else f"import {name} as {local}"
+            for name, local in self._stubs.items()
+            if name != "RTC"
+        ]
         names = ["Host", "instance_arguments", "main"]
         stems = [file.stem for file in plan.own_idl_files]
         outside = "/".join(".." for _ in PurePosixPath(plan.folder).parts)
@@ -100,10 +105,6 @@ class _ComponentModule:
             places=_tuple(map(string_literal, places)),
             runtime=", ".join([*names, *["stubs"] * bool(stems)]),
             stubs=_tuple(map(string_literal, stems)) if stems else "",
-            stub_imports=[
-                f"import {name}" if name == local else f"import {name} as {local}"
-                for name, local in sorted(self._stubs.items())
-            ],
             imports=sorted(imports),
             specification=_PLACE,
             specification_name=self._specification,
@@ -172,7 +173,8 @@ class _ComponentModule:
         for ports, kind in ((plan.in_ports, "In"), (plan.out_ports, "Out")):
             for port in ports:
                 datum, member = _datum(port), _member(port, kind)
-                yield f"self.{datum} = {self._of_type(port, 'new')}()"
+                type_ = self._stub(self._wire.stub_path(port.type.name))
+                yield f"self.{datum}: {type_} = {self._of_type(port, 'new')}()"
                 made = f"OpenRTM_aist.{kind}Port({_quoted(port.name)}, self.{datum})"
                 yield f"self.{member} = {made}"
         for service in plan.service_ports:

@@ -76,6 +76,17 @@ modules. Rename one of them.
 """,
 )
 
+OTHER_PROFILE = Rule(
+    "RTC0565",
+    "profile of something else",
+    Severity.WARNING,
+    """
+A module that rtgen made stands beside its `RTC.xml`, which has what a module has no place for:
+units, documentation, bounds, the exact types of parameters. Here the module was changed, or the
+profile is another component's, so the definition says what the module says.
+""",
+)
+
 NOT_CLASSIC = Rule(
     "RTC0570",
     "type that OpenRTM cannot have",
@@ -124,6 +135,7 @@ RULES = (
     TWO_NAMES,
     PACKAGE,
     SAME_FOLDER,
+    OTHER_PROFILE,
     NOT_CLASSIC,
     PYTHON_MODULE,
 )

@@ -19,11 +19,15 @@ _MAX_BYTES = 4 * 1024 * 1024
 
 @dataclass(frozen=True, slots=True)
 class ModuleResult:
-    """What `read` gives: no profile if there are errors; `source` is the module's text."""
+    """What `read` gives: no profile if there are errors; `source` is the module's text.
+
+    Beside a module that rtgen made, `generated`, there is an RtcProfile that says more.
+    """
 
     profile: RtcProfile | None
     diagnostics: tuple[Diagnostic, ...]
     source: str
+    generated: bool = False
 
 
 def read(path: Path) -> ModuleResult:
@@ -58,4 +62,5 @@ def read(path: Path) -> ModuleResult:
         return ModuleResult(None, (found,), source)
     reader = ModuleReader(file)
     profile = reader.profile(tree)
-    return ModuleResult(profile, tuple(reader.diagnostics), source)
+    diagnostics = tuple(reader.diagnostics)
+    return ModuleResult(profile, diagnostics, source, reader.generated)

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from rtgen.diagnostics import Diagnostic, Rule, Span
 from rtgen.frontends.openrtm_python import rules
 from rtgen.frontends.openrtm_python.values import (
+    GENERATED_VARIABLE,
     Imports,
     called,
     dotted,
@@ -55,7 +56,13 @@ class ModuleReader:
         self._file = file
         self._imports = Imports()
         self._members: dict[str, ast.expr] = {}
+        self._types: dict[str, ast.expr] = {}
         self._calls: list[ast.Call] = []
+
+    @property
+    def generated(self) -> bool:
+        """Whether it is a module that rtgen makes."""
+        return self._imports.generated
 
     def profile(self, tree: ast.Module) -> RtcProfile | None:
         """The component, None if there is none."""
@@ -150,9 +157,10 @@ class ModuleReader:
                     for target in targets:
                         if (name := member(target)) is not None:
                             self._members.setdefault(name, value)
-                case ast.AnnAssign(target=target, value=ast.expr() as value):
+                case ast.AnnAssign(target, annotation, ast.expr() as value):
                     if (name := member(target)) is not None:
                         self._members.setdefault(name, value)
+                        self._types.setdefault(name, annotation)
                 case ast.Call():
                     self._calls.append(node)
         self._calls.sort(key=lambda call: (call.lineno, call.col_offset))
@@ -207,10 +215,15 @@ class ModuleReader:
                 span=span,
                 type_span=span,
                 default_span=span,
-                variable=variable.lstrip("_"),
+                variable=self._identifier(variable),
                 widget=values.get(f"conf.__widget__.{name}", ""),
                 constraint=constraint,
             )
+
+    def _identifier(self, variable: str) -> str:
+        if self.generated:
+            return variable.removeprefix(GENERATED_VARIABLE)
+        return variable.lstrip("_")
 
     def _bound(self) -> Iterator[tuple[str, tuple[ast.expr, str, str]]]:
         for call in self._calls:
@@ -286,6 +299,8 @@ class ModuleReader:
 
     def _data_type(self, datum: ast.expr | None) -> str | None:
         name = member(datum)
+        if name in self._types:
+            return self._imports.scoped(dotted(self._types[name]))
         value = self._members.get(name) if name is not None else datum
         if not isinstance(value, ast.Call):
             return None

@@ -42,6 +42,13 @@ def called(node: ast.expr | None) -> tuple[str, ...]:
     return dotted(node.func) if isinstance(node, ast.Call) else ()
 
 
+GENERATED = ("rtgen", "runtime", "openrtm")
+"""What modules that rtgen makes import."""
+
+GENERATED_VARIABLE = "_c_"
+"""What the variables of parameters begin with in them."""
+
+
 @dataclass
 class Imports:
     """What the names of imports stand for, as scoped names of IDL."""
@@ -65,6 +72,11 @@ class Imports:
                     else:
                         path = (*module.split("."), alias.name)
                         self.modules[alias.asname or alias.name] = path
+
+    @property
+    def generated(self) -> bool:
+        """Whether it is a module that rtgen makes."""
+        return any(path[:3] == GENERATED for path in self.modules.values())
 
     def scoped(self, names: tuple[str, ...]) -> str | None:
         """The IDL name of a class of stubs, None for what is none."""

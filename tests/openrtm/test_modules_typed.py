@@ -1,0 +1,63 @@
+"""Generated modules are clean under `mypy --strict`, whatever there is of stubs for the ORB."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import black
+import pytest
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+ANY = "from typing import Any\n\ndef __getattr__(name: str) -> Any: ...\n"
+_IMPORT = re.compile(r"^import (\w+)$", re.MULTILINE)
+
+
+def modules(out: Path) -> list[Path]:
+    return [path.with_name(f"{path.parent.name}.py") for path in profiles(out)]
+
+
+def profiles(out: Path) -> list[Path]:
+    return sorted(out.glob("openrtm/*/RTC.xml"))
+
+
+def test_modules_are_in_blacks_form(reference: Path) -> None:
+    for module in modules(reference):
+        text = module.read_text(encoding="utf-8")
+        assert black.format_str(text, mode=black.Mode()) == text, module.name
+
+
+@pytest.mark.slow
+def test_modules_are_typed(reference: Path, tmp_path: Path) -> None:
+    """Without stubs, with such as say nothing, and with OpenRTM's base classes in earnest."""
+    stubs = tmp_path / "stubs"
+    stubs.mkdir()
+    files = modules(reference)
+    check(files, [stubs, reference])
+    for file in files:
+        for name in set(_IMPORT.findall(file.read_text(encoding="utf-8"))) - {"sys"}:
+            (stubs / f"{name}.pyi").write_text(ANY, encoding="utf-8")
+    check(files, [stubs, reference])
+    shutil.copy(HERE / "typings/OpenRTM_aist.pyi", stubs)
+    check(files, [stubs, reference])
+
+
+def check(files: list[Path], path: list[Path]) -> None:
+    strict = ["mypy", "--strict", "--config-file", "", *map(str, files)]
+    told = subprocess.run(
+        [sys.executable, "-m", *strict],
+        env={
+            **os.environ,
+            "MYPYPATH": os.pathsep.join(map(str, (*path, ROOT / "src"))),
+            "MYPY_CACHE_DIR": str(ROOT / ".mypy_cache/openrtm"),
+        },
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert told.returncode == 0, told.stdout + told.stderr
