@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import Generic, Protocol, TypeVar
 
 from refnav.body import Body
@@ -45,38 +46,36 @@ class Robot(Component, Generic[P]):
         """The body, by the parameters."""
 
     def on_initialize(self) -> ReturnCode_t:
-        """Build the robot."""
-        self._body = self._make_body()
-        self._placed = False
+        """Show where the robot is, once there is one."""
+        self._body: Body | None = None
         self._position = iis.TimedPosition()
-        self.observables["truth"] = lambda: self._body.plant.pose
-        self.observables["odometry"] = lambda: self._body.odometry
-        self.observables["velocity"] = lambda: self._body.plant.velocity
+        self._show("truth", lambda body: body.plant.pose)
+        self._show("odometry", lambda body: body.odometry)
+        self._show("velocity", lambda body: body.plant.velocity)
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Wait for input; the robot stays where it is."""
+        """Wait for input. The robot is built and placed the first time, then stays where it is."""
         config = self.config
-        if not self._placed:
+        if self._body is None:
+            self._body = self._make_body()
             self._body.place(Pose(config.start_x, config.start_y, config.start_theta))
-            self._placed = True
         self._now = self.now()
         self._wait()
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
         """Brake: without the component nothing drives the wheels."""
-        self._body.halt()
-        return RTC_OK
+        return self._brake()
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
         """Brake."""
-        self._body.halt()
-        return RTC_OK
+        return self._brake()
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
         """Drive on, and send the position."""
         body = self._body
+        assert body is not None
         now = self.now()
         dt = (now - self._now) / SECOND
         self._now = now
@@ -94,6 +93,14 @@ class Robot(Component, Generic[P]):
         position.x, position.y, position.theta = body.odometry
         self.stamp(position)
         self.self_position.write(position)
+        return RTC_OK
+
+    def _show(self, name: str, value: Callable[[Body], tuple[float, ...]]) -> None:
+        self.observables[name] = lambda: () if self._body is None else value(self._body)
+
+    def _brake(self) -> ReturnCode_t:
+        if self._body is not None:
+            self._body.halt()
         return RTC_OK
 
     def _wait(self) -> None:

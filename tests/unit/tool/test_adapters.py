@@ -1,0 +1,167 @@
+"""Adapters: what is copied, which numbers fit, and what the component does."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from rtgen.cli import run
+from rtgen.runtime import Component, SimulatedClock, System
+
+INTEGERS = {
+    "int8": (-(2**7), 2**7 - 1),
+    "uint8": (0, 2**8 - 1),
+    "octet": (0, 2**8 - 1),
+    "short": (-(2**15), 2**15 - 1),
+    "unsigned short": (0, 2**16 - 1),
+    "long": (-(2**31), 2**31 - 1),
+    "unsigned long": (0, 2**32 - 1),
+    "long long": (-(2**63), 2**63 - 1),
+    "unsigned long long": (0, 2**64 - 1),
+}
+FLOATS = {"float": 24, "double": 53}
+OTHERS = ("boolean", "char", "string", "string<4>")
+
+
+def fits(to: str, from_: str) -> bool:
+    """Whether every value of one type is one of the other."""
+    if to == from_ or (to, from_) == ("double", "float"):
+        return True
+    if from_ not in INTEGERS:
+        return False
+    low, high = INTEGERS[from_]
+    if to in FLOATS:
+        return -(2 ** FLOATS[to]) <= low and high <= 2 ** FLOATS[to]
+    return to in INTEGERS and INTEGERS[to][0] <= low and high <= INTEGERS[to][1]
+
+
+def test_numbers_go_where_every_one_of_them_fits(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    types = [*INTEGERS, *FLOATS, *OTHERS]
+    members = "".join(f"{type_} m{i}; " for i, type_ in enumerate(types))
+    monkeypatch.chdir(tmp_path)
+    Path("t.idl").write_text(f"struct A {{ {members}}}; struct B {{ {members}}};\n")
+    pairs = [(i, j) for i in range(len(types)) for j in range(len(types))]
+    Path("rtgen.toml").write_text(
+        '[sources]\npaths = ["t.idl"]\n'
+        + "".join(
+            f'[adapter.P{i}x{j}]\nfrom = "A"\nto = "B"\nmap = {{ m{i} = "m{j}" }}\n'
+            for i, j in pairs
+        )
+    )
+    assert run(["generate", "--no-cache"]) == 2
+    told = capfd.readouterr().err
+    refused = {
+        (i, j) for i, j in pairs if f"error[ADP0004]: adapter 'P{i}x{j}'" in told
+    }
+    assert refused == {(i, j) for i, j in pairs if not fits(types[i], types[j])}
+    assert f"{len(refused)} errors" in told
+
+
+def test_an_adapter_converts_all_that_comes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("t.idl").write_text(
+        "module AdM { struct Time { unsigned long sec; };\n"
+        "struct Base { Time tm; };\n"
+        "struct A : Base { float v; sequence<long> id; short class; long other; };\n"
+        "struct Deep { double lambda; long n; };\n"
+        "struct B { Time tm; Deep inner; sequence<long> id; double other; };\n"
+        "typedef Deep Alias; struct C { Alias inner; };\n"
+        "typedef C D; struct E { D c; }; };\n"
+    )
+    Path("rtgen.toml").write_text(
+        '[sources]\npaths = ["t.idl"]\n[output]\npackage = "adapted"\n'
+        '[adapter.AToB]\nfrom = "AdM::A"\nto = "AdM::B"\n'
+        'map = { "inner.lambda" = "v", inner.n = "class" }\n'.replace(
+            "inner.n", '"inner.n"'
+        )
+        + '[adapter.BToC]\nfrom = "::AdM::B"\nto = "AdM::C"\n'
+        '[adapter.BToE]\nfrom = "AdM::B"\nto = "AdM::E"\nmap = { "c.inner.n" = "inner.n" }\n'
+    )
+    assert run(["generate", "-q", "--no-cache"]) == 0
+    assert run(["check", "--no-cache"]) == 0
+    monkeypatch.syspath_prepend(str(tmp_path / "generated"))
+    adm = import_module("adapted.adm")
+    entries = Path("generated/adapted/components/entry_points.txt").read_text()
+    assert "AToB = adapted.adapters.a_to_b:AToB\n" in entries
+
+    def converted(name: str, module: str, *samples: object) -> list[object]:
+        system = System(SimulatedClock())
+        adapter = getattr(import_module(f"adapted.adapters.{module}"), name)("X0")
+        peer = Component("Peer0")
+        out = peer.add_out_port("out", adapter.in_ports["input"].type)
+        back = peer.add_in_port("in", adapter.out_ports["output"].type)
+        system.add(peer, 100.0)
+        system.add(adapter)
+        system.connect(("Peer0", "out"), ("X0", "input"))
+        system.connect(("X0", "output"), ("Peer0", "in"))
+        for sample in samples:
+            out.write(sample)
+        system.activate("X0")
+        system.run(50_000_000)
+        found = []
+        while back.is_new():
+            found.append(back.read())
+        return found
+
+    first = adm.A(adm.Time(3), 0.5, [1, 2], 7, 9)
+    second = adm.A(adm.Time(4), -0.5, [], -7, 9)
+    # `other` is a long here and a double there: it is not copied without being told.
+    assert converted("AToB", "a_to_b", first, second) == [
+        adm.B(adm.Time(3), adm.Deep(0.5, 7), [1, 2], 0.0),
+        adm.B(adm.Time(4), adm.Deep(-0.5, -7), [], 0.0),
+    ]
+    whole = adm.B(adm.Time(1), adm.Deep(2.0, 3), [4], 5.0)
+    assert converted("BToC", "b_to_c", whole) == [adm.C(adm.Deep(2.0, 3))]
+    assert converted("BToE", "b_to_e", whole) == [adm.E(adm.C(adm.Deep(0.0, 3)))]
+
+
+def test_another_file_alone_needs_no_adapter(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("t.idl").write_text("struct A { long x; };\n")
+    Path("other.idl").write_text("struct Z { long x; };\n")
+    Path("rtgen.toml").write_text(
+        '[sources]\npaths = ["t.idl"]\n[adapter.Same]\nfrom = "A"\nto = "A"\n'
+    )
+    assert run(["generate", "-q", "-o", "out", "other.idl"]) == 0
+    assert not (tmp_path / "out/generated/robots/adapters").exists()
+    assert run(["generate", "-q"]) == 0
+    assert (tmp_path / "generated/robots/adapters/same.py").is_file()
+
+
+def test_an_adapter_is_in_the_cache_s_key(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    Path("t.idl").write_text("struct A { long x; long y; };\n")
+    text = '[sources]\npaths = ["t.idl"]\n[adapter.Swap]\nfrom = "A"\nto = "A"\nmap = {0}\n'
+    for pair in ('{ x = "y" }', '{ y = "x" }'):
+        Path("rtgen.toml").write_text(text.replace("{0}", pair))
+        assert run(["generate", "-q"]) == 0
+        made = Path("generated/robots/adapters/swap.py").read_text()
+        to, from_ = pair.strip('{}" ').split(' = "')
+        assert f"made.{to} = sample.{from_}\n" in made
+
+
+def test_components_of_adapters_are_inspected(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("t.idl").write_text("struct A { long x; };\n")
+    Path("rtgen.toml").write_text(
+        '[sources]\npaths = ["t.idl"]\n[adapter.Same]\nfrom = "A"\nto = "A"\n'
+    )
+    assert run(["inspect"]) == 0
+    assert "component Same" in capfd.readouterr().out
