@@ -90,8 +90,28 @@ def manager(
     running.shutdown()
 
 
-@pytest.fixture(scope="session")
-def rtm(manager: Any) -> Any:
+def _unless(skipped: bool, reason: str) -> list[pytest.MarkDecorator]:
+    return [pytest.mark.skip(reason=reason)] if skipped else []
+
+
+@pytest.fixture(
+    params=[
+        pytest.param(
+            "stub", marks=_unless(middleware.REAL, "OpenRTM-aist-Python is installed")
+        ),
+        pytest.param(
+            "real",
+            marks=_unless(not middleware.REAL, "OpenRTM-aist-Python is not installed"),
+        ),
+    ]
+)
+def openrtm(request: pytest.FixtureRequest) -> str:
+    """Which OpenRTM a test runs on: the real one wherever there is one, else the stub."""
+    return str(request.param)
+
+
+@pytest.fixture
+def rtm(openrtm: str, manager: Any) -> Any:
     """The package `OpenRTM_aist`, with a manager that runs."""
     return importlib.import_module("OpenRTM_aist")
 

@@ -132,6 +132,7 @@ def script(
     return done.stdout + done.stderr
 
 
+@pytest.mark.usefixtures("openrtm")
 def test_an_unknown_option_makes_a_manager_ignore_all(
     rtm_environment: dict[str, str], tmp_path: Path
 ) -> None:
@@ -149,6 +150,7 @@ manager.shutdown()
     assert "<>" in script(text, rtm_environment, tmp_path, own)
 
 
+@pytest.mark.usefixtures("openrtm")
 @pytest.mark.parametrize(
     ("arguments", "refused"), [("", True), ("-ORBnativeCharCodeSet UTF-8", False)]
 )
@@ -194,6 +196,7 @@ def first_of_all(environment: dict[str, str], folder: Path) -> dict[str, str]:
     return {**environment, "PYTHONPATH": os.pathsep.join(path)}
 
 
+@pytest.mark.usefixtures("openrtm")
 def test_stubs_that_reopen_rtc_must_not_be_found_first(
     reopening: Path, rtm_environment: dict[str, str], tmp_path: Path
 ) -> None:
@@ -208,6 +211,7 @@ print(RTC.Added(5).number, RTC.TimedLong)
     assert script(after, rtm_environment, tmp_path).startswith("5 ")
 
 
+@pytest.mark.usefixtures("openrtm")
 def test_unscoped_stubs_must_be_found_first(
     rtm_environment: dict[str, str], tmp_path: Path
 ) -> None:
