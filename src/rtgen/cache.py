@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 from rtgen.backends import Artifact, Owner
 from rtgen.compiler import Compilation
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span
-from rtgen.project import Project
+from rtgen.project import SYSTEMS_TARGET, Project
 
 if TYPE_CHECKING:
     from importlib import metadata
@@ -60,7 +60,7 @@ class Cache:
             list(map(str, project.sources)),
             (
                 [str(project.output), *map(str, project.systems)]
-                if project.target == "openrtm"
+                if project.target == SYSTEMS_TARGET
                 else []
             ),
             list(map(str, project.include)),

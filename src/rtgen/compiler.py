@@ -273,7 +273,9 @@ def _with_systems(
     result: FrontendResult, project: Project, options: Options
 ) -> FrontendResult:
     """The same with the project's systems, where something is made of them."""
-    if not project.systems or project.target != "openrtm":
+    from rtgen.project import SYSTEMS_TARGET
+
+    if not project.systems or project.target != SYSTEMS_TARGET:
         return result
     from rtgen import systems
 

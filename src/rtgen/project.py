@@ -24,6 +24,9 @@ TARGETS = ("embedded", "openrtm", "dds")
 AVAILABLE_TARGETS = ("embedded", "openrtm")
 """Those of this version."""
 
+SYSTEMS_TARGET = "openrtm"
+"""The target that makes something of systems."""
+
 PRELUDES = ("kernel", "none")
 """What CDL knows without an import: the scalar types of TOPPERS kernels, or nothing."""
 
@@ -217,7 +220,8 @@ def with_arguments(
         )
     if paths:
         named = [Path(p) for p in paths]
-        findings = [f for p in named if (f := _check_kind(p)) is not None]
+        target_of_it = target or project.target
+        findings = [f for p in named if (f := _check_kind(p, target_of_it)) is not None]
         if findings:
             raise InputError(findings)
         known = [*project.sources, *project.systems] if add else []
@@ -363,7 +367,11 @@ def is_bus_file(path: Path) -> bool:
         return False
 
 
-def _check_kind(path: Path) -> Diagnostic | None:
+def _check_kind(path: Path, target: str) -> Diagnostic | None:
+    if target != SYSTEMS_TARGET and is_system(path):
+        message = f"{path.as_posix()} is a system, of which {target!r} makes nothing"
+        hint = f"--target {SYSTEMS_TARGET}; or rtgen run, rtgen graph"
+        return SOURCE_KIND.at(None, message, hint=hint)
     if path.is_dir() or _is_definition(path):
         return None
     if path.suffix.lower() == ".toml" and path.name != FILE_NAME:

@@ -118,7 +118,8 @@ SOURCE_KIND = Rule(
     """
 A path was given that does not end like a definition file. The kind of a file is told by its
 suffix: `.idl` for OMG IDL; `.cdl` for TECS; `.eds` and `.dcf` for CANopen devices; `.xml` for a
-component (RtcProfile), or for a system (RtsProfile), where a command takes one.
+component (RtcProfile), or for a system (RtsProfile), where a command takes one: `generate` and
+`check` do for the target `openrtm`.
 """,
 )
 

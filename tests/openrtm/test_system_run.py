@@ -8,14 +8,14 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import peers
 import pytest
-from lab import until
+from lab import Lab, until
 
 from rtgen.cli import run
 
@@ -355,6 +355,7 @@ def test_a_naming_service_elsewhere_is_not_started(
 def test_six_processes_drive_to_the_goal(
     rtm: Any,
     manager: Any,
+    lab: Lab,
     reference: Path,
     environment: dict[str, str],
     tmp_path: Path,
@@ -368,13 +369,27 @@ def test_six_processes_drive_to_the_goal(
     folder = generated / "openrtm/rh3_goal"
     ended(folder)
     place = f"127.0.0.1:{free_port()}"
-    started = script(
-        folder / "start.sh", environment, "--nameserver", place, "--rate-scale", "0.2"
-    )
+    options = ["--nameserver", place, "--rate-scale", "0.5"]
+    started = script(folder / "start.sh", environment, *options)
     assert started.returncode == 0, started.stderr
+    peers.load_stubs(generated / "openrtm/Odometry/stubs")
+    at_rest = rtc.Pose2D(rtc.Point2D(0.0, 0.0), 0.0)
+    sample = import_module("IIS").TimedPose2D(rtc.Time(0, 0), [], at_rest, [])
+    port = lab.in_port(sample, "pose")
+    lab.activate(lab.made[-1])
+    lab.tick(lab.made[-1])
+    ports = found(rtm, manager, place, "Odometry0").get_ports()
+    [source] = [
+        p for p in ports if p.get_port_profile().name == "Odometry0.OdometryPosition"
+    ]
+    assert (
+        rtm.connect("look", rtm.Properties(), source, port.getPortRef()) == rtc.RTC_OK
+    )
     position_input = found(rtm, manager, place, "PositionInput0")
-    end = time.monotonic() + 300.0
-    while rtm.get_state(position_input)[1] == rtc.ACTIVE_STATE:
-        assert time.monotonic() < end
-        time.sleep(0.2)
+    until(lambda: rtm.get_state(position_input)[1] != rtc.ACTIVE_STATE, 240.0)
     assert rtm.get_state(position_input)[1] == rtc.ERROR_STATE
+    while port.isNew():
+        sample = port.read()
+    position, heading = sample.data.position, sample.data.heading
+    assert (position.x, position.y) == pytest.approx((3.4, 7.7), abs=0.1)
+    assert heading == pytest.approx(-1.57, abs=0.1)
