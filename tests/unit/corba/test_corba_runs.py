@@ -362,6 +362,13 @@ def test_a_provider_that_is_named_by_a_property(
             here.system.connect(*addresses, properties)
 
 
+def test_nobody_serves_a_port_that_is_connected_meanwhile(here: Here) -> None:
+    here.connect()
+    for message in ("nobody serves Counter0.adding", "not tried again so soon"):
+        with pytest.raises(runtime.ObjectNotExist, match=message):
+            here.adder.add(2, 3)
+
+
 def test_only_service_ports_reach_other_processes(here: Here) -> None:
     for port, error in (
         ("results", runtime.PolarityError),

@@ -20,7 +20,7 @@ from rtgen.runtime.errors import (
 )
 from rtgen.runtime.service_connectors import ServicePort, end, read_properties
 from rtgen.runtime.service_ports import Consumer
-from rtgen.runtime.services import CommunicationFailure, ObjectNotExist
+from rtgen.runtime.services import CommunicationFailure, ObjectNotExist, ServiceError
 from rtgen.runtime.transports import RemotePort
 
 _LOOK_AGAIN = 0.05
@@ -54,7 +54,7 @@ class RemoteProvider:
         self._remote: Remote | None = None
         self._looking = threading.Lock()
         self._lost = 0.0
-        self._why = ""
+        self._failure: ServiceError | None = None
 
     @property
     def reachable(self) -> bool:
@@ -101,8 +101,11 @@ class RemoteProvider:
             return False
 
     def _found(self, operation: str) -> Remote:
-        if self._why and time.monotonic() < self._lost + _PAUSE:
-            raise CommunicationFailure(f"{operation}: {self._why}")
+        failure = self._failure
+        if failure is not None and time.monotonic() < self._lost + _PAUSE:
+            raise type(failure)(
+                f"{operation}: not tried again so soon after: {failure}"
+            )
         try:
             there = self.find()
         except (TransportError, PortTypeError) as error:
@@ -111,7 +114,7 @@ class RemoteProvider:
         if not there or remote is None:
             why = f"{operation}: nobody serves {self.port}, to which {self.consumer} is connected"
             raise self._fail(ObjectNotExist(why))
-        self._why = ""
+        self._failure = None
         return remote
 
     def _another(self, remote: Remote, error: Any) -> Remote | None:
@@ -127,8 +130,8 @@ class RemoteProvider:
             self._remote = None
         return self._remote
 
-    def _fail(self, error: CommunicationFailure | ObjectNotExist | Any) -> Any:
-        self._lost, self._why = time.monotonic(), f"{error} (a moment ago)"
+    def _fail(self, error: ServiceError) -> ServiceError:
+        self._lost, self._failure = time.monotonic(), error
         return error
 
     def _reference(self) -> Any:
