@@ -16,7 +16,8 @@ import middleware
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
 sys.path.insert(0, str(Path(__file__).parents[1] / "interop"))
 
-import samples
+import random_types as random_types
+import samples as samples
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from padding import masked, padding
@@ -33,7 +34,6 @@ from rtgen.runtime.descriptors import (
     ArrayDescriptor,
     Descriptor,
     ExceptionDescriptor,
-    LinkDescriptor,
     PrimitiveDescriptor,
     SequenceDescriptor,
     StructDescriptor,
@@ -207,19 +207,24 @@ def values_agree(kind: Kind, all_types: dict[str, type[Any]]) -> None:
     check()
 
 
-def holds(descriptor: Descriptor, primitive: str, depth: int = 0) -> bool:
+def holds(
+    descriptor: Descriptor, primitive: str, seen: frozenset[str] = frozenset()
+) -> bool:
     """Whether a type has such a part; omniORBpy 4.3.3 cannot read a wchar that it wrote."""
-    if isinstance(descriptor, LinkDescriptor) and depth > 2:
+    found: Any = plain(descriptor)
+    name = getattr(found, "repository_id", "")
+    if name and name in seen:
         return False
-    match plain(descriptor):
+    seen |= {name}
+    match found:
         case StructDescriptor(members=fields) | ExceptionDescriptor(members=fields):
-            return any(holds(m.type, primitive, depth + 1) for m in fields)
+            return any(holds(m.type, primitive, seen) for m in fields)
         case UnionDescriptor() as union:
             parts = [union.switch, *(branch.type for branch in union.branches)]
-            return any(holds(part, primitive, depth + 1) for part in parts)
+            return any(holds(part, primitive, seen) for part in parts)
         case SequenceDescriptor(element) | ArrayDescriptor(element):
-            return holds(element, primitive, depth + 1)
-    return plain(descriptor) == PrimitiveDescriptor(primitive)
+            return holds(element, primitive, seen)
+    return bool(found == PrimitiveDescriptor(primitive))
 
 
 def type_codes(wires: Wires) -> Iterator[Any]:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from rtgen.backends.openrtm.plan import Unit
 from rtgen.backends.openrtm.wire_names import CORBA_PACKAGE, WireNames, wire_id
 from rtgen.backends.python_text import string_literal
-from rtgen.model import Declaration, Enum, ScopedName
+from rtgen.model import Declaration, Enum, ExceptionDecl, ScopedName
 from rtgen.typemap.python_names import identifier
 
 WIRE = "rtgen.runtime.openrtm.wire"
@@ -99,7 +99,9 @@ class WireScope:
     def octets(self, declaration: Declaration) -> str:
         """The conversion of a declared type by way of CDR."""
         ours = f"{self.type(declaration.name)}._descriptor_"
-        made = f"{self.helper('Octets')}({ours}, {self._id(declaration)})"
+        is_raised = isinstance(declaration, ExceptionDecl)
+        way = self.helper("ExceptionOctets" if is_raised else "Octets")
+        made = f"{way}({ours}, {self._id(declaration)})"
         return self._constant(declaration, "_octets", made)
 
     def _id(self, declaration: Declaration) -> str:

@@ -14,8 +14,15 @@ import omniORB
 from omniORB import CORBA, tcInternal
 
 from rtgen.runtime.cdr_faults import decoded, encoded
+from rtgen.runtime.cdr_reader import Reader
+from rtgen.runtime.cdr_writer import Output, Writer
 from rtgen.runtime.corba.faults import caught
-from rtgen.runtime.descriptors import ANY, Descriptor, PrimitiveDescriptor
+from rtgen.runtime.descriptors import (
+    ANY,
+    Descriptor,
+    PrimitiveDescriptor,
+    StringDescriptor,
+)
 from rtgen.runtime.openrtm.stubs import StubsMissingError
 from rtgen.runtime.services import ObjectNotExist
 
@@ -86,7 +93,7 @@ class Octets:
     """
 
     def __init__(self, descriptor: Descriptor, code: Any) -> None:
-        self._descriptor = descriptor
+        self._descriptor: Any = descriptor
         self._code = omniORB.findTypeCode(code) if isinstance(code, str) else code
         if self._code is None:
             raise StubsMissingError(code)
@@ -100,6 +107,26 @@ class Octets:
         """The value of a wire object. Raises CdrError or a CORBA system exception."""
         octets = omniORB.cdrMarshal(self._code, wire, 1)
         return decoded(self._descriptor, octets, True)
+
+
+class ExceptionOctets(Octets):
+    """The same for an exception: its repository id is in front, as in a reply."""
+
+    _ID = StringDescriptor()
+
+    def to(self, value: Any) -> Any:
+        """See `Octets`."""
+        out = Output()
+        writer = Writer(out, True)
+        writer.value(self._ID, self._descriptor.repository_id)
+        writer.value(self._descriptor, value)
+        return omniORB.cdrUnmarshal(self._code, bytes(out), 1)
+
+    def of(self, wire: Any) -> Any:
+        """See `Octets`."""
+        reader = Reader(omniORB.cdrMarshal(self._code, wire, 1), True)
+        reader.value(self._ID)
+        return reader.value(self._descriptor)
 
 
 ANYTHING = Octets(ANY, CORBA.TC_any)
