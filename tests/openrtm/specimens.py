@@ -60,10 +60,9 @@ def _value(descriptor: Descriptor, numbers: Iterator[int]) -> Any:
         case StructDescriptor(members=fields) | ExceptionDescriptor(members=fields):
             return descriptor.class_(*[_value(each.type, numbers) for each in fields])
         case UnionDescriptor(branches=branches):
-            branch = branches[next(numbers) % len(branches)]
-            made = descriptor.class_()
-            setattr(made, branch.attribute, _value(branch.type, numbers))
-            return made
+            labelled = [branch for branch in branches if branch.labels]
+            branch = labelled[next(numbers) % len(labelled)]
+            return descriptor.class_(branch.labels[0], _value(branch.type, numbers))
         case AliasDescriptor() | LinkDescriptor():
             return _value(plain(descriptor), numbers)
     raise NotImplementedError(f"a specimen of {descriptor}")

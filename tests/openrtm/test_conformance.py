@@ -7,8 +7,10 @@ configuration and life cycle, with values of every type that a port has.
 from __future__ import annotations
 
 import json
+import os
 import subprocess
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +19,7 @@ from typing import Any
 import middleware
 import peers
 import pytest
-from conformance import BEHAVIOURS, component_of
+from conformance import BEHAVIOURS, OTHERS, component_of, make_project
 from lab import Lab, resolved, until
 from specimens import COUNT, specimen
 
@@ -25,7 +27,13 @@ from rtgen.runtime import Component
 from rtgen.runtime.profiles import ParameterProfile
 
 HERE = Path(__file__).parent
-IN_EVERY_RUN = {"RefHardRh3", "PositionInput", "EposDriveProxy", "MotorBoardMarshaller"}
+IN_EVERY_RUN = {
+    "Limiter",
+    "RefHardRh3",
+    "PositionInput",
+    "EposDriveProxy",
+    "MotorBoardMarshaller",
+}
 """Enough of everything for a quick look; all others are slow by their number."""
 
 
@@ -37,35 +45,59 @@ Requests = dict[tuple[str, str], list[tuple[str, str]]]
 """What came to the servant of a service port and instance."""
 
 
+@pytest.fixture(scope="session")
+def others(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The output folder of the project made for these tests; what it has can be imported."""
+    output = make_project(tmp_path_factory.mktemp("others"))
+    sys.path += [str(output), str(output.parent / "src")]
+    return output
+
+
+@pytest.fixture
+def output_of(request: pytest.FixtureRequest) -> Callable[[str], Path]:
+    """Gives the output folder of the project that a component is of."""
+
+    def output(name: str) -> Path:
+        project = "others" if name in OTHERS else "reference"
+        found: Path = request.getfixturevalue(project)
+        return found
+
+    return output
+
+
 @pytest.fixture(
     params=[
         pytest.param(name, marks=() if name in IN_EVERY_RUN else pytest.mark.slow)
-        for name in sorted(BEHAVIOURS)
+        for name in sorted([*BEHAVIOURS, *OTHERS])
     ]
 )
 def module(
     request: pytest.FixtureRequest,
     rtm: Any,
     lab: Lab,
-    reference: Path,
+    output_of: Callable[[str], Path],
     naming_service: str,
     rtm_environment: dict[str, str],
     tmp_path: Path,
 ) -> Iterator[Module]:
     """A module that runs, its component and a look into its behaviour."""
     name: str = request.param
-    folder = reference / "openrtm" / name
+    output = output_of(name)
+    folder = output / "openrtm" / name
     if not (folder / "stubs").is_dir():
         script = ["sh", "idlcompile.sh"]
         subprocess.run(script, cwd=folder, env=rtm_environment, check=True)
     peers.load_stubs(folder / "stubs")
     notes = tmp_path / "notes"
     notes.touch()
-    path = [str(reference), str(HERE), rtm_environment["PYTHONPATH"]]
+    path = [
+        *map(str, (output, output.parent / "src", HERE)),
+        rtm_environment.get("PYTHONPATH", ""),
+    ]
     environment = {
         **rtm_environment,
-        "PYTHONPATH": ":".join(path),
-        "PROBED": BEHAVIOURS[name],
+        "PYTHONPATH": os.pathsep.join(path),
+        "PROBED": {**BEHAVIOURS, **OTHERS}[name],
         "PROBE_NOTES": str(notes),
     }
     options = {
@@ -315,25 +347,20 @@ def check_services(module: Module, called: Called, requests: Requests) -> None:
     for interface, consumer in called:
         peers.call_all(interface, consumer._ptr(True))
     for (port, instance), interface in module.providers.items():
-        peers.check_requests(
-            interface,
-            [
-                (line["operation"], line["octets"])
-                for line in module.noted("served", port=f"{port}.{instance}")
-            ],
-        )
+        name, count = f"{port}.{instance}", peers.number_of_calls(interface)
+        # Nobody waits for a oneway call to arrive.
+        until(lambda n=name, c=count: len(module.noted("served", port=n)) >= c)
+        served = module.noted("served", port=name)
+        peers.check_requests(interface, [(s["operation"], s["octets"]) for s in served])
     for (port, instance), interface in module.consumers.items():
-        count = peers.number_of_calls(interface)
-        name = f"{port}.{instance}"
+        name, count = f"{port}.{instance}", peers.number_of_calls(interface)
+        taken = requests[port, instance]
         until(lambda n=name, c=count: len(module.noted("called", port=n)) >= c)
-        peers.check_requests(interface, requests[port, instance])
-        peers.check_outcomes(
-            interface,
-            [
-                (line["operation"], tuple(line["found"]))
-                for line in module.noted("called", port=name)
-            ],
-        )
+        until(lambda t=taken, c=count: len(t) >= c)
+        peers.check_requests(interface, taken)
+        ended = module.noted("called", port=name)
+        found = [(line["operation"], tuple(line["found"])) for line in ended]
+        peers.check_outcomes(interface, found)
 
 
 def changed(parameter: ParameterProfile) -> str:
@@ -343,6 +370,10 @@ def changed(parameter: ParameterProfile) -> str:
     match parameter.type:
         case "string":
             return "別の text"
+        case "Lab::Mode":
+            return "CLIP"
+        case "sequence<double>":
+            return "0.25, -4.0"
         case "boolean":
             return "false" if parameter.default.lower() in ("true", "1") else "true"
         case "double" | "float":
