@@ -7,7 +7,6 @@ import re
 import signal
 import socket
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
@@ -177,17 +176,6 @@ def workshop(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.fixture(scope="module")
-def environment(rtm_environment: dict[str, str]) -> dict[str, str]:
-    """That of the scripts: they find this interpreter, and the ORB's programs."""
-    beside = str(Path(sys.executable).parent)
-    return {
-        **rtm_environment,
-        "PYTHON": sys.executable,
-        "PATH": os.pathsep.join([beside, os.environ["PATH"]]),
-    }
-
-
 def free_port() -> int:
     with socket.socket() as found:
         found.bind(("127.0.0.1", 0))
@@ -222,13 +210,13 @@ def is_alive(session: int) -> bool:
 
 
 @pytest.fixture
-def ended(environment: dict[str, str]) -> Iterator[Callable[[Path], None]]:
+def ended(rtm_environment: dict[str, str]) -> Iterator[Callable[[Path], None]]:
     """Stops the system in a folder after the test, however the test has ended."""
     folders: list[Path] = []
     yield folders.append
     for folder in folders:
         left = processes(folder)
-        script(folder / "stop.sh", environment)
+        script(folder / "stop.sh", rtm_environment)
         for session in left:
             if is_alive(session):
                 os.killpg(session, signal.SIGKILL)
@@ -250,7 +238,7 @@ def test_a_system_runs(
     rtm: Any,
     manager: Any,
     workshop: Path,
-    environment: dict[str, str],
+    rtm_environment: dict[str, str],
     ended: Callable[[Path], None],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -258,7 +246,7 @@ def test_a_system_runs(
     ended(folder)
     place = f"127.0.0.1:{free_port()}"
     options = ["--nameserver", place, "--rate-scale", "0.5"]
-    started = script(folder / "start.sh", environment, *options)
+    started = script(folder / "start.sh", rtm_environment, *options)
     assert started.returncode == 0, started.stderr
     told = started.stdout.splitlines()
     assert told[-1] == "ready"
@@ -274,15 +262,15 @@ def test_a_system_runs(
     assert float(values(source)["each_time"]) == 4.0
 
     # A second time nothing is left to do; a second start is refused.
-    again = script(folder / "connect.py", environment, "--nameserver", place)
+    again = script(folder / "connect.py", rtm_environment, "--nameserver", place)
     assert again.returncode == 0, again.stderr
     assert again.stdout.splitlines()[-1] == "ready"
-    second = script(folder / "start.sh", environment, "--nameserver", place)
+    second = script(folder / "start.sh", rtm_environment, "--nameserver", place)
     assert second.returncode == 3
     assert "runs already" in second.stderr
     assert all(map(is_alive, running))
 
-    stopped = script(folder / "stop.sh", environment)
+    stopped = script(folder / "stop.sh", rtm_environment)
     assert stopped.returncode == 0, stopped.stderr
     assert not any(map(is_alive, running))
     assert processes(folder) == []
@@ -292,7 +280,7 @@ def test_a_system_runs(
 
 def test_a_system_that_does_not_come_up_leaves_nothing(
     workshop: Path,
-    environment: dict[str, str],
+    rtm_environment: dict[str, str],
     naming_service: str,
     ended: Callable[[Path], None],
 ) -> None:
@@ -311,7 +299,7 @@ def test_a_system_that_does_not_come_up_leaves_nothing(
         assert count == 1
         (folder / "connect.py").write_text(changed, encoding="utf-8")
         options = ["--nameserver", naming_service]
-        started = script(folder / "start.sh", environment, *options)
+        started = script(folder / "start.sh", rtm_environment, *options)
         assert started.returncode == 3
         assert "ready" not in started.stdout
         assert why in started.stderr
@@ -319,7 +307,9 @@ def test_a_system_that_does_not_come_up_leaves_nothing(
     (folder / "connect.py").write_text(right, encoding="utf-8")
     behaviour = workshop / "src/hands/sink.py"
     behaviour.write_text("import nothing_of_this_name\n", encoding="utf-8")
-    started = script(folder / "start.sh", environment, "--nameserver", naming_service)
+    started = script(
+        folder / "start.sh", rtm_environment, "--nameserver", naming_service
+    )
     behaviour.write_text(BEHAVIOURS["sink"], encoding="utf-8")
     assert started.returncode == 3
     assert "the process of Sink0 has ended: ModuleNotFoundError" in started.stderr
@@ -327,28 +317,28 @@ def test_a_system_that_does_not_come_up_leaves_nothing(
 
 
 def test_what_is_not_there_is_waited_for_as_long_as_told(
-    workshop: Path, environment: dict[str, str], naming_service: str
+    workshop: Path, rtm_environment: dict[str, str], naming_service: str
 ) -> None:
     connect = workshop / "generated/openrtm/line/connect.py"
     options = ["--nameserver", naming_service, "--timeout", "0.2"]
-    told = script(connect, environment, *options)
+    told = script(connect, rtm_environment, *options)
     assert told.returncode == 3
     assert "Sink0, Source0, Worker0" in told.stderr
     nowhere = f"127.0.0.1:{free_port()}"
-    told = script(connect, environment, "--nameserver", nowhere)
+    told = script(connect, rtm_environment, "--nameserver", nowhere)
     assert told.returncode == 3
     assert "no naming service" in told.stderr
 
 
 def test_a_naming_service_elsewhere_is_not_started(
-    workshop: Path, environment: dict[str, str]
+    workshop: Path, rtm_environment: dict[str, str]
 ) -> None:
     folder = workshop / "generated/openrtm/line"
     elsewhere = f"127.0.0.2:{free_port()}"
-    told = script(folder / "start.sh", environment, f"--nameserver={elsewhere}")
+    told = script(folder / "start.sh", rtm_environment, f"--nameserver={elsewhere}")
     assert told.returncode == 3
     assert f"no naming service answers at {elsewhere}" in told.stderr
-    assert script(folder / "start.sh", environment, "--what").returncode == 2
+    assert script(folder / "start.sh", rtm_environment, "--what").returncode == 2
 
 
 @pytest.mark.slow
@@ -357,7 +347,7 @@ def test_six_processes_drive_to_the_goal(
     manager: Any,
     lab: Lab,
     reference: Path,
-    environment: dict[str, str],
+    rtm_environment: dict[str, str],
     tmp_path: Path,
     ended: Callable[[Path], None],
 ) -> None:
@@ -370,7 +360,7 @@ def test_six_processes_drive_to_the_goal(
     ended(folder)
     place = f"127.0.0.1:{free_port()}"
     options = ["--nameserver", place, "--rate-scale", "0.5"]
-    started = script(folder / "start.sh", environment, *options)
+    started = script(folder / "start.sh", rtm_environment, *options)
     assert started.returncode == 0, started.stderr
     peers.load_stubs(generated / "openrtm/Odometry/stubs")
     at_rest = rtc.Pose2D(rtc.Point2D(0.0, 0.0), 0.0)

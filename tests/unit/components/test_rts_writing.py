@@ -6,12 +6,20 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from rts_rules import broken_rules
 
 from rtgen.backends.rts_profile import system_text
 from rtgen.diagnostics import Span
 from rtgen.frontends import located_xml, profile_yaml, rts_profile
-from rtgen.model import Activation, System
+from rtgen.model import (
+    Activation,
+    Connection,
+    PortReference,
+    System,
+    SystemComponent,
+)
 
 ROOT = Path(__file__).resolve().parents[3]
 SYSTEMS = sorted(
@@ -121,3 +129,83 @@ def test_texts_are_escaped_and_conditions_kept() -> None:
     assert broken_rules(text) == []
     assert again(text).abstract == told.abstract
     assert again(text).activation == told.activation
+
+
+TEXTS = st.text(
+    st.characters(exclude_categories=("Cs", "Cc"), exclude_characters="\ufffe\uffff"),
+    max_size=12,
+)
+NAMES = TEXTS.filter(lambda text: bool(text.strip()) and "." not in text)
+
+
+@st.composite
+def systems(draw: st.DrawFn) -> System:
+    """A system with everything that the model has, its texts as odd as XML allows."""
+    span = Span("", 1, 1, 1, 1)
+    instances = draw(st.lists(NAMES, min_size=1, max_size=4, unique=True))
+    pairs = st.lists(st.tuples(NAMES, TEXTS), max_size=3, unique_by=lambda p: p[0])
+    components = [
+        SystemComponent(
+            instance=instance,
+            type="Kind",
+            id="RTC:v:c:Kind:1.0.0",
+            path_uri="localhost/" + instance,
+            span=span,
+            rate=draw(st.none() | st.floats(0.001, 1e6)),
+            active_set=draw(NAMES),
+            configuration=tuple(
+                (name, tuple(draw(pairs)))
+                for name in draw(st.lists(NAMES, max_size=2, unique=True))
+            ),
+            location=draw(st.tuples(*[st.integers(-(10**6), 10**6)] * 4)),
+            required=draw(st.booleans()),
+        )
+        for instance in instances
+    ]
+    ends = st.builds(
+        lambda instance, port: PortReference(instance=instance, port=port),
+        st.sampled_from(instances),
+        NAMES,
+    )
+    joined = draw(
+        st.lists(st.tuples(ends, ends), max_size=4, unique_by=lambda pair: str(pair))
+    )
+    connections = [
+        Connection(
+            id=f"c{number}",
+            name=f"{source} to {target}",
+            source=source,
+            target=target,
+            service=draw(st.booleans()),
+            span=span,
+            properties=tuple(draw(pairs)),
+        )
+        for number, (source, target) in enumerate(joined)
+    ]
+    order = draw(st.permutations(instances))
+    steps = [
+        Activation(instance=instance, sequence=number, wait_ms=draw(st.integers(0, 99)))
+        for number, instance in enumerate(order, 1)
+    ]
+    return System(
+        name="Name",
+        id="RTSystem:v:Name:1.0.0",
+        file="",
+        abstract=draw(NAMES),
+        components=tuple(components),
+        connections=tuple(connections),
+        activation=tuple(steps),
+        properties=tuple(draw(pairs)),
+    )
+
+
+@given(systems())
+def test_any_system_is_the_same_when_it_is_read_again(system: System) -> None:
+    text = system_text(system)
+    assert broken_rules(text) == []
+    written = plain(again(text))
+    for name in ("id", "abstract", "components", "activation", "properties"):
+        assert getattr(written, name) == getattr(plain(system), name)
+    for one, other in zip(written.connections, plain(system).connections, strict=True):
+        assert replace(one, properties=()) == replace(other, properties=())
+        assert dict(other.properties).items() <= dict(one.properties).items()

@@ -52,4 +52,14 @@ port into the definition to have it everywhere.
 """,
 )
 
-RULES = (SYSTEM_FOLDER, LONELY_CONSUMER, PER_CYCLE, OWN_PORT)
+INSTANCE_NAME = Rule(
+    "RTC0591",
+    "instance name that cannot be a file name",
+    Severity.ERROR,
+    """
+On OpenRTM an instance has a `.conf` file, a log and a name in the naming service, all after its
+instance name. So the name has no `/`, `\\` or `:` and no control characters.
+""",
+)
+
+RULES = (SYSTEM_FOLDER, LONELY_CONSUMER, PER_CYCLE, OWN_PORT, INSTANCE_NAME)

@@ -149,6 +149,10 @@ class _Writer:
         self._connections = [
             self._connection(c) for c in system.connections if self._is_possible(c)
         ]
+        for c in system.components:
+            if not _STEM.fullmatch(c.instance):
+                message = f"an instance cannot be called {c.instance!r} on OpenRTM"
+                self.findings.append(rules.INSTANCE_NAME.at(c.span, message))
         self._system = replace(
             system,
             connections=tuple(self._connections),
