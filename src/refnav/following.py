@@ -56,7 +56,7 @@ class TrackFollower:
     """Stores where the leader has been, and goes there; keeps its distance along the track."""
 
     def __init__(self) -> None:
-        self._track: deque[Pose] = deque(maxlen=LONGEST_TRACK)
+        self._track: deque[Pose] = deque()
         self._length = 0.0
 
     def observe(self, leader: Pose) -> None:

@@ -91,7 +91,10 @@ def test_a_track_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     follower = TrackFollower()
     for i in range(100):
         follower.observe(Pose(0.1 * i, 0.0, 0.0))
-    # It heads for what is left of the track, 9 m ahead.
-    vx, _, va = follower.command(Pose(8.0, -1.0, 0.0), Parameters(), sideways=False)
-    assert vx > 0.0
-    assert va > 0.0
+    # What is left begins at 9 m and ends at 9.9 m: 1.3 m from here.
+    here = Pose(8.6, 0.0, 0.0)
+    near = follower.command(here, Parameters(distance=1.31), sideways=False)
+    assert near == REST
+    vx, _, va = follower.command(here, Parameters(distance=1.2), sideways=False)
+    assert vx == pytest.approx(0.15)
+    assert va == pytest.approx(0.0)
