@@ -22,6 +22,10 @@ import pytest
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "types"))
+
+import emitted
+
 from rtgen import runtime
 from rtgen.cli import run as rtgen
 from rtgen.runtime.corba.name_server import NameServer
@@ -360,6 +364,27 @@ def test_a_provider_that_is_named_by_a_property(
     ):
         with pytest.raises(runtime.ConnectorPropertyError, match=message):
             here.system.connect(*addresses, properties)
+
+
+def test_definitions_that_differ(here: Here, tmp_path: Path) -> None:
+    operations = "long add(in long a); void nap(in double seconds);"
+    changed = f"module Calc {{ interface Adder {{ {operations} }}; }};"
+    other = emitted.emit_text(tmp_path, changed).calc.Adder
+    objects, naming = here.transport._objects, here.transport._naming
+    assert naming is not None
+    reference = objects.serve(other, lambda operation, arguments: None)
+    place = ("Counter0", "adding"), "Adder"
+    naming.bind(*place, reference)
+    here.connect()
+    message = (
+        r"different definitions of Calc::Adder; the provider has no readonly attribute "
+        r"unsigned long naps, long add\(in long a, in long b\) raises \(Calc::Refused\)$"
+    )
+    with pytest.raises(runtime.PortTypeError, match=message):
+        here.transport.await_others(0.0)
+    with pytest.raises(runtime.CommunicationFailure, match="different definitions"):
+        here.adder.add(2, 3)
+    naming.unbind(*place, reference)
 
 
 def test_nobody_serves_a_port_that_is_connected_meanwhile(here: Here) -> None:

@@ -11,7 +11,8 @@ from omniORB import CORBA
 
 from rtgen.runtime.corba.faults import caught, is_inactive, is_unsent
 from rtgen.runtime.corba.naming import Naming, is_alive
-from rtgen.runtime.corba.objects import Objects, Remote
+from rtgen.runtime.corba.objects import Objects, Remote, signatures
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.errors import (
     ConnectorPropertyError,
     DuplicateConnectionError,
@@ -139,21 +140,42 @@ class RemoteProvider:
         served = self._naming.providers((self.port.instance, self.port.port))
         # omniORB answers `_is_a` by itself where it can, also for those that are gone.
         found = {name: r for name, r in served.items() if is_alive(r)}
-        identity = self.consumer.interface._descriptor_.repository_id
+        if not found:
+            return None
+        chosen = self._chosen(found)
+        if chosen is None:
+            raise PortTypeError(
+                f"{self.port} has no provider for {self.consumer}, which asks for "
+                f"{self._wanted.repository_id}; it has: {', '.join(found)}"
+            )
+        told = signatures(chosen)
+        missing = (
+            []
+            if told is None
+            else [s for s in self._wanted.operations if s not in told]
+        )
+        if missing:
+            raise PortTypeError(
+                f"{self.consumer} and {self.port} were generated from different definitions "
+                f"of {self._wanted.name}; the provider has no {', '.join(missing)}"
+            )
+        return chosen
+
+    def _chosen(self, found: Mapping[str, Any]) -> Any:
+        """The one told by property, else of equal name and type, else the only one of the type."""
+        identity = self._wanted.repository_id
         name = self.consumer.instance if self._told is None else self._told
         if name in found and found[name]._is_a(identity):
             return found[name]
         fitting = [
             r for r in found.values() if self._told is None and r._is_a(identity)
         ]
-        if self._alone and len(fitting) == 1:
-            return fitting[0]
-        if not found:
-            return None
-        raise PortTypeError(
-            f"{self.port} has no provider for {self.consumer}, which asks for {identity}; "
-            f"it has: {', '.join(found)}"
-        )
+        return fitting[0] if self._alone and len(fitting) == 1 else None
+
+    @property
+    def _wanted(self) -> InterfaceDescriptor:
+        descriptor: InterfaceDescriptor = self.consumer.interface._descriptor_
+        return descriptor
 
 
 class RemoteConnector:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import omniORB
-from omniORB import CORBA, PortableServer
+from omniORB import CORBA, PortableServer, tcInternal
 
 from rtgen.runtime.calls import encoded_arguments
 from rtgen.runtime.cdr import UserException
@@ -79,6 +79,24 @@ class Remote:
         if found.results > 1:
             return found.values(result)
         return found.values((result,))[0]
+
+
+_SIGNATURES = "_rtgen_operations"
+"""What our objects answer beside the operations of their interface: its signatures."""
+_TEXTS = (tcInternal.tv_sequence, (tcInternal.tv_string, 0), 0)
+_TELLING = ((), (_TEXTS,), None)
+
+
+def signatures(reference: Any) -> list[str] | None:
+    """The signatures of an object's interface; None if it is not one of ours.
+
+    Raises what omniORB raises if it cannot be asked.
+    """
+    try:
+        told: list[str] = reference._obj.invoke(_SIGNATURES, _TELLING, ())
+    except (CORBA.BAD_OPERATION, CORBA.NO_IMPLEMENT):
+        return None
+    return told
 
 
 def _tell_fault(operation: str, found: Any, arguments: tuple[object, ...]) -> None:
@@ -191,6 +209,7 @@ class _Skeleton:
 def _servant_class(interface: type[Servant], operations: Operations) -> type[Any]:
     descriptor = interface._descriptor_
     described = {name: o.descriptor for name, o in operations.of.items()}
+    described[_SIGNATURES] = _TELLING
 
     def keep(
         self: Any, call: Invoker, exists: Callable[[], bool], busy: list[None]
@@ -205,6 +224,7 @@ def _servant_class(interface: type[Servant], operations: Operations) -> type[Any
         "_omni_op_d": described,
         "_omni_skeleton": _Skeleton(descriptor, described),
         "_non_existent": lambda self: not self._exists(),
+        _SIGNATURES: lambda self: list(descriptor.operations),
     }
     for name, operation in operations.of.items():
         parts[name] = _method(name, operation)
