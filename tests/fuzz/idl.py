@@ -28,6 +28,7 @@ from idl_grammar import is_valid, program
 from idl_mutations import mutant
 from idl_target import HELPERS, IdlTarget
 from octets import OctetsTarget
+from profiles import ProfileTarget
 
 KINDS: dict[str, Factory] = {
     "grammar": partial(IdlTarget, make=program, is_valid=is_valid),
@@ -38,6 +39,7 @@ KINDS: dict[str, Factory] = {
     "components": ComponentsTarget,
     "slave": NodeTarget,
     "bus": BusTarget,
+    "profiles": ProfileTarget,
 }
 
 

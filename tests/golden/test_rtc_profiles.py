@@ -62,7 +62,9 @@ def test_every_rule_has_a_case() -> None:
     assert {rule.code for rule in rules.RULES} <= {p.stem for p in CASES.glob("*.xml")}
 
 
-@pytest.mark.parametrize("name", ["everything", "old_template", "RTC0537", "events"])
+@pytest.mark.parametrize(
+    "name", ["everything", "old_template", "RTC0537", "events", "names"]
+)
 def test_the_idl_is_read_again(name: str, tmp_path: Path) -> None:
     text, _ = read(CASES / f"{name}.xml")
     file = tmp_path / "Component.idl"

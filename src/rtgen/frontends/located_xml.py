@@ -49,6 +49,13 @@ RULES = (MALFORMED, DOCTYPE, ENCODING, DEPTH, UNREADABLE)
 _MAX_DEPTH = 100
 _DECLARED = re.compile(rb"""<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z][\w.-]*)["']""")
 _ATTRIBUTE = re.compile(r"""([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
+_OTHER_NAMES = {
+    "windows-31j": "cp932",
+    "x-sjis": "shift_jis",
+    "x-euc-jp": "euc_jp",
+    "x-ms932": "cp932",
+}
+"""Names of encodings that Java and Windows write, and Python's."""
 _BYTE_ORDER_MARKS = {
     b"\xef\xbb\xbf": "utf-8-sig",
     b"\xff\xfe": "utf-16",
@@ -100,7 +107,7 @@ def decode(data: bytes, file: str) -> str:
     encoding = mark or (declared[1].decode("ascii") if declared else "utf-8")
     nowhere = Span(file, 1, 1, 1, 1)
     try:
-        return data.decode(encoding)
+        return data.decode(_OTHER_NAMES.get(encoding.lower(), encoding))
     except LookupError:
         raise InputError(
             [ENCODING.at(nowhere, f"unknown encoding {encoding!r}")]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterator
-from datetime import datetime
 from math import isfinite
 
 from rtgen.backends.components import rules
@@ -22,22 +21,19 @@ from rtgen.model import (
     Union,
 )
 from rtgen.model.constraints import ConstraintError, is_enumeration, is_range, text_of
+from rtgen.typemap.dates import is_date
 from rtgen.typemap.parameters import (
     Parameters,
     ValueMismatchError,
     value_text,
 )
 from rtgen.typemap.python_names import module_name
+from rtgen.typemap.widgets import is_widget, needs_range, needs_values
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,119}")
-_VERSION = re.compile(r"[0-9]+(\.[0-9]+)*([.+-]?[A-Za-z][A-Za-z0-9.+-]*)?")
-_DATE = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)?")
-_FRACTION = re.compile(r"\.\d+")
+_VERSION = re.compile(r"[^\s:]+")
 _BREAKS_ID = re.compile(r"[:\r\n\t]")
 _NOT_IN_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-_SLIDER = re.compile(r"slider\.(\d+\.?\d*|\.\d+)")
-_RANGE_WIDGETS = ("slider", "spin")
-_ENUMERATION_WIDGETS = ("radio", "checkbox", "ordered_list", "orderd_list")
 _ACTIVITIES = ("PERIODIC", "SPORADIC", "EVENTDRIVEN")
 _COMPONENT_TYPES = ("STATIC", "UNIQUE", "COMMUTATIVE")
 _DATA_PORTS = (PortKind.INPORT, PortKind.OUTPORT)
@@ -102,7 +98,7 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
             rules.VERSION, f"version {component.version!r} cannot be used", hint
         )
     for key, date in (("created", component.created), ("updated", component.updated)):
-        if not _is_date(date):
+        if not is_date(date):
             hint = f'write it like `{key}="2025-02-11T10:30:00+00:00"`'
             yield finding(
                 rules.DATE, f"`{key}` is {date!r}, which is no xsd:dateTime", hint
@@ -127,16 +123,6 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
         yield finding(
             rules.NUMBER, f"max_instances is {component.max_instances}", "0: no limit"
         )
-
-
-def _is_date(text: str) -> bool:
-    if not _DATE.fullmatch(text):
-        return False
-    try:
-        datetime.fromisoformat(_FRACTION.sub("", text))
-    except ValueError:
-        return False
-    return True
 
 
 def _texts(component: Component) -> Iterator[Diagnostic]:
@@ -298,22 +284,16 @@ def _widget(
     parameter: ConfigurationParameter, has_range: bool, has_values: bool
 ) -> Iterator[Diagnostic]:
     widget = parameter.widget
-    kind = widget.partition(".")[0]
-    if kind == "slider":
-        known = bool(_SLIDER.fullmatch(widget)) and float(widget[len("slider.") :]) > 0
-    elif kind in ("text", "spin"):
-        known = widget in (kind, f"{kind}.")
-    else:
-        known = widget == "" or widget in _ENUMERATION_WIDGETS
-    if not known:
+    if not is_widget(widget):
         yield rules.WIDGET.at(
             parameter.span,
             f"unknown widget {widget!r} for {parameter.name!r}",
             hint="text, slider.<step>, spin, radio, checkbox or ordered_list",
         )
-    elif kind in _RANGE_WIDGETS and not has_range:
+    elif needs_range(widget) and not has_range:
+        kind = widget.partition(".")[0]
         message = f"a {kind} for {parameter.name!r} needs a lower and an upper bound"
         yield rules.WIDGET_NEEDS.at(parameter.span, message)
-    elif kind in _ENUMERATION_WIDGETS and not has_values:
+    elif needs_values(widget) and not has_values:
         message = f"{widget} for {parameter.name!r} needs an enumeration of its values"
         yield rules.WIDGET_NEEDS.at(parameter.span, message)

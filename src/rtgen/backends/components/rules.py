@@ -22,8 +22,8 @@ Rename one of them.
 """
 
 _VERSION = """\
-The version is a part of the profile's id and is compared by tools: numbers with dots between
-them, with a suffix if need be, such as `1.2.0` or `1.0.0-rc1`.
+The version is a part of the profile's id and is compared by tools: usually numbers with dots
+between them, such as `1.2.0`. It has no blanks and no colon.
 """
 
 _DATE = """\

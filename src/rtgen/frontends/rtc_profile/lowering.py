@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
@@ -25,7 +26,6 @@ from rtgen.model import (
     Struct,
     Type,
     Union,
-    Valuetype,
 )
 from rtgen.model.constraints import Constraint, text_of
 from rtgen.model.declarations import OPAQUE
@@ -41,8 +41,13 @@ from rtgen.typemap import profile_texts
 from rtgen.typemap.parameter_words import type_of
 from rtgen.typemap.parameters import Parameters, ValueMismatchError
 from rtgen.typemap.profile_facts import default_id
+from rtgen.typemap.widgets import is_widget
 
-_DATA = (Struct, Union, Valuetype)
+_DATA = (Struct, Union)
+_BREAKS_ID = re.compile(r"[:\r\n\t]")
+_BREAKS_VERSION = re.compile(r"[:\s]+")
+_REPOSITORY_ID = re.compile(r"IDL:(.*?)(?::[\d.]*)?")
+_LONGEST_NAME = 100
 
 
 @dataclass
@@ -57,6 +62,7 @@ class Lowering:
     given: frozenset[str] = frozenset()
     diagnostics: list[Diagnostic] = field(default_factory=list)
     placeholders: dict[ScopedName, Declaration] = field(default_factory=dict)
+    _stand_ins: dict[tuple[ScopedName, bool], ScopedName] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._by_name = {d.name: d for d in self.model.declarations}
@@ -82,12 +88,12 @@ class Lowering:
             file=profile.file,
             span=profile.span,
             doc=profile.doc,
-            ports=tuple(port for port in ports if port is not None),
+            ports=tuple(ports),
             configuration=tuple(parameters),
             kind=profile.kind,
-            category=profile.category,
-            vendor=profile.vendor,
-            version=profile.version,
+            category=self._id_part(profile, profile.category, _BREAKS_ID),
+            vendor=self._id_part(profile, profile.vendor, _BREAKS_ID),
+            version=self._id_part(profile, profile.version, _BREAKS_VERSION),
             description=profile.description,
             rate=1000.0 if profile.rate is None else profile.rate,
             max_instances=profile.max_instances,
@@ -109,8 +115,8 @@ class Lowering:
 
     def _name(self, profile: RtcProfile) -> ScopedName:
         """The component's name, told if it is not the profile's."""
-        last = profile_texts.word(profile.name, "Component")
-        why = "is no identifier"
+        last = profile_texts.word(profile.name, "Component")[:_LONGEST_NAME]
+        why = "is no identifier" if len(last) < _LONGEST_NAME else "is too long"
         name = self._definitions.name(profile, last)
         known = self._by_name.get(name)
         if isinstance(known, Component):
@@ -119,22 +125,39 @@ class Lowering:
                 related = [Related(known.span, "the other one")]
                 found = rules.SAME_COMPONENT.at(profile.span, message, related=related)
                 self.diagnostics.append(found)
-        elif known is not None or name in self.placeholders:
-            last, why = f"{last}Component", "is the name of a type, too"
+        elif self._is_taken(name):
+            last, why = f"{last}Component", "is the name of a type or module, too"
             name = (*name[:-1], last)
         if last != profile.name:
             message = f"{profile.name!r} {why}; the component is {last}"
             self._tell(rules.NAME, profile.span, message)
         return name
 
+    def _id_part(
+        self, profile: RtcProfile, text: str, breaking: re.Pattern[str]
+    ) -> str:
+        """A part of the profile's id, told if it had to be mended."""
+        mended = breaking.sub("_", text)
+        if mended != text:
+            message = f"{text!r} would break the profile's id; {mended!r} is taken"
+            self._tell(rules.NAME, profile.span, message)
+        return mended
+
+    def _is_taken(self, name: ScopedName) -> bool:
+        """Whether the name, whatever the case, is one of a type or module, or inside of a type."""
+        wanted = [part.lower() for part in name]
+        for known in (*self._by_name, *self.placeholders):
+            depth = min(len(known), len(name))
+            if [part.lower() for part in known[:depth]] == wanted[:depth]:
+                return True
+        return False
+
     # Ports.
 
     def _data_port(
         self, profile: RtcProfile, port: ProfileDataPort, taken: set[str]
-    ) -> Port | None:
+    ) -> Port:
         type_ = self._type(profile, port, service=False)
-        if type_ is None:
-            return None
         kind = PortKind.OUTPORT if port.output else PortKind.INPORT
         made = Port(
             kind=kind,
@@ -157,10 +180,8 @@ class Lowering:
         service: str,
         interface: ProfileInterface,
         taken: set[str],
-    ) -> Port | None:
+    ) -> Port:
         type_ = self._type(profile, interface, service=True)
-        if type_ is None:
-            return None
         identifier = _identifier(interface, "service", taken)
         made = Port(
             kind=PortKind.PROVIDER if interface.provided else PortKind.CONSUMER,
@@ -180,23 +201,23 @@ class Lowering:
         port: ProfileDataPort | ProfileInterface,
         *,
         service: bool,
-    ) -> Type | None:
+    ) -> Type:
         """The type of a port: one of the model, else a placeholder."""
-        written = tuple(part.strip() for part in port.type.split("::") if part.strip())
+        written = _scoped(port.type)
         name = self._found(written, service)
-        if name is not None:
-            type_ = NamedType(name)
-            plain = self.model.unalias(type_)
-            declaration = (
-                self._by_name[plain.name] if isinstance(plain, NamedType) else None
-            )
-            if isinstance(declaration, Interface if service else _DATA):
-                return type_
-            wanted = "interface" if service else "struct or union"
-            message = f"{port.type} is no {wanted}"
-            self._tell(rules.WRONG_TYPE, port.type_span, message)
-            return None
-        return self._placeholder(profile, port, written, service)
+        if name is None:
+            return self._placeholder(profile, port, written, service)
+        type_ = NamedType(name)
+        plain = self.model.unalias(type_)
+        declaration = (
+            self._by_name[plain.name] if isinstance(plain, NamedType) else None
+        )
+        if isinstance(declaration, Interface if service else _DATA):
+            return type_
+        wanted = "interface" if service else "struct or union"
+        message = f"{port.type} is no {wanted}; it stays opaque"
+        self._tell(rules.WRONG_TYPE, port.type_span, message)
+        return self._stand_in(profile, port, written, service)
 
     def _found(self, written: ScopedName, service: bool) -> ScopedName | None:
         """The declared name that is meant; one without its module is looked for in all."""
@@ -220,24 +241,40 @@ class Lowering:
         port: ProfileDataPort | ProfileInterface,
         written: ScopedName,
         service: bool,
-    ) -> Type | None:
-        name = tuple(profile_texts.word(part, "Unknown") for part in written) or (
-            "Unknown",
-        )
-        known = self.placeholders.get(name)
-        if known is None:
-            declared = f", which {port.idl_file} declares," if port.idl_file else ""
-            message = f"{port.type}{declared} is not found; it stays opaque"
-            hint = "name its IDL file as a source, or its folder with -I"
-            self._tell(rules.UNKNOWN_TYPE, port.type_span, message, hint)
+    ) -> Type:
+        if (written, service) not in self._stand_ins:
+            if (written, not service) in self._stand_ins:
+                kind = "data" if service else "a service"
+                message = f"{port.type} is {kind} elsewhere; it stays opaque"
+                self._tell(rules.WRONG_TYPE, port.type_span, message)
+            else:
+                declared = f", which {port.idl_file} declares," if port.idl_file else ""
+                shown = port.type or "the type"
+                message = f"{shown}{declared} is not found; it stays opaque"
+                hint = "name its IDL file as a source, or its folder with -I"
+                self._tell(rules.UNKNOWN_TYPE, port.type_span, message, hint)
+        return self._stand_in(profile, port, written, service)
+
+    def _stand_in(
+        self,
+        profile: RtcProfile,
+        port: ProfileDataPort | ProfileInterface,
+        written: ScopedName,
+        service: bool,
+    ) -> Type:
+        """The placeholder for a name, under that name if nothing else has it."""
+        name = self._stand_ins.get((written, service))
+        if name is None:
+            parts = [profile_texts.word(part, "Unknown") for part in written]
+            name = tuple(parts) or ("Unknown",)
+            if self._is_taken(name):
+                name = ("_".join(parts),)
+            while self._is_taken(name):
+                name = (f"{name[0]}_",)
+            self._stand_ins[written, service] = name
             made = _opaque(name, service, profile.file, port.type_span)
             self.placeholders[name] = made
-            return NamedType(name)
-        if isinstance(known, Interface) is service:
-            return NamedType(name)
-        kind = "a service" if isinstance(known, Interface) else "data"
-        self._tell(rules.WRONG_TYPE, port.type_span, f"{port.type} is {kind} elsewhere")
-        return None
+        return NamedType(name)
 
     # Parameters.
 
@@ -257,12 +294,20 @@ class Lowering:
             span=parameter.span,
             doc=parameter.doc,
             unit=parameter.unit,
-            widget="" if parameter.widget == "text" else parameter.widget,
+            widget=self._widget(parameter),
         )
         made = self._with_default(made, parameter)
         made = self._definitions.default(made, parameter)
         made = self._with_constraint(made, parameter)
         return self._definitions.parameter(made, parameter)
+
+    def _widget(self, parameter: ProfileParameter) -> str:
+        widget = parameter.widget.strip()
+        if is_widget(widget):
+            return "" if widget == "text" else widget
+        message = f"the widget of {parameter.name} is {widget!r}; text is taken"
+        self._tell(rules.BAD_WIDGET, parameter.span, message)
+        return ""
 
     def _with_default(
         self, made: ConfigurationParameter, parameter: ProfileParameter
@@ -307,6 +352,16 @@ class Lowering:
 
     def _allowed(self, parameter: ConfigurationParameter, limit: Constraint) -> bool:
         return self._parameters.is_default_allowed(parameter, limit)
+
+
+def _scoped(text: str) -> ScopedName:
+    """A type's name as people write it: by IDL, as repository id, with dots or slashes."""
+    text = text.strip()
+    if (found := _REPOSITORY_ID.fullmatch(text)) is not None:
+        text = found[1]
+    if "::" not in text:
+        text = text.replace("/", "::").replace(".", "::")
+    return tuple(part.strip() for part in text.split("::") if part.strip())
 
 
 def _opaque(name: ScopedName, service: bool, file: str, span: Span) -> Declaration:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from math import isfinite
 from pathlib import PureWindowsPath
@@ -28,6 +27,7 @@ from rtgen.model.rtc_profile import (
     ProfileServicePort,
     RtcProfile,
 )
+from rtgen.typemap.dates import has_zone, is_date
 from rtgen.typemap.profile_facts import PROPERTY, Facts, facts_from
 from rtgen.typemap.profile_texts import lines, one_line
 
@@ -35,7 +35,6 @@ VERSIONS = ("0.1", "0.2", "0.3")
 
 _EVENT_PORT = "EventPort"
 _DEFAULT_DATE = "1970-01-01T00:00:00+00:00"
-_DATE = re.compile(r"-?\d{4,}-\d\d-\d\dT\d\d:\d\d:\d\d(\.\d+)?(Z|[+-]\d\d:\d\d)?")
 
 
 class Reader:
@@ -58,7 +57,7 @@ class Reader:
         if info is None:
             self._tell(rules.MISSING, root.span, "there is no `rtc:BasicInfo`")
             return None
-        name = self._required(info, "name")
+        name = self._name(root, info)
         if name is None:
             return None
         description = self._get(info, "description")
@@ -125,12 +124,27 @@ class Reader:
             self._misspellings.add(message)
             self._tell(rules.MISSPELT, element.place(local), message)
 
+    def _name(self, root: Element, info: Element) -> str | None:
+        """The component's name; one that is missing may stand in the id."""
+        name = self._get(info, "name").strip()
+        if name:
+            return name
+        message = "`BasicInfo` has no `rtc:name`"
+        parts = self._get(root, "id").split(":")
+        if len(parts) == 5 and (name := parts[3].strip()):
+            message += f"; {name}, of the id, is taken"
+            self._tell(rules.LEFT_OUT, info.place("name"), message)
+            return name
+        self._tell(rules.MISSING, info.place("name"), message)
+        return None
+
     def _required(self, element: Element, name: str) -> str | None:
+        """An attribute without which nothing can be made of the element."""
         value = self._get(element, name).strip()
         if value:
             return value
-        message = f"`{element.name[1]}` has no `rtc:{name}`"
-        self._tell(rules.MISSING, element.place(name), message)
+        message = f"a `{element.name[1]}` without `rtc:{name}` is left out"
+        self._tell(rules.LOST, element.place(name), message)
         return None
 
     def _wanted(self, element: Element, name: str, usual: str) -> str:
@@ -187,9 +201,8 @@ class Reader:
 
     def _date(self, info: Element, name: str) -> str:
         text = self._wanted(info, name, _DEFAULT_DATE)
-        found = _DATE.fullmatch(text)
-        if found is not None:
-            return text if found[2] else f"{text}+00:00"
+        if is_date(text):
+            return text if has_zone(text) else f"{text}+00:00"
         message = f"`rtc:{name}` is {text[:40]!r}; {_DEFAULT_DATE} is taken"
         self._tell(rules.BAD_DATE, info.place(name), message)
         return _DEFAULT_DATE
@@ -246,15 +259,14 @@ class Reader:
         known: dict[bool, set[str]] = {False: set(), True: set()}
         kinds = {"DataInPort": False, "DataOutPort": True, _EVENT_PORT: False}
         for element in root.all(RTC, "DataPorts"):
-            name, type_ = (self._required(element, n) for n in ("name", "type"))
-            kind = self._required(element, "portType")
-            if name is None or type_ is None or kind is None:
+            name, kind = (self._required(element, n) for n in ("name", "portType"))
+            if name is None or kind is None:
                 continue
             output = kinds.get(kind)
             if output is None:
                 message = f"a port of kind {kind!r} is left out"
                 hint = ", ".join(kinds)
-                self._tell(rules.UNKNOWN_WORD, element.place("portType"), message, hint)
+                self._tell(rules.LOST, element.place("portType"), message, hint)
                 continue
             if not self._is_new(name, known[output], element, "port"):
                 continue
@@ -262,7 +274,7 @@ class Reader:
             yield ProfileDataPort(
                 name=name,
                 output=output,
-                type=type_,
+                type=self._wanted(element, "type", ""),
                 span=element.place("name"),
                 type_span=element.place("type"),
                 idl_file=_base_name(self._get(element, "idlFile")),
@@ -285,9 +297,14 @@ class Reader:
             name = self._required(element, "name")
             if name is None or not self._is_new(name, known, element, "service port"):
                 continue
+            interfaces = tuple(self._interfaces(element))
+            if not interfaces:
+                message = f"the service port {name!r} has no interface; it is left out"
+                self._tell(rules.LOST, element.place("name"), message)
+                continue
             yield ProfileServicePort(
                 name=name,
-                interfaces=tuple(self._interfaces(element)),
+                interfaces=interfaces,
                 doc=lines(_doc(element)),
             )
 
@@ -296,15 +313,16 @@ class Reader:
         facts = self._facts(port)
         directions = {"provided": True, "required": False}
         for element in port.all(RTC, "ServiceInterface"):
-            name, type_ = (self._required(element, n) for n in ("name", "type"))
-            direction = self._required(element, "direction")
-            if name is None or type_ is None or direction is None:
+            name, direction = (
+                self._required(element, n) for n in ("name", "direction")
+            )
+            if name is None or direction is None:
                 continue
             provided = directions.get(direction.lower())
             if provided is None:
                 message = f"an interface of direction {direction!r} is left out"
                 place = element.place("direction")
-                self._tell(rules.UNKNOWN_WORD, place, message, "Provided or Required")
+                self._tell(rules.LOST, place, message, "Provided or Required")
                 continue
             if not self._is_new(f"{direction} {name}", known, element, "interface"):
                 continue
@@ -313,7 +331,7 @@ class Reader:
             yield ProfileInterface(
                 name=name,
                 provided=provided,
-                type=type_,
+                type=self._wanted(element, "type", ""),
                 span=element.place("name"),
                 type_span=element.place("type"),
                 idl_file=_base_name(self._get(element, "idlFile")),

@@ -15,12 +15,11 @@ file whose root is `RtsProfile` describes a system; give that to `rtgen run` or 
 )
 MISSING = Rule(
     "RTC0531",
-    "what a profile must have is missing",
+    "the component has no name",
     Severity.ERROR,
     """\
-An attribute or element without which the component cannot be made is not there, or is empty: the
-component's name, a port's name or type. Attributes of a profile are namespace-qualified:
-`rtc:name`, not `name`.
+There is no `rtc:BasicInfo`, or neither it nor the profile's id has the component's name. Attributes
+of a profile are namespace-qualified: `rtc:name`, not `name`.
 """,
 )
 LEFT_OUT = Rule(
@@ -48,8 +47,7 @@ UNKNOWN_WORD = Rule(
     Severity.WARNING,
     """\
 An attribute that takes one of a few words has another one, such as a `rtc:componentType` other
-than `STATIC`, `UNIQUE` and `COMMUTATIVE`. The usual one is taken. A port of an unknown kind is
-left out.
+than `STATIC`, `UNIQUE` and `COMMUTATIVE`. The usual one is taken.
 """,
 )
 BAD_NUMBER = Rule(
@@ -86,10 +84,11 @@ A port with a placeholder cannot be connected.
 WRONG_TYPE = Rule(
     "RTC0538",
     "type is of another kind",
-    Severity.ERROR,
+    Severity.WARNING,
     """\
 The name of a data port's type stands for something that is no struct or union, or that of a
-service interface for something that is no interface.
+service interface for something that is no interface. The port gets an opaque placeholder of a
+name of its own.
 """,
 )
 PARAMETER_TYPE = Rule(
@@ -135,8 +134,9 @@ NAME = Rule(
     "name is taken differently",
     Severity.WARNING,
     """\
-The component's name is no identifier, or that of a type of one of its ports, so the component gets
-another name. Names of ports and parameters may be any text.
+The component's name is no identifier, is too long, or is that of a type or module, so the component
+gets another name; or its vendor, category or version has a colon, a line break or the like, which
+would break the id that is made of them. Names of ports and parameters may be any text.
 """,
 )
 
@@ -160,6 +160,25 @@ changed by hand, or speaks of a type that is not found (`-I`). It is passed over
 what there is.
 """,
 )
+LOST = Rule(
+    "RTC0547",
+    "nothing can be made of it",
+    Severity.WARNING,
+    """\
+A port, an interface or a parameter has no name, a port is neither `DataInPort` nor `DataOutPort`
+nor `EventPort`, an interface neither `Provided` nor `Required`, or a service port has no interface.
+It is left out.
+""",
+)
+BAD_WIDGET = Rule(
+    "RTC0548",
+    "widget that cannot be had",
+    Severity.WARNING,
+    """\
+The widget of a parameter is none of `text`, `slider.<step>`, `spin`, `radio`, `checkbox` and
+`ordered_list`. A text field is taken, as RTSystemEditor does.
+""",
+)
 
 RULES = (
     NOT_A_PROFILE,
@@ -178,4 +197,6 @@ RULES = (
     NAME,
     SAME_COMPONENT,
     FACTS,
+    LOST,
+    BAD_WIDGET,
 )
