@@ -24,10 +24,13 @@ def emission(folder: Path, text: str) -> Emission:
 @pytest.mark.parametrize(
     ("declared", "reason"),
     [
-        ("struct T { map<string, long> m; };", "IDL has no `map` before version 4"),
-        ("struct T { int8 x; };", "IDL has no `int8` before version 4"),
-        ("struct T { sequence<uint8> x; };", "IDL has no `uint8` before version 4"),
-        ("struct T { long double x; };", "omniORBpy has no `long double`"),
+        (
+            "struct T { map<string, long> m; };",
+            "`M::T` has a `map`, which IDL has since version 4",
+        ),
+        ("struct T { int8 x; };", "`M::T` has `int8`, which IDL has since"),
+        ("struct T { sequence<uint8> x; };", "`M::T` has `uint8`, which IDL has since"),
+        ("struct T { long double x; };", "`long double`, which omniORBpy has not"),
         ("struct T { @optional long x; };", "has the optional member `x`"),
         ("struct T { long self; };", "has a member `self`, which breaks"),
         ("struct T {};", "`M::T` has no members"),
@@ -50,7 +53,7 @@ def emission(folder: Path, text: str) -> Emission:
             "custom valuetype",
         ),
         ("abstract valuetype V {}; struct T { V v_; };", "is an abstract valuetype"),
-        ("struct A { int8 x; }; typedef A B; struct T { B b_; };", "no `int8`"),
+        ("struct A { int8 x; }; typedef A B; struct T { B b_; };", "`M::A` has `int8`"),
     ],
 )
 def test_types_that_omniorb_has_not(tmp_path: Path, declared: str, reason: str) -> None:
@@ -68,11 +71,11 @@ def test_types_that_omniorb_has_not(tmp_path: Path, declared: str, reason: str) 
 @pytest.mark.parametrize(
     ("operations", "reason"),
     [
-        ("M::T f();", "no `map`"),
-        ("void f(in M::T x);", "no `map`"),
-        ("attribute M::T x;", "no `map`"),
-        ("void f() raises (M::X);", "no `map`"),
-        ("attribute long x setraises (M::X);", "no `map`"),
+        ("M::T f();", "`M::T` has a `map`"),
+        ("void f(in M::T x);", "`M::T` has a `map`"),
+        ("attribute M::T x;", "`M::T` has a `map`"),
+        ("void f() raises (M::X);", "`M::T` has a `map`"),
+        ("attribute long x setraises (M::X);", "`M::T` has a `map`"),
     ],
 )
 def test_interfaces_that_omniorb_has_not(
@@ -98,6 +101,20 @@ def test_what_no_port_has_may_be_of_idl_4(tmp_path: Path) -> None:
     (idl,) = (a.text for a in found.artifacts if a.path.endswith("case.idl"))
     assert "struct T" in idl
     assert "New" not in idl
+
+
+def test_interfaces_that_need_each_other(tmp_path: Path) -> None:
+    text = """
+    module M {
+        interface B;
+        interface A { void give(in B other); };
+        interface B { void give(in A other, in int8 small); };
+    };
+    component C { uses M::B one; uses M::A two; };
+    """
+    found = emission(tmp_path, text)
+    assert [d.code for d in found.diagnostics] == ["RTC0570", "RTC0570"]
+    assert all("`M::B` has `int8`" in d.message for d in found.diagnostics)
 
 
 def test_modules_that_python_has_as_well(tmp_path: Path) -> None:

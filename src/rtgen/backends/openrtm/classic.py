@@ -37,9 +37,9 @@ from rtgen.model import (
 from rtgen.model.declarations import OPAQUE
 
 _UNKNOWN = {
-    Primitive.INT8: "IDL has no `int8` before version 4",
-    Primitive.UINT8: "IDL has no `uint8` before version 4",
-    Primitive.LONG_DOUBLE: "omniORBpy has no `long double`",
+    Primitive.INT8: "`int8`, which IDL has since version 4",
+    Primitive.UINT8: "`uint8`, which IDL has since version 4",
+    Primitive.LONG_DOUBLE: "`long double`, which omniORBpy has not",
 }
 
 _VALUE_BASE: ScopedName = ()
@@ -55,21 +55,28 @@ class Classic:
     def __init__(self, model: Model) -> None:
         self._model = model
         self._reasons: dict[ScopedName, str] = {}
-        self._waiting: set[ScopedName] = set()
+        self._visited: set[ScopedName] = set()
 
     def reason(self, name: ScopedName) -> str:
         """Why there is no such type or interface there; empty where there is.
 
         What stands for something unknown gets a stand-in there, too.
         """
-        if name in self._waiting:
+        if name in self._reasons:
+            return self._reasons[name]
+        if name in self._visited:
             return ""
-        if name not in self._reasons:
-            self._waiting.add(name)
-            found = next(self._problems(self._model.find(name)), "")
-            self._waiting.remove(name)
+        first = not self._visited
+        self._visited.add(name)
+        found = next(self._problems(self._model.find(name)), "")
+        if found:
             self._reasons[name] = found
-        return self._reasons[name]
+        if first:
+            # Types may need each other: nothing is known to be right before all of it is.
+            if not found:
+                self._reasons.update(dict.fromkeys(self._visited, ""))
+            self._visited.clear()
+        return found
 
     def holds_values(self, type_: Type) -> bool:
         """Whether valuetypes are in the data: they may be shared, so that a value is a graph."""
@@ -99,7 +106,7 @@ class Classic:
                 if [member.value for member in members] != list(range(len(members))):
                     yield f"`{declaration.scoped}` has enumerators with values of their own"
             case Typedef(type=type_) | Const(type=type_) | ValueBox(type=type_):
-                yield from self._in_type(type_)
+                yield from self._in_type(declaration, type_)
             case Struct():
                 yield from self._in_struct(declaration)
             case ExceptionDecl(members=members):
@@ -125,15 +132,15 @@ class Classic:
     def _in_member(self, holder: Declaration, member: Member) -> Iterator[str]:
         if member.name == "self":
             yield f"`{holder.scoped}` has a member `self`, which breaks omniORBpy's class"
-        yield from self._in_type(member.type)
+        yield from self._in_type(holder, member.type)
 
     def _in_union(self, union: Union) -> Iterator[str]:
         switch = self._model.unalias(union.switch)
         if isinstance(switch, PrimitiveType) and switch.kind in _NO_SWITCH:
             yield f"`{union.scoped}` is switched by `{switch}`, as IDL has it since version 4"
-        yield from self._in_type(union.switch)
+        yield from self._in_type(union, union.switch)
         for case in union.cases:
-            yield from self._in_type(case.type)
+            yield from self._in_type(union, case.type)
 
     def _in_interface(self, interface: Interface) -> Iterator[str]:
         if interface.forward:
@@ -143,15 +150,17 @@ class Classic:
             yield f"`{interface.scoped}` is {kind} interface"
         yield from map(self.reason, filter(self.reason, interface.bases))
         for attribute in interface.attributes:
-            yield from self._in_type(attribute.type)
+            yield from self._in_type(interface, attribute.type)
             for name in (*attribute.get_raises, *attribute.set_raises):
                 yield from filter(None, (self.reason(name),))
         for operation in interface.operations:
-            yield from self._in_operation(operation)
+            yield from self._in_operation(interface, operation)
 
-    def _in_operation(self, operation: Operation) -> Iterator[str]:
+    def _in_operation(
+        self, interface: Interface, operation: Operation
+    ) -> Iterator[str]:
         for type_ in (operation.returns, *(p.type for p in operation.parameters)):
-            yield from self._in_type(type_)
+            yield from self._in_type(interface, type_)
         yield from filter(None, map(self.reason, operation.raises))
 
     def _in_valuetype(self, valuetype: Valuetype) -> Iterator[str]:
@@ -163,18 +172,18 @@ class Classic:
         for name in (*valuetype.bases, *valuetype.supports):
             yield from filter(None, (self.reason(name),))
         for member in valuetype.state:
-            yield from self._in_type(member.type)
+            yield from self._in_type(valuetype, member.type)
 
-    def _in_type(self, type_: Type) -> Iterator[str]:
+    def _in_type(self, holder: Declaration, type_: Type) -> Iterator[str]:
         match type_:
             case PrimitiveType(kind) if kind in _UNKNOWN:
-                yield _UNKNOWN[kind]
+                yield f"`{holder.scoped}` has {_UNKNOWN[kind]}"
             case MapType():
-                yield "IDL has no `map` before version 4"
+                yield f"`{holder.scoped}` has a `map`, which IDL has since version 4"
             case FixedType(digits=0):
-                yield "a `fixed` needs digits and scale"
+                yield f"`{holder.scoped}` has a `fixed` without digits"
             case SequenceType(element) | ArrayType(element):
-                yield from self._in_type(element)
+                yield from self._in_type(holder, element)
             case NamedType(name):
                 yield from filter(None, (self.reason(name),))
 
