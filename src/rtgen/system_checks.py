@@ -127,6 +127,7 @@ RULES = (
 )
 
 _MILDNESS = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
+_PUSH_RATE = "dataport.publisher.push_rate"
 _TYPE_KEY = "dataport.data_type"
 
 
@@ -169,6 +170,16 @@ def check_properties(system: System) -> Iterator[Diagnostic]:
             elif (wanted := value(text.strip())) is not None:
                 message = f"`{key}` is {text[:80]!r}; it must be {wanted}"
                 yield PROPERTY_VALUE.at(span, message)
+        yield from _periodic(connection)
+
+
+def _periodic(connection: Connection) -> Iterator[Diagnostic]:
+    told = dict(connection.properties)
+    for key in ("dataport.subscription_type", "dataport.io_mode"):
+        if told.get(key) == "periodic" and _PUSH_RATE not in told:
+            span = connection.places.get(key, connection.span)
+            message = f"`{key}` is 'periodic', but there is no `{_PUSH_RATE}`"
+            yield PROPERTY_VALUE.at(span, message, hint="say how often, in Hz")
 
 
 def _unknown_property(

@@ -20,7 +20,13 @@ from rtgen.cli.common import (
     with_node_id,
     write_out,
 )
-from rtgen.project import is_component_profile
+from rtgen.project import is_component_profile, is_system
+
+
+def _is_system(path: Path) -> bool:
+    """Whether it is read as one: so is XML of which nothing is known, to say what is wrong."""
+    unknown = path.suffix.lower() == ".xml" and not is_component_profile(path)
+    return unknown or is_system(path)
 
 
 @click.command()
@@ -39,13 +45,10 @@ def inspect(
     """Show the resolved model of definitions, devices or systems.
 
     PATH is a definition file (*.idl, *.cdl, *.eds, *.dcf, RTC.xml, a bus file *.toml), a folder of
-    them, or a system (RtsProfile, *.xml). Without PATH the sources of rtgen.toml are shown.
+    them, or a system (RtsProfile, XML or YAML), which is checked against definitions beside it.
+    Without PATH the sources of rtgen.toml are shown.
     """
-    profiles = [
-        p
-        for p in definitions.paths
-        if p.lower().endswith(".xml") and not is_component_profile(Path(p))
-    ]
+    profiles = [p for p in definitions.paths if _is_system(Path(p))]
     others = tuple(p for p in definitions.paths if p not in profiles)
     project = None
     if others or not profiles:
