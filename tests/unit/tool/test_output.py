@@ -103,6 +103,21 @@ def test_what_is_no_longer_made_is_removed_with_its_empty_folders(
     assert (project.output / "p" / "b.py").exists()
 
 
+def test_what_a_gitignore_among_the_files_names_is_no_stray(project: Project) -> None:
+    ignored = Artifact("p/.gitignore", "# made elsewhere\nstubs/\n*.log\n", ("a.idl",))
+    made = [*artifacts("p/a.py"), ignored]
+    output.write(project, made, INPUTS)
+    others = ["p/stubs/RTC/__init__.py", "p/q/stubs/x.py", "p/q/rtc12.log"]
+    strays = ["stubs/x.py", "rtc12.log", "p/q/log", "p/q/x.py"]
+    for name in (*others, *strays):
+        path = project.output / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("theirs")
+    planned = output.plan(project, made, INPUTS)
+    assert planned.strays == tuple(project.output / name for name in sorted(strays))
+    assert planned.changes == ()
+
+
 def test_a_stray_file_is_told_and_left(project: Project) -> None:
     output.write(project, artifacts("p/a.py"), INPUTS)
     stray = project.output / "p" / "notes.txt"

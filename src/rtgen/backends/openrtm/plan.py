@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -46,6 +47,11 @@ OPENRTM_NAME = "openrtm_name"
 _STOCK_STEMS = {stem.casefold(): "" for stem in STOCK}
 _NOT_IN_STEM = re.compile(r"\W", re.ASCII)
 _NO_TYPES = (Component, Home)
+_NEEDED = sys.stdlib_module_names | {
+    *("RTC", "OpenRTM", "OpenRTM_aist", "RTM", "SDOPackage", "rtgen"),
+    *("omniORB", "omnipy", "CORBA", "CosNaming", "PortableServer"),
+}
+"""What a component's module, in front of the search path, must not hide."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -314,6 +320,11 @@ def plans(units: Sequence[Unit]) -> tuple[list[ComponentPlan], list[Diagnostic]]
     for unit in units:
         for component in unit.components:
             findings += _port_findings(component)
+            if component.name[-1] in _NEEDED:
+                name = component.name[-1]
+                message = f"`{name}.py` would stand for the module {name} that it needs"
+                hint = "rename the component"
+                findings.append(rules.HIDES.at(component.span, message, hint=hint))
             first = folders.setdefault(component.name[-1].casefold(), component)
             if first is not component:
                 findings.append(

@@ -87,6 +87,24 @@ profile is another component's, so the definition says what the module says.
 """,
 )
 
+HIDES = Rule(
+    "RTC0566",
+    "module that hides another one",
+    Severity.ERROR,
+    """
+`<Component>.py` is started as a program or loaded by its name, with its folder in front of the
+search path. A component that is called as a module which it needs itself, of Python, OpenRTM or
+omniORB, would be found in its place:
+
+```idl
+component RTC {};      // RTC.py would stand for OpenRTM's RTC
+component queue {};    // queue.py for Python's
+```
+
+Rename the component.
+""",
+)
+
 NOT_CLASSIC = Rule(
     "RTC0570",
     "type that OpenRTM cannot have",
@@ -136,6 +154,7 @@ RULES = (
     PACKAGE,
     SAME_FOLDER,
     OTHER_PROFILE,
+    HIDES,
     NOT_CLASSIC,
     PYTHON_MODULE,
 )

@@ -120,7 +120,7 @@ def _reading(properties: Sequence[Any]) -> BufferSettings:
     timeout = properties[0].getProperty("buffer.read.timeout")
     known = {each.value: each for each in EmptyPolicy}
     try:
-        seconds = float(timeout)
+        seconds = float(timeout or "1.0")
     except ValueError:
         seconds = 1.0
     return BufferSettings(
