@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from rtgen.cli import shares
 from rtgen.diagnostics import InputError, Span
+from rtgen.measures import parse
 from rtgen.model import Connection, PortReference, System, SystemComponent
 from rtgen.timeline import Ask, Condition, Connect, Disconnect, SetParameter, Step
 
@@ -60,6 +62,20 @@ def test_components_connections_and_properties() -> None:
         "rtgen.run.until": "B0=ERROR,5",
     }
     assert shares.share(whole, shares.named("A0,B0,C0", whole)) == whole
+
+
+def test_of_several_robots_those_of_the_process_are_shown_and_measured() -> None:
+    poses = (("rtgen.run.pose", "A0.truth, B0.truth,C0.truth"),)
+    whole = replace(system(), properties=poses)
+    part = shares.share(whole, {"A0", "C0"})
+    assert part.properties == (("rtgen.run.pose", "A0.truth, C0.truth"),)
+    alone, far = (
+        parse({"name": "m", "kind": "moved", "of": f"{name}.truth"}, lambda _: PLACE)
+        for name in ("A0", "B0")
+    )
+    both = {"name": "m", "kind": "alike", "of": "A0.truth", "to": "B0.truth"}
+    measures = [alone, far, parse(both, lambda _: PLACE)]
+    assert shares.measures_here(measures, {"A0", "C0"}) == [alone]
 
 
 @pytest.mark.parametrize("text", ["D0", "A0,D0", "", "A0,,B0"])
