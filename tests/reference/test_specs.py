@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -179,3 +180,12 @@ def test_the_states_and_travel_modes_count_up_from_zero() -> None:
         f"RUN_{name}": value for value, name in enumerate(modes.split())
     }
     assert (iis.PATH_FIRST, iis.PATH_MIDDLE, iis.PATH_LAST) == (100, 101, 102)
+
+
+def test_every_component_is_announced_by_the_installation() -> None:
+    project = tomllib.loads((SPECS.parent / "pyproject.toml").read_text("utf-8"))
+    announced = project["project"]["entry-points"]["rtgen.components"]
+    listed = SPECS.parent / "generated/refrobots/components/entry_points.txt"
+    lines = listed.read_text("utf-8").partition("[rtgen.components]\n")[2].split("\n")
+    assert announced == dict(line.split(" = ") for line in lines if line)
+    assert [*announced] == sorted(announced)
