@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from refnav.geometry import Pose
 from refnav.map_text import lines, mistake
+from refnav.rays import hit_wall
 
 
 class Wall(NamedTuple):
@@ -27,14 +28,7 @@ class Wall(NamedTuple):
 
     def hit(self, x: float, y: float, dx: float, dy: float) -> float:
         """How far it is from a point in the direction (dx, dy), of length 1; inf if never [m]."""
-        along_x, along_y = self.x2 - self.x1, self.y2 - self.y1
-        across = dx * along_y - dy * along_x
-        if across == 0.0:
-            return inf
-        to_x, to_y = self.x1 - x, self.y1 - y
-        part = (to_x * dy - to_y * dx) / across
-        way = (to_x * along_y - to_y * along_x) / across
-        return way if 0.0 <= part <= 1.0 and way >= 0.0 else inf
+        return hit_wall(self, x, y, dx, dy)
 
 
 class Post(NamedTuple):

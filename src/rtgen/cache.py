@@ -78,6 +78,7 @@ class Cache:
                 project.package,
                 project.skeleton_package,
                 project.target,
+                project.small,
                 project.representation,
                 project.extensibility,
                 project.components,

@@ -29,6 +29,7 @@ BUILT_IN = (
     "rtgen.backends.canopen",
     "rtgen.backends.adapters",
     "rtgen.backends.openrtm",
+    "rtgen.backends.small",
 )
 """The modules of the built-in back ends, in the order of their artifacts; each has `BACKEND`."""
 
@@ -262,6 +263,7 @@ def _options(project: Project) -> Options:
         skeleton_package=project.skeleton_package,
         version=__version__,
         target=project.target,
+        small=project.small,
         representation=project.representation,
         extensibility=project.extensibility,
         factories=dict(project.components),

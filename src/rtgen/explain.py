@@ -14,6 +14,7 @@ MODULES = (
     "rtgen.backends.components.rules",
     "rtgen.backends.openrtm.rules",
     "rtgen.backends.openrtm.system_rules",
+    "rtgen.backends.small.rules",
     "rtgen.backends.tecs.rules",
     "rtgen.backends.types.rules",
     "rtgen.frontends.bus.rules",

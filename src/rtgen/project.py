@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from rtgen import project_file
 
 FILE_NAME = "rtgen.toml"
-TARGETS = ("embedded", "openrtm", "dds")
+TARGETS = ("embedded", "openrtm", "small", "dds")
 """What components run on, as rtgen.toml may say it."""
 
-AVAILABLE_TARGETS = ("embedded", "openrtm")
+AVAILABLE_TARGETS = ("embedded", "openrtm", "small")
 """Those of this version."""
 
 SYSTEMS_TARGET = "openrtm"
@@ -88,6 +88,7 @@ class Project:
     tecs_path: tuple[Path, ...] = ()
     package: str = "robots"
     target: str = "embedded"
+    small: tuple[int, int, int] = (1024, 128, 2)
     representation: str = "cdr"
     extensibility: str = "final"
     components: tuple[tuple[str, str], ...] = ()
@@ -159,6 +160,11 @@ def load(start: Path | None = None) -> Project:
         tecs_path=_tecs_path(),
         package=settings.text("output", "package", "robots"),
         target=settings.text("output", "target", "embedded"),
+        small=(
+            settings.number("small", "sequence", 1024),
+            settings.number("small", "string", 128),
+            settings.number("small", "buffer", 2),
+        ),
         representation=settings.text("output", "representation", "cdr"),
         extensibility=settings.text("output", "extensibility", "final"),
         components=tuple(sorted(settings.table("components").items())),

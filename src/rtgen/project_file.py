@@ -70,6 +70,11 @@ def _one_of(*known: str) -> Check:
     return check
 
 
+def _room(value: Any) -> str | None:
+    fine = isinstance(value, int) and not isinstance(value, bool) and 0 < value <= 65535
+    return None if fine else "must be a number from 1 to 65535"
+
+
 def _factory(value: Any) -> str | None:
     fine = isinstance(value, str) and _FACTORY.fullmatch(value)
     return None if fine else "must be 'module:attribute'"
@@ -101,10 +106,11 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "dir": _text,
         "skeletons": _text,
         "package": _text,
-        "target": _one_of("embedded", "openrtm", "dds"),
+        "target": _one_of("embedded", "openrtm", "small", "dds"),
         "representation": _one_of("cdr", "xcdr2"),
         "extensibility": _one_of("final", "appendable", "mutable"),
     },
+    "small": {"sequence": _room, "string": _room, "buffer": _room},
     "components": _factory,
     "adapter": _adapter,
     "lint": {"ignore": _texts, "select": _texts},
@@ -128,6 +134,11 @@ class Settings:
     def texts(self, section: str, key: str) -> list[str]:
         """A list of strings of the file, or an empty one."""
         value: list[str] = self.content.get(section, {}).get(key, [])
+        return value
+
+    def number(self, section: str, key: str, default: int) -> int:
+        """A number of the file, or the default."""
+        value: int = self.content.get(section, {}).get(key, default)
         return value
 
     def flag(self, section: str, key: str) -> bool:

@@ -12,5 +12,6 @@
 #   specs/idl/TimedVelocity.idl (sha256 4aa688e803d11018)
 #   specs/idl/intellirobot.idl (sha256 0fc5bed3053b92e0)
 #   specs/idl/obstacles.idl (sha256 9f44a8e6aac31cec)
+#   specs/idl/ucode.idl (sha256 d6ba93c84a2459eb)
 # Owned by rtgen: edits are overwritten by the next run.
 """One module for each IDL file."""

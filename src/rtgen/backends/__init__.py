@@ -47,7 +47,8 @@ class Options:
     maps the displayed path of a file to the Python package that holds what it declares, where
     that is not the package to make. `factories` has `module:name` of what makes components of a
     type, where the project says it; `skeleton_path` leads from the output folder to the one that
-    makes skeletons importable.
+    makes skeletons importable. `small` is the room that the target small has for items of a
+    sequence and characters of a string without bound, and for unread samples of an InPort.
     """
 
     package: str
@@ -59,6 +60,7 @@ class Options:
     external: Mapping[str, str] = field(default_factory=dict)
     factories: Mapping[str, str] = field(default_factory=dict)
     skeleton_path: str = "../src"
+    small: tuple[int, int, int] = (1024, 128, 2)
 
     @property
     def folder(self) -> str:

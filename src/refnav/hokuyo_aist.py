@@ -1,0 +1,67 @@
+"""HokuyoAist: a range finder on a small board. It runs on the small runtime, too."""
+
+from math import cos, inf, sin
+
+from refnav.rays import hit_wall
+from refnav.recent import entries
+from refrobots import rtc
+from refrobots.components.hokuyo_aist import HokuyoAistBase
+from rtgen.runtime import RTC_OK, ReturnCode_t
+
+NOTHING = 0.0
+"""The range where nothing was hit."""
+
+
+class HokuyoAist(HokuyoAistBase):
+    """One scan for each execution, once it is known where the range finder is."""
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Take the room and the angles; what is sent is made once."""
+        config = self.config
+        if config.end_angle <= config.start_angle:
+            return self.fail("end_angle is not above start_angle")
+        walls = []
+        for words in entries(config.walls):
+            if len(words) != 4:
+                return self.fail("walls: " + " ".join(words) + " is no wall")
+            x1, y1, x2, y2 = [float(word) for word in words]
+            walls.append((x1, y1, x2, y2))
+        self._walls = walls
+        self._scan = rtc.RangeData()
+        settings = self._scan.config
+        settings.minAngle = config.start_angle
+        settings.maxAngle = config.end_angle
+        settings.angularRes = (config.end_angle - config.start_angle) / (
+            config.rays - 1
+        )
+        settings.maxRange = config.max_range
+        settings.rangeRes = 0.001
+        settings.frequency = 10.0
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Scan."""
+        sample = self.pose.read_newest()
+        if sample is None:
+            return RTC_OK
+        scan = self._scan
+        scan.tm.sec = sample.tm.sec
+        scan.tm.nsec = sample.tm.nsec
+        x, y = sample.data.position.x, sample.data.position.y
+        ranges = scan.ranges
+        ranges.clear()
+        for i in range(self.config.rays):
+            angle = (
+                sample.data.heading + scan.config.minAngle + i * scan.config.angularRes
+            )
+            ranges.append(self._reach(x, y, cos(angle), sin(angle)))
+        self.range.write(scan)
+        return RTC_OK
+
+    def _reach(self, x: float, y: float, dx: float, dy: float) -> float:
+        nearest = inf
+        for wall in self._walls:
+            reach = hit_wall(wall, x, y, dx, dy)
+            if reach < nearest:
+                nearest = reach
+        return nearest if nearest <= self.config.max_range else NOTHING

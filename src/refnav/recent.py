@@ -1,0 +1,46 @@
+"""A cache of fixed size. It runs on small boards, too."""
+
+
+class Recent:
+    """Places for what was needed lately, by key; their number never changes."""
+
+    def __init__(self, room: int) -> None:
+        self._keys = [b""] * room
+        self._used = [0] * room
+        self._clock = 0
+
+    def find(self, key: bytes) -> int:
+        """The place of a key, -1 if it has none."""
+        for place in range(len(self._keys)):
+            if self._used[place] and self._keys[place] == key:
+                self._touch(place)
+                return place
+        return -1
+
+    def take(self, key: bytes) -> int:
+        """A place for a new key: the one that was not needed for longest."""
+        oldest = 0
+        for place in range(len(self._keys)):
+            if self._used[place] < self._used[oldest]:
+                oldest = place
+        self._keys[oldest] = key
+        self._touch(oldest)
+        return oldest
+
+    def _touch(self, place: int) -> None:
+        self._clock += 1
+        self._used[place] = self._clock
+
+
+def octets_of(digits: str) -> bytes:
+    """The 16 octets of a ucode in hexadecimal digits, the missing ones 0. Raises ValueError."""
+    if not 0 < len(digits) <= 32:
+        raise ValueError(digits + " is no ucode of 1 to 32 hexadecimal digits")
+    number = int(digits, 16)
+    return number.to_bytes(16, "big")
+
+
+def entries(text: str) -> "list[list[str]]":
+    """The words of each entry of a text with semicolons."""
+    parts = [part.split() for part in text.split(";")]
+    return [words for words in parts if words]

@@ -1,0 +1,59 @@
+"""UcodeReader: the infra-red markers in view. It runs on the small runtime, too."""
+
+from math import atan2, pi, sqrt
+
+from refnav.recent import entries, octets_of
+from refrobots import ucode
+from refrobots.components.ucode_reader import UcodeReaderBase
+from rtgen.runtime import RTC_OK, ReturnCode_t
+
+MOST = 8
+"""So many markers are told at most; the farthest are left out."""
+
+
+class UcodeReader(UcodeReaderBase):
+    """One reading for each execution that sees a marker."""
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Take the markers."""
+        markers = []
+        for words in entries(self.config.markers):
+            if len(words) != 3:
+                return self.fail("markers: " + " ".join(words) + " is no marker")
+            markers.append((octets_of(words[0]), float(words[1]), float(words[2])))
+        self._markers = markers
+        self._reading = ucode.TimedSightings()
+        return RTC_OK
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Read."""
+        sample = self.pose.read_newest()
+        if sample is None:
+            return RTC_OK
+        here = sample.data
+        seen = []
+        for code, x, y in self._markers:
+            dx, dy = x - here.position.x, y - here.position.y
+            distance = sqrt(dx * dx + dy * dy)
+            bearing = _wrapped(atan2(dy, dx) - here.heading)
+            if distance <= self.config.reach and abs(bearing) <= self.config.angle:
+                seen.append((distance, bearing, code))
+        if not seen:
+            return RTC_OK
+        seen.sort()
+        reading = self._reading
+        reading.tm.sec = sample.tm.sec
+        reading.tm.nsec = sample.tm.nsec
+        reading.data.clear()
+        for distance, bearing, code in seen[:MOST]:
+            reading.data.append(ucode.Sighting(code, distance, bearing))
+        self.sightings.write(reading)
+        return RTC_OK
+
+
+def _wrapped(angle: float) -> float:
+    while angle > pi:
+        angle -= 2.0 * pi
+    while angle < -pi:
+        angle += 2.0 * pi
+    return angle

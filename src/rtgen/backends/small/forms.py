@@ -1,0 +1,253 @@
+"""Which types have a small form, and what a member of each type is in the text of a struct."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from rtgen.model import (
+    ArrayType,
+    Enum,
+    Member,
+    Model,
+    NamedType,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    SequenceType,
+    StringType,
+    Struct,
+    Type,
+)
+
+_NUMBERS = {
+    Primitive.OCTET: ("B", 1),
+    Primitive.UINT8: ("B", 1),
+    Primitive.INT8: ("b", 1),
+    Primitive.SHORT: ("h", 2),
+    Primitive.UNSIGNED_SHORT: ("H", 2),
+    Primitive.LONG: ("i", 4),
+    Primitive.UNSIGNED_LONG: ("I", 4),
+    Primitive.LONG_LONG: ("q", 8),
+    Primitive.UNSIGNED_LONG_LONG: ("Q", 8),
+    Primitive.FLOAT: ("f", 4),
+    Primitive.DOUBLE: ("d", 8),
+}
+"""`struct` and `array` code, and size."""
+_ENUM = ("I", 4)
+_OCTETS = (PrimitiveType(Primitive.OCTET), PrimitiveType(Primitive.UINT8))
+
+
+class NoFormError(Exception):
+    """A type that has no small form; the text says which part of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """Room for items of a sequence and characters of a string without bound; for unread samples."""
+
+    sequence: int = 1024
+    string: int = 128
+    buffer: int = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """The statements for a member; `{0}` stands for the attribute, `{1}` for that of the source.
+
+    `made` is the value that a new object gets; where it is mutable, an argument is copied into it.
+    """
+
+    made: str
+    mutable: bool
+    copy: str
+    put: tuple[str, ...]
+    take: tuple[str, ...]
+
+
+class Forms:
+    """The forms of a model's types. `class_name` gives the class of a struct or enum."""
+
+    def __init__(
+        self, model: Model, limits: Limits, class_names: dict[ScopedName, str]
+    ) -> None:
+        self._model = model
+        self._limits = limits
+        self._classes = class_names
+
+    def form(self, type_: Type) -> Form:
+        """The form of a member. Raises NoFormError."""
+        type_ = self._model.unalias(type_)
+        match type_:
+            case PrimitiveType(Primitive.BOOLEAN):
+                return _plain(
+                    "False",
+                    'wire.put("<B", 1, 1 if {0} else 0)',
+                    "{0} = wire.take_boolean()",
+                )
+            case PrimitiveType(Primitive.CHAR):
+                return _plain(
+                    r'"\x00"',
+                    'wire.put("<B", 1, ord({0}))',
+                    '{0} = chr(wire.take("<B", 1))',
+                )
+            case PrimitiveType(kind) if kind in _NUMBERS:
+                code, size = _NUMBERS[kind]
+                zero = "0.0" if code in "fd" else "0"
+                return _plain(zero, *_number(code, size))
+            case StringType(wide=False, bound=bound):
+                most = bound or self._limits.string
+                return Form(
+                    '""',
+                    False,
+                    f"{{0}} = bounded({{1}}, {most})",
+                    (f"wire.put_string(bounded({{0}}, {most}))",),
+                    (f"{{0}} = wire.take_string({most})",),
+                )
+            case NamedType(name):
+                return self._named(name)
+            case SequenceType(element, bound):
+                return self._sequence(element, bound or self._limits.sequence)
+            case ArrayType(element, (length,)):
+                return self._array(element, length)
+            case _:
+                raise NoFormError(str(type_))
+
+    def _named(self, name: ScopedName) -> Form:
+        match self._model.find(name):
+            case Enum():
+                return _plain("0", *_number(*_ENUM))
+            case Struct():
+                return Form(
+                    f"{self._classes[name]}()",
+                    True,
+                    "{0}._copy_({1})",
+                    ("{0}._put_(wire)",),
+                    ("{0}._take_(wire)",),
+                )
+            case _:
+                raise NoFormError("::".join(name))
+
+    def _sequence(self, element: Type, room: int) -> Form:
+        element = self._model.unalias(element)
+        if element in _OCTETS:
+            return Form(
+                'b""',
+                False,
+                f"{{0}} = bounded({{1}}, {room})",
+                (
+                    f'wire.put("<I", 4, len(bounded({{0}}, {room})))',
+                    "wire.put_octets({0})",
+                ),
+                (f"{{0}} = wire.take_octets(wire.take_count({room}))",),
+            )
+        made, item_put, item_take = self._items(element, room, "")
+        return Form(
+            made,
+            True,
+            "copy_items({0}, {1})",
+            (
+                'wire.put("<I", 4, len({0}))',
+                "for i in range(len({0})):",
+                f"    {item_put}",
+            ),
+            (
+                f"count = wire.take_count({room})",
+                "{0}.clear()",
+                "for _ in range(count):",
+                f"    {item_take}",
+            ),
+        )
+
+    def _array(self, element: Type, length: int) -> Form:
+        element = self._model.unalias(element)
+        if element in _OCTETS:
+            return Form(
+                f"bytes({length})",
+                False,
+                f"{{0}} = exactly({{1}}, {length})",
+                (f"wire.put_octets(exactly({{0}}, {length}))",),
+                (f"{{0}} = wire.take_octets({length})",),
+            )
+        made, item_put, item_take = self._items(element, length, f", {length}")
+        set_ = item_take.replace("{0}.append(", "{0}[i] = (").replace(
+            "{0}.next_free()", "{0}[i]"
+        )
+        return Form(
+            made,
+            True,
+            "copy_array({0}, {1})",
+            (f"for i in range({length}):", f"    {item_put}"),
+            (f"for i in range({length}):", f"    {set_}"),
+        )
+
+    def _items(self, element: Type, room: int, length: str) -> tuple[str, str, str]:
+        match element:
+            case PrimitiveType(Primitive.BOOLEAN):
+                return (
+                    f'Numbers("B", {room}{length})',
+                    'wire.put("<B", 1, 1 if {0}[i] else 0)',
+                    "{0}.append(wire.take_boolean())",
+                )
+            case PrimitiveType(kind) if kind in _NUMBERS:
+                code, size = _NUMBERS[kind]
+            case NamedType(name) if isinstance(self._model.find(name), Enum):
+                code, size = _ENUM
+            case NamedType(name) if isinstance(self._model.find(name), Struct):
+                return (
+                    f"Values({self._classes[name]}, {room}{length})",
+                    "{0}[i]._put_(wire)",
+                    "{0}.next_free()._take_(wire)",
+                )
+            case StringType(wide=False, bound=bound) if not length:
+                most = bound or self._limits.string
+                return (
+                    f"Values(None, {room})",
+                    f"wire.put_string(bounded({{0}}[i], {most}))",
+                    f"{{0}}.append(wire.take_string({most}))",
+                )
+            case _:
+                raise NoFormError(f"items of {element}")
+        return (
+            f'Numbers("{code}", {room}{length})',
+            f'wire.put("<{code}", {size}, {{0}}[i])',
+            f'{{0}}.append(wire.take("<{code}", {size}))',
+        )
+
+
+def members_of(model: Model, struct: Struct) -> list[Member]:
+    """All members, inherited ones first."""
+    inherited: list[Member] = []
+    if struct.base is not None:
+        base = model.find(struct.base)
+        assert isinstance(base, Struct)
+        inherited = members_of(model, base)
+    return [*inherited, *struct.members]
+
+
+def reachable(
+    model: Model, name: ScopedName, above: tuple[ScopedName, ...] = ()
+) -> Iterator[ScopedName]:
+    """The structs and enums that a type needs, itself last. Raises NoFormError for recursion."""
+    if name in above:
+        raise NoFormError(f"{'::'.join(name)}, which holds itself")
+    declaration = model.find(name)
+    if isinstance(declaration, Struct):
+        for member in members_of(model, declaration):
+            type_ = model.unalias(member.type)
+            if isinstance(type_, SequenceType | ArrayType):
+                type_ = model.unalias(type_.element)
+            if isinstance(type_, NamedType):
+                yield from reachable(model, type_.name, (*above, name))
+    yield name
+
+
+def _plain(made: str, put: str, take: str) -> Form:
+    return Form(made, False, "{0} = {1}", (put,), (take,))
+
+
+def _number(code: str, size: int) -> tuple[str, str]:
+    return (
+        f'wire.put("<{code}", {size}, {{0}})',
+        f'{{0}} = wire.take("<{code}", {size})',
+    )

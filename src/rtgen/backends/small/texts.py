@@ -1,0 +1,234 @@
+"""The texts of the target small: types, packages, bases of components."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from rtgen.backends.components.base_module import class_names
+from rtgen.backends.components.members import attributes_of
+from rtgen.backends.components.places import heading
+from rtgen.backends.python_text import (
+    docstring,
+    fit_text,
+    number_literal,
+    string_literal,
+)
+from rtgen.backends.small.forms import Forms, members_of
+from rtgen.model import (
+    Component,
+    ConfigurationParameter,
+    Const,
+    Enum,
+    EnumeratorName,
+    Model,
+    NamedType,
+    PortKind,
+    Primitive,
+    PrimitiveType,
+    ScopedName,
+    StringType,
+    Struct,
+)
+from rtgen.typemap.idl_python import PythonNames, package_path
+
+_HELPERS = (*("Numbers", "Values", "bounded", "copy_array", "copy_items", "exactly"),)
+_FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
+
+
+def types_module(
+    model: Model,
+    names: PythonNames,
+    used: Iterable[ScopedName],
+    classes: Mapping[ScopedName, str],
+    forms: Forms,
+) -> str:
+    """All structs and enums that the components need, in order of declaration."""
+    bodies = []
+    for name in used:
+        declaration = model.find(name)
+        if isinstance(declaration, Enum):
+            bodies.append(_enum(names, declaration, classes[name]))
+        elif isinstance(declaration, Struct):
+            bodies.append(_struct(model, names, declaration, classes[name], forms))
+    body = "\n\n".join(bodies)
+    helpers = [helper for helper in _HELPERS if f"{helper}(" in body]
+    imports = f"from rtgen.runtime import {', '.join(helpers)}\n" if helpers else ""
+    return fit_text(
+        docstring("The types of the components' ports.", 0)
+        + (f"\n{imports}" if imports else "")
+        + f"\n\n{body}"
+    )
+
+
+def _enum(names: PythonNames, declaration: Enum, class_name: str) -> str:
+    members = names.enumerators(declaration).values()
+    lines = [f"class {class_name}:", *_doc(declaration.doc or "An enumeration.", 4)]
+    lines += ["", *(f"    {name} = {value}" for value, name in enumerate(members))]
+    return "\n".join(lines) + "\n"
+
+
+def _struct(
+    model: Model,
+    names: PythonNames,
+    declaration: Struct,
+    class_name: str,
+    forms: Forms,
+) -> str:
+    python_names = _members(model, names, declaration)
+    members = [
+        (python_names[member.name], forms.form(member.type))
+        for member in members_of(model, declaration)
+    ]
+    parameters = ", ".join(
+        f"{name}={'None' if form.mutable else form.made}" for name, form in members
+    )
+    lines = [f"class {class_name}:", *_doc(declaration.doc or "A struct.", 4), ""]
+    lines.append(f"    __slots__ = {_slots([name for name, _ in members])}")
+    lines += ["", f"    def __init__(self, {parameters}):"]
+    for name, form in members:
+        lines.append(f"        self.{name} = {form.made if form.mutable else name}")
+        if form.mutable:
+            lines.append(f"        if {name} is not None:")
+            lines.append(
+                "            "
+                + form.copy.replace("{0}", f"self.{name}").replace("{1}", name)
+            )
+    for header, statements in (
+        (
+            "def _copy_(self, other):",
+            [
+                form.copy.replace("{0}", f"self.{n}").replace("{1}", f"other.{n}")
+                for n, form in members
+            ],
+        ),
+        (
+            "def _put_(self, wire):",
+            [s.replace("{0}", f"self.{n}") for n, form in members for s in form.put],
+        ),
+        (
+            "def _take_(self, wire):",
+            [s.replace("{0}", f"self.{n}") for n, form in members for s in form.take],
+        ),
+    ):
+        lines += [
+            "",
+            f"    {header}",
+            *(f"        {s}" for s in statements or ["pass"]),
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def _members(model: Model, names: PythonNames, declaration: Struct) -> dict[str, str]:
+    inherited: dict[str, str] = {}
+    if declaration.base is not None:
+        base = model.find(declaration.base)
+        assert isinstance(base, Struct)
+        inherited = _members(model, names, base)
+    return inherited | names.members(declaration)
+
+
+def package(
+    names: PythonNames,
+    scope: ScopedName,
+    classes: Mapping[ScopedName, str],
+    constants: Sequence[Const],
+) -> str:
+    """What an IDL module offers: its types and constants."""
+    title = (
+        f"The IDL module `{'::'.join(scope)}`." if scope else "The global scope of IDL."
+    )
+    text = docstring(title, 0)
+    dots = "." * (len(package_path(scope)) + 1)
+    if classes:
+        items = ", ".join(
+            f"{local} as {names.attribute(name)}" for name, local in classes.items()
+        )
+        text += f"\nfrom {dots}_types import {items}\n"
+    lines = []
+    for constant in constants:
+        value = constant.value
+        if isinstance(value, bool | int | float | str):
+            lines.append(f"{names.attribute(constant.name)} = {value!r}")
+    text += "".join(f"\n{line}" for line in lines) + ("\n" if lines else "")
+    return fit_text(text)
+
+
+def component_module(
+    model: Model, names: PythonNames, component: Component, buffer: int
+) -> str:
+    """The configuration class and the base class of a component."""
+    base, configuration = class_names(component)
+    attributes = attributes_of(component)
+    packages: dict[str, str] = {}
+    ports = []
+    for port, name in attributes.ports:
+        type_ = model.unalias(port.type)
+        assert isinstance(type_, NamedType), "checked before"
+        path, attribute = names.public(type_.name)
+        if path:
+            module = "".join(f".{part}" for part in path[:-1])
+            packages[path[-1]] = f"from ..{module.lstrip('.')} import {path[-1]}"
+            attribute = f"{path[-1]}.{attribute}"
+        else:
+            packages[attribute] = f"from .. import {attribute}"
+        add = "add_in_port" if port.kind is PortKind.INPORT else "add_out_port"
+        ports.append(
+            f"        self.{name} = self.{add}({string_literal(port.name)}, {attribute})"
+        )
+    fields = [
+        f"        self.{name} = {_default(model, names, parameter)}"
+        for parameter, name in attributes.configuration
+    ]
+    slots = _slots([name for _, name in attributes.configuration])
+    lines = [docstring(heading(component), 0).rstrip("\n"), ""]
+    lines += ["from rtgen.runtime import Component", *sorted(packages.values())]
+    if fields:
+        lines += ["", "", f"class {configuration}:"]
+        lines += [*_doc(f"The parameters of {component.name[-1]}.", 4), ""]
+        lines += [f"    __slots__ = {slots}", "", "    def __init__(self):", *fields]
+    lines += ["", "", f"class {base}(Component):"]
+    lines += _doc(component.doc or heading(component), 4)
+    lines += ["", f"    type_name = {string_literal(component.name[-1])}"]
+    lines += [
+        f"    rate = {number_literal(float(component.rate))}",
+        f"    buffer = {buffer}",
+    ]
+    lines += ["", "    def __init__(self, instance_name=None):"]
+    lines.append("        Component.__init__(self, instance_name)")
+    if fields:
+        lines.append(f"        self.config = {configuration}()")
+    lines += ports
+    return fit_text("\n".join(lines) + "\n")
+
+
+def _default(
+    model: Model, names: PythonNames, parameter: ConfigurationParameter
+) -> str:
+    type_ = model.unalias(parameter.type)
+    match parameter.default:
+        case EnumeratorName(name):
+            enum, member = names.enumerator(name)
+            declaration = model.find(enum)
+            assert isinstance(declaration, Enum)
+            return str(list(names.enumerators(declaration).values()).index(member))
+        case None:
+            if type_ == PrimitiveType(Primitive.BOOLEAN):
+                return "False"
+            if isinstance(type_, StringType):
+                return '""'
+            return "0.0" if type_ in _FLOATING else "0"
+        case str() as text:
+            return string_literal(text)
+        case int() | float() as number if type_ in _FLOATING:
+            return number_literal(float(number))
+        case value:
+            return repr(value)
+
+
+def _doc(text: str, indent: int) -> list[str]:
+    return docstring(text, indent).rstrip("\n").split("\n")
+
+
+def _slots(names: Sequence[str]) -> str:
+    literals = [string_literal(name) for name in names]
+    return f"({literals[0]},)" if len(literals) == 1 else f"({', '.join(literals)})"
