@@ -48,7 +48,7 @@ class Options:
     that is not the package to make. `factories` has `module:name` of what makes components of a
     type, where the project says it; `skeleton_path` leads from the output folder to the one that
     makes skeletons importable. `small` is the room that the target small has for items of a
-    sequence and characters of a string without bound, and for unread samples of an InPort.
+    sequence and octets of a string without bound, and for unread samples of an InPort.
     """
 
     package: str

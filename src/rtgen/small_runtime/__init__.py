@@ -1,3 +1,4 @@
+# mypy: allow-untyped-defs, allow-incomplete-defs, allow-untyped-calls
 """The small runtime: components, ports and codecs for boards.
 
 The same behaviours run here as on the embedded runtime, since names, callbacks and the life cycle
@@ -132,7 +133,7 @@ def _place(index: int, length: int) -> int:
     return index
 
 
-def copy_items(target, source) -> None:  # type: ignore[no-untyped-def]
+def copy_items(target, source) -> None:
     """Replaces the items of a sequence by those of another one or of a list. Raises SizeError."""
     if target is source:
         return
@@ -141,7 +142,7 @@ def copy_items(target, source) -> None:  # type: ignore[no-untyped-def]
         target.append(source[i])
 
 
-def copy_array(target, source) -> None:  # type: ignore[no-untyped-def]
+def copy_array(target, source) -> None:
     """The same for an array, whose length is fixed. Raises SizeError."""
     if len(source) != len(target):
         raise SizeError(f"{len(source)} items for an array of {len(target)}")
@@ -149,10 +150,11 @@ def copy_array(target, source) -> None:  # type: ignore[no-untyped-def]
         target[i] = source[i]
 
 
-def bounded(value, most: int):  # type: ignore[no-untyped-def]
-    """A text or octets that are at most so long. Raises SizeError."""
-    if len(value) > most:
-        raise SizeError(f"{len(value)} long, room for {most}")
+def bounded(value, most: int):
+    """Octets, or a text in UTF-8, that are at most so long. Raises SizeError."""
+    length = len(value.encode()) if isinstance(value, str) else len(value)
+    if length > most:
+        raise SizeError(f"{length} octets, room for {most}")
     return value
 
 
@@ -160,7 +162,7 @@ _NOT_PACKED = (getattr(struct, "error", ValueError), ValueError, OverflowError)
 """What `struct` raises; MicroPython's has no error of its own."""
 
 
-def exactly(value, length: int):  # type: ignore[no-untyped-def]
+def exactly(value, length: int):
     """Octets of an array, which are exactly so many. Raises SizeError."""
     if len(value) != length:
         raise SizeError(f"{len(value)} octets for an array of {length}")
@@ -188,7 +190,7 @@ class Wire:
             raise CodecError(str(error)) from error
         self.at += size
 
-    def take(self, form: str, size: int):  # type: ignore[no-untyped-def]
+    def take(self, form: str, size: int):
         """The next number. Raises CodecError."""
         self._align(size)
         if self.at + size > self.end:
@@ -237,8 +239,8 @@ class Wire:
         self.put("<B", 1, 0)
 
     def take_string(self, most: int) -> str:
-        """The next string, of at most so many characters. Raises CodecError."""
-        length = self.take_count(4 * most + 1)
+        """The next string, of at most so many octets of UTF-8. Raises CodecError."""
+        length = self.take_count(most + 1)
         octets = self.take_octets(length)
         if not octets or octets[-1]:
             raise CodecError("a string does not end with NUL")
@@ -246,8 +248,8 @@ class Wire:
             text = octets[:-1].decode()
         except UnicodeError as error:
             raise CodecError("a string is no UTF-8") from error
-        if len(text) > most or "\x00" in text:
-            raise CodecError("a string is too long or holds NUL")
+        if "\x00" in text:
+            raise CodecError("a string cannot hold NUL")
         return text
 
     def take_count(self, most: int) -> int:
@@ -258,14 +260,14 @@ class Wire:
         return int(count)
 
 
-def to_cdr(sample, buffer: bytearray) -> int:  # type: ignore[no-untyped-def]
+def to_cdr(sample, buffer: bytearray) -> int:
     """Writes a sample as CDR, little-endian; returns how many octets. Raises CodecError."""
     wire = Wire(buffer)
     sample._put_(wire)
     return wire.at
 
 
-def from_cdr(sample, buffer: bytearray, length: int) -> None:  # type: ignore[no-untyped-def]
+def from_cdr(sample, buffer: bytearray, length: int) -> None:
     """Fills a sample from CDR, little-endian, of exactly that length. Raises CodecError."""
     wire = Wire(buffer, length)
     sample._take_(wire)
@@ -294,7 +296,7 @@ class InPort:
         """Whether there is an unread sample."""
         return self._unread > 0
 
-    def read(self):  # type: ignore[no-untyped-def]
+    def read(self):
         """The oldest unread sample, else the last one again; None if there was none."""
         if self._unread:
             self._last._copy_(self._ring[self._first])
@@ -303,7 +305,7 @@ class InPort:
             self._any = True
         return self._last if self._any else None
 
-    def read_newest(self):  # type: ignore[no-untyped-def]
+    def read_newest(self):
         """The newest unread sample, None if there is none; older ones count as read."""
         if not self._unread:
             return None
@@ -420,7 +422,7 @@ class Component:
         """The time in ns."""
         return self._now
 
-    def stamp(self, sample) -> None:  # type: ignore[no-untyped-def]
+    def stamp(self, sample) -> None:
         """Fills `sample.tm` from `now`."""
         sample.tm.sec, sample.tm.nsec = divmod(self._now, SECOND)
 
@@ -512,7 +514,7 @@ class System:
     `wait` is called with the nanoseconds until the next tick; without it time is simulated.
     """
 
-    def __init__(self, wait=None) -> None:  # type: ignore[no-untyped-def]
+    def __init__(self, wait=None) -> None:
         self.time = 0
         self._wait = wait
         self._components: list[Component] = []

@@ -44,7 +44,7 @@ class NoFormError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Room for items of a sequence and characters of a string without bound; for unread samples."""
+    """Room for items of a sequence and octets of a string without bound; for unread samples."""
 
     sequence: int = 1024
     string: int = 128
@@ -170,9 +170,10 @@ class Forms:
                 (f"{{0}} = wire.take_octets({length})",),
             )
         made, item_put, item_take = self._items(element, length, f", {length}")
-        set_ = item_take.replace("{0}.append(", "{0}[i] = (").replace(
-            "{0}.next_free()", "{0}[i]"
-        )
+        set_ = item_take.replace("{0}.next_free()", "{0}[i]")
+        if set_.startswith("{0}.append("):
+            value = set_.removeprefix("{0}.append(").removesuffix(")")
+            set_ = f"{{0}}[i] = {value}"
         return Form(
             made,
             True,

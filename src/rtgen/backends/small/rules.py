@@ -21,7 +21,7 @@ component Guard {
 ```
 
 The other components of the definitions are emitted. Sequences and strings without a bound get that
-of `[small]` in rtgen.toml: `sequence` (default 1024 items) and `string` (default 128 characters).
+of `[small]` in rtgen.toml: `sequence` (default 1024 items) and `string` (default 128 octets).
 """,
 )
 
