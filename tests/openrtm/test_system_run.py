@@ -246,7 +246,9 @@ def test_a_system_runs(
     ended(folder)
     place = f"127.0.0.1:{free_port()}"
     options = ["--nameserver", place, "--rate-scale", "0.5"]
-    started = script(folder / "start.sh", rtm_environment, *options)
+    # The ORB's programs are found beside the interpreter, too.
+    plain = {**rtm_environment, "PATH": "/usr/local/bin:/usr/bin:/bin"}
+    started = script(folder / "start.sh", plain, *options)
     assert started.returncode == 0, started.stderr
     told = started.stdout.splitlines()
     assert told[-1] == "ready"
@@ -339,6 +341,8 @@ def test_a_naming_service_elsewhere_is_not_started(
     assert told.returncode == 3
     assert f"no naming service answers at {elsewhere}" in told.stderr
     assert script(folder / "start.sh", rtm_environment, "--what").returncode == 2
+    nobody = {**rtm_environment, "PYTHON": "/nowhere/python3"}
+    assert script(folder / "start.sh", nobody).returncode == 3
 
 
 @pytest.mark.slow
