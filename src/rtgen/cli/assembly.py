@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,7 +18,8 @@ from rtgen.diagnostics import (
     ToolError,
     has_errors,
 )
-from rtgen.model import System, SystemComponent
+from rtgen.frontends.suggestions import nearest
+from rtgen.model import Connection, System, SystemComponent
 from rtgen.runtime.conf_file import read as read_conf
 from rtgen.system_rules import (
     CONNECTION,
@@ -80,7 +82,9 @@ def assemble(
             connection.target,
             own_properties(connection.properties),
         )
-        findings += _findings(CONNECTION, connection.span, _performing(system, action))
+        span, hint = _blamed(system, connection)
+        found = _findings(CONNECTION, span, _performing(system, action))
+        findings += (replace(finding, hint=hint) for finding in found)
     for step in steps:
         if isinstance(step.action, SetParameter):
             findings += _findings(PARAMETER, step.span, _checking(system, step.action))
@@ -98,6 +102,24 @@ def assemble(
     for step in steps:
         system.at(step.time, _at_its_place(step, _performing(system, step.action)))
     return system
+
+
+def _blamed(system: runtime.System, connection: Connection) -> tuple[Span, str | None]:
+    """Where to say that a connection fails: at an end without a port, with the likely one."""
+    for end in (connection.source, connection.target):
+        if end.instance not in system.instances:
+            continue
+        component = system.component(end.instance)
+        services = (*component.providers, *component.consumers)
+        names = {
+            *component.in_ports,
+            *component.out_ports,
+            *(port for port, _ in services),
+        }
+        if end.port not in names and end.span is not None:
+            near = nearest(end.port, sorted(names))
+            return end.span, f"did you mean {near}?" if near else None
+    return connection.span, None
 
 
 def _raise_if_any(findings: Sequence[Diagnostic]) -> None:
