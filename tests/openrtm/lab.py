@@ -17,7 +17,7 @@ CALLBACKS = (
 )
 
 
-def until(condition: Callable[[], object], seconds: float = 5.0) -> None:
+def until(condition: Callable[[], object], seconds: float = 20.0) -> None:
     """Waits for something that another thread does."""
     end = time.monotonic() + seconds
     while not condition():
@@ -39,7 +39,7 @@ def resolved(rtm: Any, naming_service: str, name: str, process: Any = None) -> A
         except CORBA.Exception:
             return None
 
-    until(found, 20.0)
+    until(found, 60.0)
     return found()
 
 

@@ -105,6 +105,7 @@ def module(
         "corba.endpoints": "127.0.0.1:",
         "logger.enable": "NO",
         "naming.formats": "conformance/%n.rtc",
+        "exec_cxt.transition_timeout": "20",
     }
     command = [str(HERE / "probes.py"), str(folder / f"{name}.py")]
     with middleware.launched(command, options, environment, tmp_path) as process:

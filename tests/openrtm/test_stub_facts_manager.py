@@ -22,6 +22,7 @@ def options(naming_service: str, request: pytest.FixtureRequest) -> dict[str, st
         "corba.nameservers": naming_service,
         "corba.endpoints": "127.0.0.1:",
         "logger.enable": "NO",
+        "exec_cxt.transition_timeout": "20",
         "naming.formats": f"{request.node.name}.test/%n.rtc",
     }
 
