@@ -39,6 +39,12 @@ module Hosted {
         attribute long total;
     };
 };
+// OpenRTM's own module, opened again; and what stands in no module.
+module RTC {
+    struct TimedWheel { Time tm; sequence<double> angles; };
+};
+struct Plain { wstring text; };
+interface Bell { string ring(in Plain how); };
 """
 
 COMPONENT = """
@@ -51,6 +57,9 @@ component Relay {
     @name(".positon") publishes RTC::TimedLong positon;
     @port("counting") provides Hosted::Counter counter;
     @port("asking") @instance("Counter") uses Hosted::Counter other;
+    consumes RTC::TimedWheel wheel;
+    publishes Plain plain;
+    @port("bells") provides Bell bell;
     @unit("m") @default(2.0) @min(0.0) @max(10.0) @widget("slider.0.1") attribute double gain;
     @default(TRUE) attribute boolean on;
     attribute string note;
@@ -65,6 +74,7 @@ component Relay {
 
 BEHAVIOUR = '''
 from hosted.components.relay import RelayBase
+from hosted import Bell
 from hosted.hosted import Counter, Refused
 from rtgen.runtime import RTC_ERROR, RTC_OK
 
@@ -79,6 +89,11 @@ class CounterServant(Counter):
             raise RuntimeError("too much")
         self.total += amount
         return self.total
+
+
+class BellServant(Bell):
+    def ring(self, how):
+        return how.text[::-1]
 
 
 class Relay(RelayBase):
@@ -96,6 +111,7 @@ class Relay(RelayBase):
 
     def on_initialize(self):
         self.counter.set_servant(CounterServant())
+        self.bell.set_servant(BellServant())
         return self._noted("on_initialize")
 
     def on_finalize(self):

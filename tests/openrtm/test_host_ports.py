@@ -72,7 +72,10 @@ def test_ports_as_openrtm_knows_them(relay: Relay) -> None:
     name = relay.behaviour.instance_name
     assert [port.name for port in profile.port_profiles] == [
         f"{name}.{port}"
-        for port in ("data", "data_out", ".positon", "counting", "asking")
+        for port in (
+            *("data", "wheel", "data_out", ".positon", "plain"),
+            *("counting", "asking", "bells"),
+        )
     ]
 
 
@@ -277,6 +280,27 @@ def test_samples_of_a_bus_and_of_openrtm_meet_in_an_in_port(relay: Relay) -> Non
     bus.write(sample(1))
     out.write(wire(2))
     assert sorted(numbers(port)) == [1, 2]
+
+
+def test_a_type_in_openrtms_own_module(relay: Relay) -> None:
+    import RTC
+
+    value = RTC.TimedWheel(RTC.Time(1, 2), [0.5, -0.5])
+    port = relay.lab.out_port(value)
+    assert str(relay.lab.connect(port, relay.rtc._wheelIn)) == "RTC_OK"
+    assert port.write()
+    read = relay.behaviour.wheel.read()
+    assert (read.tm.nsec, read.angles) == (2, [0.5, -0.5])
+
+
+def test_a_type_in_no_module(relay: Relay) -> None:
+    import _GlobalIDL
+    from hosted import Plain
+
+    port = relay.lab.in_port(_GlobalIDL.Plain(""))
+    assert str(relay.lab.connect(relay.rtc._plainOut, port)) == "RTC_OK"
+    assert relay.behaviour.plain.write(Plain("こんにちは, Привет")) is PORT_OK
+    assert port.read().text == "こんにちは, Привет"
 
 
 def test_stamps_are_utc(relay: Relay) -> None:

@@ -51,6 +51,7 @@ def test_interfaces_as_openrtm_knows_them(relay: Relay) -> None:
     assert told == {
         "counting": [("Counter", "Hosted::Counter", "PROVIDED")],
         "asking": [("Counter", "Hosted::Counter", "REQUIRED")],
+        "bells": [("Bell", "Bell", "PROVIDED")],
     }
 
 
@@ -117,3 +118,15 @@ def test_a_consumer_is_cut_off(relay: Relay, asking: Relay) -> None:
     assert not asking.behaviour.other.connected
     with pytest.raises(ObjectNotExist):
         stub.add(1)
+
+
+def test_an_interface_in_no_module(relay: Relay, lab: Lab) -> None:
+    import _GlobalIDL
+
+    consumer = lab.rtm.CorbaConsumer(interfaceType=_GlobalIDL.Bell)
+    port = lab.rtm.CorbaPort("mine")
+    port.registerConsumer("Bell", "Bell", consumer)
+    assert lab.component().addPort(port)
+    assert str(lab.join(port, relay.rtc._bellsPort)) == "RTC_OK"
+    relay.activate()
+    assert consumer._ptr(True).ring(_GlobalIDL.Plain("こんにちは")) == "はちにんこ"
