@@ -86,6 +86,10 @@ def peers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Peers]:
         sys.path.remove(str(folder))
     yield Peers(ours, modules, omniorb.cdrMarshal, omniorb.cdrUnmarshal)
     orb.destroy()
+    # Other tests need all of OpenRTM's RTC.
+    for name, module in list(sys.modules.items()):
+        if str(getattr(module, "__file__", None)).startswith(str(folder)):
+            del sys.modules[name]
 
 
 def _declared(package: Any) -> Iterator[type[Any]]:
