@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -70,33 +68,3 @@ def test_a_system_is_the_same_in_yaml(path: Path) -> None:
                 other.rate,
             )
             assert one.configuration == other.configuration
-
-
-@pytest.mark.slow
-def test_each_profile_becomes_a_package(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
-    packages = []
-    for number, path in enumerate(PROFILES):
-        folder = tmp_path / f"p{number}"
-        folder.mkdir()
-        monkeypatch.chdir(folder)
-        package = f"robots{number}"
-        (folder / "rtgen.toml").write_text(
-            f'[sources]\npaths = []\n[output]\npackage = "{package}"\n'
-        )
-        assert run(["generate", str(path), "-q", "-o", str(folder)]) == 0, path.name
-        packages.append(folder / "generated")
-    code = "import sys, importlib\nfor n, p in enumerate(sys.argv[1:]):\n"
-    code += "    sys.path.insert(0, p)\n    importlib.import_module(f'robots{n}.components')\n"
-    command = [sys.executable, "-c", code, *map(str, packages)]
-    assert subprocess.run(command, check=False).returncode == 0
-    checked = subprocess.run(
-        [sys.executable, "-m", "mypy", "--strict", *map(str, packages)],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert checked.returncode == 0, checked.stdout[-2000:]
