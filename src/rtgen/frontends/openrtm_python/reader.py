@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rtgen.diagnostics import Diagnostic, Rule, Span
 from rtgen.frontends.openrtm_python import rules
+from rtgen.frontends.openrtm_python.outline import (
+    Body,
+    component_classes,
+    module_spec,
+)
 from rtgen.frontends.openrtm_python.values import (
     GENERATED_VARIABLE,
     Imports,
+    argument,
     called,
     dotted,
-    member,
     text,
+    variable,
 )
-from rtgen.frontends.rtc_profile.names import COMPONENT_TYPES
+from rtgen.frontends.rtc_profile.names import ACTIVITY_TYPES, COMPONENT_TYPES
 from rtgen.model.constraints import ConstraintError, parse
 from rtgen.model.rtc_profile import (
     ProfileDataPort,
@@ -55,9 +61,7 @@ class ModuleReader:
         self.diagnostics: list[Diagnostic] = []
         self._file = file
         self._imports = Imports()
-        self._members: dict[str, ast.expr] = {}
-        self._types: dict[str, ast.expr] = {}
-        self._calls: list[ast.Call] = []
+        self._body = Body()
 
     @property
     def generated(self) -> bool:
@@ -69,16 +73,20 @@ class ModuleReader:
         for node in ast.walk(tree):
             if isinstance(node, ast.stmt):
                 self._imports.note(node)
-        spec = self._spec(tree)
-        made = self._class(tree)
-        if spec is None or made is None:
+        spec = module_spec(tree)
+        classes = component_classes(tree)
+        if spec is None or not classes:
             what = "module spec" if spec is None else f"class that derives from {_BASE}"
             start = Span(self._file, 1, 1, 1, 2)
             self._tell(rules.NO_COMPONENT, start, f"there is no {what}")
             return None
-        place, entries = spec
-        self._collect(made)
-        values = dict(entries)
+        place, items = spec
+        made = classes[0]
+        # What a base does comes first, as its __init__ and onInitialize are called first.
+        for each in reversed(classes):
+            self._body.take(each)
+            self._told_callbacks(each)
+        values = dict(self._pairs(items))
         self._told_entries(place, values)
         kind = values.get("activity_type", "")
         return RtcProfile(
@@ -92,7 +100,7 @@ class ModuleReader:
             description=values.get("description", ""),
             doc=_own_text(ast.get_docstring(made)),
             component_type=kind if kind in COMPONENT_TYPES else "STATIC",
-            activity="PERIODIC",
+            activity=kind if kind in ACTIVITY_TYPES else "PERIODIC",
             kind="DataFlowComponent",
             execution=values.get("exec_cxt.periodic.type", "PeriodicExecutionContext"),
             rate=_positive(values.get("exec_cxt.periodic.rate", "")),
@@ -120,20 +128,8 @@ class ModuleReader:
 
     # The module spec and the class.
 
-    def _spec(self, tree: ast.Module) -> tuple[ast.expr, list[tuple[str, str]]] | None:
-        for node in tree.body:
-            if not isinstance(node, ast.Assign | ast.AnnAssign):
-                continue
-            value = node.value
-            if not isinstance(value, ast.List | ast.Tuple) or len(value.elts) < 2:
-                continue
-            if text(value.elts[0]) != "implementation_id":
-                continue
-            return value, list(self._pairs(value))
-        return None
-
-    def _pairs(self, spec: ast.List | ast.Tuple) -> Iterator[tuple[str, str]]:
-        for key, value in zip(spec.elts[::2], spec.elts[1::2], strict=False):
+    def _pairs(self, items: Sequence[ast.expr]) -> Iterator[tuple[str, str]]:
+        for key, value in zip(items[::2], items[1::2], strict=False):
             name, told = text(key), text(value)
             if name is None or told is None:
                 message = f"the entry {name or ''} of the module spec is computed"
@@ -141,29 +137,7 @@ class ModuleReader:
             else:
                 yield name, told
 
-    def _class(self, tree: ast.Module) -> ast.ClassDef | None:
-        for node in ast.walk(tree):
-            if isinstance(node, ast.ClassDef) and any(
-                dotted(base)[-1:] == (_BASE,) for base in node.bases
-            ):
-                return node
-        return None
-
-    def _collect(self, made: ast.ClassDef) -> None:
-        """The members that are set anywhere in the class, and the calls in it."""
-        for node in ast.walk(made):
-            match node:
-                case ast.Assign(targets=targets, value=value):
-                    for target in targets:
-                        if (name := member(target)) is not None:
-                            self._members.setdefault(name, value)
-                case ast.AnnAssign(target, annotation, ast.expr() as value):
-                    if (name := member(target)) is not None:
-                        self._members.setdefault(name, value)
-                        self._types.setdefault(name, annotation)
-                case ast.Call():
-                    self._calls.append(node)
-        self._calls.sort(key=lambda call: (call.lineno, call.col_offset))
+    def _told_callbacks(self, made: ast.ClassDef) -> None:
         bodies = [
             node.name
             for node in made.body
@@ -198,10 +172,10 @@ class ModuleReader:
             if key.startswith("conf.default.")
         ]
         for name in dict.fromkeys((*names, *bound)):
-            node, variable, default = bound.get(name, (place, "", ""))
+            node, to, default = bound.get(name, (place, "", ""))
             span = self._span(node)
             told = values.get(f"conf.default.{name}", default)
-            word = values.get(f"conf.__type__.{name}") or self._word(variable)
+            word = values.get(f"conf.__type__.{name}") or self._word(to)
             constraint = None
             try:
                 constraint = parse(values.get(f"conf.__constraints__.{name}", ""))
@@ -215,32 +189,33 @@ class ModuleReader:
                 span=span,
                 type_span=span,
                 default_span=span,
-                variable=self._identifier(variable),
+                variable=self._identifier(to),
                 widget=values.get(f"conf.__widget__.{name}", ""),
                 constraint=constraint,
             )
 
-    def _identifier(self, variable: str) -> str:
+    def _identifier(self, told: str) -> str:
+        name = told.removeprefix("self.")
         if self.generated:
-            return variable.removeprefix(GENERATED_VARIABLE)
-        return variable.lstrip("_")
+            return name.removeprefix(GENERATED_VARIABLE)
+        return name.lstrip("_")
 
     def _bound(self) -> Iterator[tuple[str, tuple[ast.expr, str, str]]]:
-        for call in self._calls:
+        for call in self._body.calls:
             if not _is(call, "bindParameter"):
                 continue
-            name = text(call.args[0]) if call.args else None
+            name = text(argument(call, 0, "param_name"))
             if name is None:
                 message = "the name of a parameter is computed"
                 self._tell(rules.COMPUTED, self._span(call), message)
                 continue
-            variable = member(call.args[1]) if len(call.args) > 1 else None
-            default = text(call.args[2]) if len(call.args) > 2 else None
-            yield name, (call, variable or "", default or "")
+            bound = variable(argument(call, 1, "var"))
+            default = text(argument(call, 2, "def_val"))
+            yield name, (call, bound or "", default or "")
 
-    def _word(self, variable: str) -> str:
+    def _word(self, bound: str) -> str:
         """The type of a variable that a parameter is bound to, by its first value."""
-        match self._members.get(variable):
+        match self._body.values.get(bound):
             case ast.List(elts=[first]):
                 match first:
                     case ast.Constant(value=value):
@@ -254,25 +229,25 @@ class ModuleReader:
     # Ports.
 
     def _data_ports(self) -> Iterator[ProfileDataPort]:
-        added = {
-            member(call.args[1])
-            for call in self._calls
-            if _is(call, *_ADD_DATA_PORT) and len(call.args) > 1
-        }
-        for variable, value in self._members.items():
-            if not _is(value, *_DATA_PORTS):
+        adding = [call for call in self._body.calls if _is(call, *_ADD_DATA_PORT)]
+        added = [argument(call, 1, "inport", "outport") for call in adding]
+        names = {variable(port) for port in added}
+        made = [(name, call) for name, call in self._body.values.items()]
+        made += [("", port) for port in added if isinstance(port, ast.Call)]
+        for holder, value in made:
+            if not isinstance(value, ast.Call) or not _is(value, *_DATA_PORTS):
                 continue
-            assert isinstance(value, ast.Call)
             span = self._span(value)
-            name = text(value.args[0]) if value.args else None
+            name = text(argument(value, 0, "name"))
             if name is None:
-                message = f"the name of the port {variable} is computed"
+                which = f" {holder.removeprefix('self.')}" if holder else ""
+                message = f"the name of the port{which} is computed"
                 self._tell(rules.COMPUTED, span, message)
                 continue
-            if variable not in added:
+            if holder and holder not in names:
                 self._tell(rules.NOT_ADDED, span, f"the port {name} is left out")
                 continue
-            type_ = self._data_type(value.args[1] if len(value.args) > 1 else None)
+            type_ = self._data_type(argument(value, 1, "value"))
             if type_ is None:
                 message = f"the type of the port {name} is computed"
                 self._tell(rules.COMPUTED, span, message)
@@ -284,24 +259,24 @@ class ModuleReader:
                 span=span,
                 type_span=span,
             )
-        self._other_ports(added)
+        self._other_ports(adding, added)
 
-    def _other_ports(self, added: set[str | None]) -> None:
+    def _other_ports(
+        self, adding: Sequence[ast.Call], added: Sequence[ast.expr | None]
+    ) -> None:
         """Ports that are added, but made in no way that is understood."""
-        for call in self._calls:
-            if not _is(call, *_ADD_DATA_PORT):
-                continue
-            variable = member(call.args[1]) if len(call.args) > 1 else None
-            if not _is(self._members.get(variable or ""), *_DATA_PORTS):
+        for call, port in zip(adding, added, strict=True):
+            made = self._body.values.get(variable(port) or "", port)
+            if not _is(made, *_DATA_PORTS):
                 name = text(call.args[0]) if call.args else None
                 message = f"the port {name or ''} is computed"
                 self._tell(rules.COMPUTED, self._span(call), message)
 
     def _data_type(self, datum: ast.expr | None) -> str | None:
-        name = member(datum)
-        if name in self._types:
-            return self._imports.scoped(dotted(self._types[name]))
-        value = self._members.get(name) if name is not None else datum
+        name = variable(datum)
+        if name in self._body.types:
+            return self._imports.scoped(dotted(self._body.types[name]))
+        value = self._body.values.get(name) if name is not None else datum
         if not isinstance(value, ast.Call):
             return None
         if _is(value, "instantiateDataType") and value.args:
@@ -310,37 +285,39 @@ class ModuleReader:
 
     def _service_ports(self) -> Iterator[ProfileServicePort]:
         added = {
-            member(call.args[0])
-            for call in self._calls
-            if _is(call, *_ADD_SERVICE_PORT) and call.args
+            variable(argument(call, 0, "port"))
+            for call in self._body.calls
+            if _is(call, *_ADD_SERVICE_PORT)
         }
-        for variable, value in self._members.items():
+        for holder, value in self._body.values.items():
             if not _is(value, "CorbaPort"):
                 continue
             assert isinstance(value, ast.Call)
-            name = text(value.args[0]) if value.args else None
+            name = text(argument(value, 0, "name"))
             if name is None:
-                message = f"the name of the service port {variable} is computed"
+                shown = holder.removeprefix("self.")
+                message = f"the name of the service port {shown} is computed"
                 self._tell(rules.COMPUTED, self._span(value), message)
-            elif variable not in added:
+            elif holder not in added:
                 span = self._span(value)
                 self._tell(rules.NOT_ADDED, span, f"the port {name} is left out")
             else:
-                interfaces = tuple(self._interfaces(variable))
+                interfaces = tuple(self._interfaces(holder))
                 yield ProfileServicePort(name=name, interfaces=interfaces)
 
     def _interfaces(self, port: str) -> Iterator[ProfileInterface]:
         kinds = {"registerProvider": True, "registerConsumer": False}
-        for call in self._calls:
+        for call in self._body.calls:
             names = called(call)
-            if names[:2] != ("self", port) or names[-1] not in kinds:
+            if ".".join(names[:-1]) != port or names[-1] not in kinds:
                 continue
             span = self._span(call)
             instance, type_ = (
                 text(argument) for argument in [*call.args[:2], None][:2]
             )
             if instance is None or type_ is None:
-                message = f"an interface of the port {port} is computed"
+                shown = port.removeprefix("self.")
+                message = f"an interface of the port {shown} is computed"
                 self._tell(rules.COMPUTED, span, message)
                 continue
             provided = kinds[names[-1]]
@@ -356,8 +333,8 @@ class ModuleReader:
 
     def _consumed(self, consumer: ast.expr) -> str | None:
         """The interface of a `CorbaConsumer`, whose registration may leave out its module."""
-        name = member(consumer)
-        value = self._members.get(name) if name is not None else consumer
+        name = variable(consumer)
+        value = self._body.values.get(name) if name is not None else consumer
         if not _is(value, "CorbaConsumer"):
             return None
         assert isinstance(value, ast.Call)

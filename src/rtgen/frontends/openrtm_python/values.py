@@ -10,10 +10,16 @@ GLOBAL_STUBS = ("_GlobalIDL", "_GlobalIDL__POA")
 
 
 def text(node: ast.expr | None) -> str | None:
-    """A text that is written out; texts may be joined by `+`."""
+    """A text that is written out; texts may be joined by `+`, numbers turned into texts."""
     match node:
         case ast.Constant(value=str(value)):
             return value
+        case ast.Call(
+            func=ast.Name(id="str"),
+            args=[ast.Constant(value=int() | float() as number)],
+            keywords=[],
+        ):
+            return str(number)
         case ast.BinOp(left=left, op=ast.Add(), right=right):
             one, two = text(left), text(right)
             return None if one is None or two is None else one + two
@@ -31,16 +37,27 @@ def dotted(node: ast.expr | None) -> tuple[str, ...]:
     return ()
 
 
-def member(node: ast.expr | None) -> str | None:
-    """The name of a member of `self`."""
+def variable(node: ast.expr | None) -> str | None:
+    """A member of `self`, as `self.x`, or a local variable."""
     names = dotted(node)
-    return names[1] if len(names) == 2 and names[0] == "self" else None
+    if len(names) == 2 and names[0] == "self":
+        return f"self.{names[1]}"
+    return names[0] if len(names) == 1 else None
+
+
+def argument(call: ast.Call, place: int, *names: str) -> ast.expr | None:
+    """An argument of a call by its place, or by one of its names."""
+    if place < len(call.args):
+        return call.args[place]
+    return next((k.value for k in call.keywords if k.arg in names), None)
 
 
 def called(node: ast.expr | None) -> tuple[str, ...]:
     """The names of what a call calls; empty for everything else."""
     return dotted(node.func) if isinstance(node, ast.Call) else ()
 
+
+_NO_STUBS = ("OpenRTM_aist", "omniORB")
 
 GENERATED = ("rtgen", "runtime", "openrtm")
 """What modules that rtgen makes import."""
@@ -84,9 +101,10 @@ class Imports:
             return None
         path = (*self.modules.get(names[0], names[:1]), *names[1:])
         if len(names) == 1 and names[0] not in self.modules:
-            if not self.open_modules:
+            stubs = [m for m in self.open_modules if m.split(".")[0] not in _NO_STUBS]
+            if not stubs:
                 return None
-            path = (self.open_modules[-1], *path)
+            path = (*(stubs if len(stubs) == 1 else ()), *path)
         if path[0] in GLOBAL_STUBS:
             path = path[1:]
         path = tuple(part.removesuffix("__POA") for part in path)
