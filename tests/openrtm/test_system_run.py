@@ -380,7 +380,7 @@ def test_six_processes_drive_to_the_goal(
         rtm.connect("look", rtm.Properties(), source, port.getPortRef()) == rtc.RTC_OK
     )
     position_input = found(rtm, manager, place, "PositionInput0")
-    until(lambda: rtm.get_state(position_input)[1] != rtc.ACTIVE_STATE, 240.0)
+    until(lambda: rtm.get_state(position_input)[1] != rtc.ACTIVE_STATE, 400.0)
     assert rtm.get_state(position_input)[1] == rtc.ERROR_STATE
     while port.isNew():
         sample = port.read()

@@ -228,9 +228,10 @@ class Client:
     def _resolved(self, naming: Any, name: str) -> Any:
         """The living component that a name is bound to, else None."""
         try:
-            component = naming.resolve(f"{name}.rtc")._narrow(self._rtc.RTObject)
+            found = naming.resolve(f"{name}.rtc")
+            component = None if found is None else found._narrow(self._rtc.RTObject)
             alive = component is not None and not component._non_existent()
-        except Exception:  # not bound, or bound by a process that has ended
+        except self._corba.Exception:  # not bound, or by a process that has ended
             return None
         return component if alive else None
 
