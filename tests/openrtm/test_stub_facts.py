@@ -225,3 +225,20 @@ def test_a_profile_has_what_the_specification_says(lab: Lab) -> None:
     assert (profile.vendor, profile.category) == ("labs", "lab")
     told = lab.rtm.get_component_profile(component.getObjRef())
     assert told.getProperty("own.property") == "seen"
+
+
+def test_a_transition_need_not_be_waited_for(lab: Lab) -> None:
+    import RTC
+
+    kind = lab.kind()
+    component = lab.create(f"{kind}?exec_cxt.sync_transition=NO")
+    assert lab.activate(component) == RTC.RTC_OK
+    assert lab.state(component) == RTC.INACTIVE_STATE
+    lab.tick(component)
+    assert lab.state(component) == RTC.ACTIVE_STATE
+
+
+def test_a_component_may_have_no_context(lab: Lab) -> None:
+    component = lab.component("execution_contexts", "None")
+    assert component.getObjRef().get_owned_contexts() == []
+    assert component.calls == ["onInitialize"]

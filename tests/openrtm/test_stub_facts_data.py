@@ -378,3 +378,13 @@ def test_a_time_stamp_is_the_wall_clock(rtm: Any) -> None:
     rtm.setTimestamp(value)
     assert before <= value.tm.sec <= int(time.time())
     assert 0 <= value.tm.nsec < 1_000_000_000
+
+
+def test_a_component_s_properties_have_defaults_of_ports(lab: Lab) -> None:
+    component = lab.component("port.inport.data.buffer.length", "2")
+    out, inp = lab.out_port(long(0)), lab.rtm.InPort("data", long(0))
+    component.addInPort("data", inp)
+    lab.connect(out, inp)
+    for number in range(4):
+        out.write(long(number))
+    assert read_all(inp) == [2, 3]
