@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 DEMO := build/demo
 PIP := --quiet --disable-pip-version-check --no-compile
 
-.PHONY: demo test check format lint types pyright imports drift pytest interpreters bench clean
+.PHONY: demo gallery test check format lint types pyright imports drift pytest interpreters bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -15,6 +15,10 @@ demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen run specs/navigation/rh3_path.xml --plot $(DEMO)/path.svg --csv $(DEMO)/path.csv
 	$(BIN)/rtgen graph specs/navigation/rh3_goal.xml -o $(DEMO)/wiring.svg
 	@echo "Pictures: $(DEMO)/goal.svg $(DEMO)/path.svg $(DEMO)/wiring.svg; trajectories: $(DEMO)/goal.csv $(DEMO)/path.csv"
+
+# docs/gallery.md with its diagrams and pictures.
+gallery: $(VENV)/test.stamp
+	$(BIN)/python tests/reference/gallery.py
 
 test: $(VENV)/test.stamp
 	$(MAKE) --no-print-directory -j 2 lint types imports drift

@@ -1,0 +1,40 @@
+"""The gallery shows every system as it is wired now."""
+
+from __future__ import annotations
+
+import pytest
+from gallery import ENTRIES, IMAGES, PAGE, ROOT, Entry, diagram, page
+
+
+def test_the_page_is_up_to_date() -> None:
+    assert PAGE.read_text(encoding="utf-8") == page(), "run `make gallery`"
+
+
+@pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: entry.name)
+def test_the_diagram_is_up_to_date(entry: Entry) -> None:
+    assert entry.wiring.read_text(encoding="utf-8") == diagram(
+        entry
+    ), "run `make gallery`"
+    assert entry.result.stat().st_size > 1000
+
+
+def test_every_system_is_shown_and_nothing_else() -> None:
+    wanted = {file for entry in ENTRIES for file in (entry.wiring, entry.result)}
+    assert set(IMAGES.iterdir()) == wanted
+    shown = {entry.system for entry in ENTRIES}
+    experiments = {
+        path.parent.relative_to(ROOT).as_posix()
+        for path in (ROOT / "specs" / "experiments").glob("*/system.xml")
+    }
+    assert experiments <= shown
+    systems = {
+        path.relative_to(ROOT).as_posix()
+        for path in (ROOT / "specs").rglob("*.xml")
+        if path.name != "system.xml"
+    }
+    # Parts of others, and what has no pose to be drawn.
+    parts = {
+        *("specs/canopen/rh3_pc.xml", "specs/canopen/rh3_drives.xml"),
+        *("specs/canopen/pdo_linking.xml", "specs/tecs/board.xml"),
+    }
+    assert systems - parts <= shown
