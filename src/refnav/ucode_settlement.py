@@ -35,7 +35,7 @@ class UcodeSettlement(UcodeSettlementBase):
         if self._waiting > 0:
             self._waiting -= 1
             if self._waiting == 0:
-                self._take_answer()
+                self._take_record()
             return RTC_OK
         reading = self.sightings.read_newest()
         if reading is None or len(reading.data) == 0:
@@ -56,10 +56,10 @@ class UcodeSettlement(UcodeSettlementBase):
             self._asked += 1
             self._waiting = self.config.delay
             if self._waiting == 0:
-                self._take_answer()
+                self._take_record()
         return RTC_OK
 
-    def _take_answer(self) -> None:
+    def _take_record(self) -> None:
         text = self._records.get(self._record.code, "")
         self._texts[self._cache.take(self._record.code)] = text
         self._send(text)

@@ -15,7 +15,7 @@ from typing import Any
 import hosting
 import middleware
 import pytest
-from lab import Lab
+from openrtm_lab import Lab
 
 from rtgen.cli import run
 

@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import Any
 
 import middleware
-from lab import Lab
+from openrtm_lab import Lab
 
 from rtgen.cli import run
 

@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import Any
 
 import middleware
-import peers
+import openrtm_peers as peers
 import pytest
 from conformance import BEHAVIOURS, OTHERS, component_of, make_project
-from lab import Lab, resolved, until
+from openrtm_lab import Lab, resolved, until
 from specimens import COUNT, specimen
 
 from rtgen.runtime import Component

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from hosting import Relay
-from lab import Lab
+from openrtm_lab import Lab
 
 DEFAULTS = {
     "gain": "2.0",

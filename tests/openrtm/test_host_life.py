@@ -10,7 +10,7 @@ from typing import Any
 import middleware
 import pytest
 from hosting import Relay
-from lab import Lab, until
+from openrtm_lab import Lab, until
 
 from rtgen.runtime import BAD_PARAMETER, RTC_ERROR, RTC_OK, ReturnCode_t
 from rtgen.runtime.life_cycle import Request

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from hosting import Relay
-from lab import Lab
+from openrtm_lab import Lab
 
 from rtgen.runtime import PORT_OK, PortStatus, SampleTypeError
 

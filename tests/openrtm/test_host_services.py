@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from hosting import Relay
-from lab import Lab
+from openrtm_lab import Lab
 
 from rtgen.runtime.services import ObjectNotExist, UnknownException
 

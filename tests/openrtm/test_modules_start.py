@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 import middleware
-import peers
+import openrtm_peers as peers
 import pytest
 from conformance import component_of
-from lab import Lab, resolved, until
+from openrtm_lab import Lab, resolved, until
 
 ROOT = Path(__file__).parents[2]
 REASONS = {

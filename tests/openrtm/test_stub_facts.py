@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from lab import Lab, answers
+from openrtm_lab import Lab, answers
 
 
 def test_a_component_begins_inactive_in_a_running_context(lab: Lab) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from lab import Lab, answers
+from openrtm_lab import Lab, answers
 
 
 def bound(lab: Lab, initial: Any, default: str, *sets: str, **callbacks: Any) -> Any:

@@ -7,7 +7,7 @@ import time
 from typing import Any
 
 import pytest
-from lab import Lab, until
+from openrtm_lab import Lab, until
 
 
 def long(value: int) -> Any:

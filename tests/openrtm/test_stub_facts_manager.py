@@ -10,7 +10,7 @@ from typing import Any
 
 import middleware
 import pytest
-from lab import Lab, resolved, until
+from openrtm_lab import Lab, resolved, until
 
 MODULE = Path(__file__).parent / "modules" / "Doubler.py"
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from lab import Lab
+from openrtm_lab import Lab
 
 
 @pytest.fixture

@@ -12,9 +12,9 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import peers
+import openrtm_peers as peers
 import pytest
-from lab import Lab, until
+from openrtm_lab import Lab, until
 
 from rtgen.cli import run
 

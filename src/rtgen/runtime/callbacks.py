@@ -51,4 +51,4 @@ def note_answer(component: Component, callback: str, code: object) -> None:
 def _keep_answer(component: Component, callback: str, code: object) -> None:
     # on_aborting follows upon another failure, which is the one to be told.
     if callback != "on_aborting":
-        component._answer = code if isinstance(code, ReturnCode_t) else RTC_ERROR
+        component._last_code = code if isinstance(code, ReturnCode_t) else RTC_ERROR

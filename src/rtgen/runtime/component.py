@@ -83,7 +83,7 @@ class Component:
         self._clock: Clock = SimulatedClock()
         self._alive = False
         self._failing = ""
-        self._answer = RTC_ERROR
+        self._last_code = RTC_ERROR
         """What the callback that failed last has returned."""
         self._awaited = ""
         self._active_contexts = 0

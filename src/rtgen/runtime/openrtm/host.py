@@ -138,7 +138,7 @@ class Host:
         """`onInitialize`, after everything is bound: CREATED to INACTIVE."""
         behaviour = self.behaviour
         behaviour._do_chores()
-        behaviour._answer = RTC_OK
+        behaviour._last_code = RTC_OK
         return self._code(behaviour.initialize() is not RTC_OK)
 
     def on_finalize(self) -> Any:
@@ -149,7 +149,7 @@ class Host:
         if behaviour is None or not behaviour.is_alive():
             return self._codes.RTC_OK
         with behaviour._turn:
-            behaviour._answer = RTC_OK
+            behaviour._last_code = RTC_OK
             return self._code(behaviour.exit() is not RTC_OK)
 
     def on_startup(self, ec_id: int) -> Any:
@@ -212,7 +212,7 @@ class Host:
                 participant.execute()
             participant.finish()
             self._started_follower.look(ec_id)
-            return self._code(behaviour._answer is not RTC_OK)
+            return self._code(behaviour._last_code is not RTC_OK)
 
     def on_rate_changed(self, ec_id: int) -> Any:
         """`onRateChanged`: called at the next tick where there is one, else at once."""
@@ -249,7 +249,7 @@ class Host:
     def _turn(self, ec_id: int) -> tuple[Participant, Component]:
         """Who is to be called; no callback has failed yet."""
         participant = self._participant(ec_id)
-        participant.component._answer = RTC_OK
+        participant.component._last_code = RTC_OK
         return participant, participant.component
 
     @property
@@ -268,7 +268,7 @@ class Host:
             participant.context.set_running(running)
             participant.carry_out(request)
             self._started_follower.look(ec_id)
-            return self._code(behaviour._answer is not RTC_OK)
+            return self._code(behaviour._last_code is not RTC_OK)
 
     def _requested(self, ec_id: int, request: Request, goal: LifeCycleState) -> Any:
         """A transition that OpenRTM makes; it is waited for a while if it takes time."""
@@ -307,5 +307,5 @@ class Host:
         """OpenRTM's code: for a failure what the behaviour has told, if it has."""
         if not failed:
             return self._codes.RTC_OK
-        told = self.behaviour._answer
+        told = self.behaviour._last_code
         return getattr(self._codes, (RTC_ERROR if told is RTC_OK else told).name)
