@@ -10,6 +10,7 @@ import re
 from bisect import bisect_right
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import NoReturn
 from xml.parsers import expat
 
@@ -35,7 +36,8 @@ Elements are nested deeper than any profile is. Profiles use fewer than ten leve
 """
 
 _UNREADABLE = """\
-The file cannot be opened: it is missing, it is a folder, or access is denied.
+The file cannot be opened: it is missing, it is a folder, or access is denied; or it is larger than
+any profile is.
 """
 
 MALFORMED = Rule("RTC0501", "not well-formed XML", Severity.ERROR, _MALFORMED)
@@ -47,6 +49,7 @@ UNREADABLE = Rule("RTC0505", "profile cannot be opened", Severity.ERROR, _UNREAD
 RULES = (MALFORMED, DOCTYPE, ENCODING, DEPTH, UNREADABLE)
 
 _MAX_DEPTH = 100
+_MAX_BYTES = 16 * 1024 * 1024
 _DECLARED = re.compile(rb"""<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z][\w.-]*)["']""")
 _ATTRIBUTE = re.compile(r"""([^\s=<>/"']+)\s*=\s*("[^"]*"|'[^']*')""")
 _OTHER_NAMES = {
@@ -95,6 +98,15 @@ class Element:
     def first(self, namespace: str, local_name: str) -> Element | None:
         """The first child of that name."""
         return next(self.all(namespace, local_name), None)
+
+
+def read(path: Path) -> bytes:
+    """The octets of a profile. Raises OSError, and ValueError for a file that is too large."""
+    with path.open("rb") as stream:
+        data = stream.read(_MAX_BYTES + 1)
+    if len(data) > _MAX_BYTES:
+        raise ValueError(f"it is larger than {_MAX_BYTES:,} bytes")
+    return data
 
 
 def decode(data: bytes, file: str) -> str:

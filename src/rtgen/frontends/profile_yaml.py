@@ -160,6 +160,7 @@ _DATE_REST = ("fraction", "zone")
 _MANY_CONSTRAINTS = ("And", "Or", "ConstraintListType", "ConstraintHashType")
 _NAME = re.compile(r"[A-Za-z_][\w.-]*")
 _MAX_DEPTH = 60
+_MAX_LENGTH = 1024 * 1024
 
 
 # XML to YAML.
@@ -251,11 +252,20 @@ def _bad(message: str, file: str, line: int = 1, column: int = 1) -> InputError:
 def _loaded(text: str, file: str) -> Any:
     import yaml
 
+    class Loader(yaml.BaseLoader):
+        """Every value is a text; an alias ends the reading."""
+
+        def compose_node(self, parent: Any, index: Any) -> Any:
+            reader: Any = self  # whose methods have no types
+            if reader.check_event(yaml.AliasEvent):
+                mark = reader.peek_event().start_mark
+                raise _bad("an alias", file, *_place(mark))
+            return super().compose_node(parent, index)
+
+    if len(text) > _MAX_LENGTH:
+        raise _bad(f"it is longer than {_MAX_LENGTH:,} characters", file)
     try:
-        for event in yaml.parse(text, Loader=yaml.BaseLoader):
-            if isinstance(event, yaml.AliasEvent):
-                raise _bad("an alias", file, *_place(event.start_mark))
-        return yaml.load(text, Loader=yaml.BaseLoader)
+        return yaml.load(text, Loader=Loader)
     except yaml.MarkedYAMLError as error:
         message = f"not YAML: {error.problem or error.context}"
         raise _bad(message, file, *_place(error.problem_mark)) from None

@@ -137,7 +137,7 @@ def load(path: Path, *, display: str | None = None) -> SystemResult:
     """
     file = display if display is not None else path.as_posix()
     try:
-        data = path.read_bytes()
+        data = located_xml.read(path)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else str(error)
         finding = located_xml.UNREADABLE.at(None, f"cannot open {file}: {reason}")

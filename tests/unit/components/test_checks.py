@@ -77,7 +77,7 @@ def test_a_sound_component() -> None:
         ({"name": "__init__"}, "RTC0101"),
         ({"name": "../evil"}, "RTC0101"),
         ({"name": "a" * 121}, "RTC0101"),
-        ({"version": "one"}, "RTC0103"),
+        ({"version": "one two"}, "RTC0103"),
         ({"version": "1:0"}, "RTC0103"),
         ({"version": ""}, "RTC0103"),
         ({"created": "2025-02-30T10:00:00"}, "RTC0104"),
@@ -191,7 +191,7 @@ def test_several_findings_in_one_run() -> None:
 
 
 def test_nothing_is_emitted_for_errors() -> None:
-    broken = model(component(version="?"))
+    broken = model(component(version="1: 0"))
     for backend in (BACKEND, rtc_profile.BACKEND):
         emission = backend.emit(broken, OPTIONS)
         assert not emission.artifacts

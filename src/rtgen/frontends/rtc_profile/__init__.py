@@ -56,7 +56,7 @@ def read(paths: Sequence[Path], *, root: Path, include: Sequence[Path]) -> Profi
     for path in paths:
         file = path.as_posix()
         try:
-            data = path.read_bytes()
+            data = located_xml.read(path)
         except (OSError, ValueError) as error:
             reason = error.strerror if isinstance(error, OSError) else str(error)
             message = f"cannot open {file}: {reason}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
@@ -66,6 +66,10 @@ class Lowering:
 
     def __post_init__(self) -> None:
         self._by_name = {d.name: d for d in self.model.declarations}
+        self._bound: set[ScopedName] = set()
+        self._types: set[ScopedName] = set()
+        for name in self._by_name:
+            self._take(name)
         self._parameters = Parameters(self.model)
         self._definitions = Definitions(
             self._by_name, self._parameters, self.diagnostics.append
@@ -145,12 +149,13 @@ class Lowering:
 
     def _is_taken(self, name: ScopedName) -> bool:
         """Whether the name, whatever the case, is one of a type or module, or inside of a type."""
-        wanted = [part.lower() for part in name]
-        for known in (*self._by_name, *self.placeholders):
-            depth = min(len(known), len(name))
-            if [part.lower() for part in known[:depth]] == wanted[:depth]:
-                return True
-        return False
+        scopes = tuple(_scopes(name))
+        return scopes[-1] in self._bound or not self._types.isdisjoint(scopes)
+
+    def _take(self, name: ScopedName) -> None:
+        *_, whole = scopes = tuple(_scopes(name))
+        self._bound.update(scopes)
+        self._types.add(whole)
 
     # Ports.
 
@@ -274,6 +279,7 @@ class Lowering:
             self._stand_ins[written, service] = name
             made = _opaque(name, service, profile.file, port.type_span)
             self.placeholders[name] = made
+            self._take(name)
         return NamedType(name)
 
     # Parameters.
@@ -352,6 +358,13 @@ class Lowering:
 
     def _allowed(self, parameter: ConfigurationParameter, limit: Constraint) -> bool:
         return self._parameters.is_default_allowed(parameter, limit)
+
+
+def _scopes(name: ScopedName) -> Iterator[ScopedName]:
+    """The name and the scopes that it stands in, outermost first, in lower case."""
+    small = tuple(part.lower() for part in name)
+    for depth in range(1, len(name) + 1):
+        yield small[:depth]
 
 
 def _scoped(text: str) -> ScopedName:
