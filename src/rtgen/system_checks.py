@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from rtgen.backends.rtc_profile import profile_id
 from rtgen.diagnostics import Diagnostic, Rule, Severity, Span
 from rtgen.frontends.suggestions import nearest
 from rtgen.model import (
@@ -116,6 +117,17 @@ parameter's type.
 """,
 )
 
+OTHER_DEFINITION = Rule(
+    "RTC0592",
+    "id is not that of the definition",
+    Severity.WARNING,
+    """
+Vendor, category or version in the id of a component are not those of its definition. The type
+counts here, but rtshell and RT System Editor compare the whole id with that of the running
+component.
+""",
+)
+
 RULES = (
     UNKNOWN_COMPONENT,
     UNKNOWN_PORT,
@@ -124,6 +136,7 @@ RULES = (
     PROPERTY_VALUE,
     DATA_TYPE,
     SYSTEM_PARAMETER,
+    OTHER_DEFINITION,
 )
 
 _MILDNESS = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
@@ -203,6 +216,10 @@ def _component(c: SystemComponent, known: Mapping[str, Known]) -> Iterator[Diagn
         message = f"the component {c.type!r} of {c.instance} is not defined"
         yield UNKNOWN_COMPONENT.at(c.span, message, hint=hint)
         return
+    id_ = profile_id(definition.component)
+    if c.id not in (id_, _dotted(id_)):
+        message = f"the id of {c.instance} is {c.id!r}, its definition's {id_!r}"
+        yield OTHER_DEFINITION.at(c.span, message)
     parameters = {p.name: p for p in definition.component.configuration}
     reader = Parameters(definition.model)
     for set_id, values in c.configuration:
@@ -216,6 +233,12 @@ def _component(c: SystemComponent, known: Mapping[str, Known]) -> Iterator[Diagn
             elif problem := _value_problem(reader, parameter, text):
                 message = f"{c.instance}.{name} cannot be {text[:80]!r}: {problem}"
                 yield SYSTEM_PARAMETER.at(span, message)
+
+
+def _dotted(id_: str) -> str:
+    """The id of a component in its older form, `RTC:vendor.category.type:version`."""
+    head, *parts, version = id_.split(":")
+    return f"{head}:{'.'.join(parts)}:{version}"
 
 
 def _value_problem(

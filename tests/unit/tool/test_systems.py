@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import pty
+import re
 import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -130,3 +131,36 @@ def test_on_a_terminal_there_is_a_bar() -> None:
     assert os.waitstatus_to_exitcode(os.waitpid(process, 0)[1]) == 0
     assert "━".encode() in shown
     assert b"instance" in shown
+
+
+def test_what_editors_leave_out_and_leave_behind(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Real files have no abstract, connectors without attributes, and properties of the editor."""
+    text = re.sub(
+        r'\s(rts:abstract|rts:dataType|rts:interfaceType)="[^"]*"',
+        "",
+        SYSTEM.read_text(),
+    )
+    text = re.sub(r'\s(rts:dataflowType|rts:subscriptionType)="[^"]*"', "", text)
+    text = re.sub(r"<rtsExt:Properties rtsExt:name=.dataport[^>]*/>", "", text)
+    left = (
+        '<rtsExt:Properties rtsExt:name="POSITION" rtsExt:value="{1:(137,56)}"/>'
+        '<rtsExt:Properties rtsExt:name="dataport.corba_cdr.inport_ior" rtsExt:value="IOR:00"/>'
+        "</rts:DataPortConnectors>"
+    )
+    file = tmp_path / "real.xml"
+    file.write_text(text.replace("</rts:DataPortConnectors>", left), encoding="utf-8")
+    assert run(["run", str(file), "--until", "0.05"]) == 0
+    assert "warning" not in capfd.readouterr().err
+
+
+def test_connector_properties_are_told_at_their_places(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    name = 'rtsExt:name="dataport.inport.buffer.length" rtsExt:value="1024"'
+    file = changed(tmp_path, name, name.replace("buffer", "bufer"))
+    assert run(["run", file, "--until", "0"]) == 2
+    assert "did you mean dataport.inport.buffer.length?" in capfd.readouterr().err
+    assert run(["convert", file, "--to", "rts-yaml"]) == 0
+    assert "warning[RTC0583]" in capfd.readouterr().err

@@ -24,6 +24,7 @@ from rtgen.backends.python_text import (
     string_literal,
 )
 from rtgen.backends.rendering import render
+from rtgen.backends.rtc_profile import profile_id
 from rtgen.backends.rts_profile import InstancePorts, system_text
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.model import (
@@ -304,7 +305,12 @@ class _Writer:
             service = [names[key] for key in names if key[0] == "service"]
             ports[instance] = InstancePorts(tuple(data), tuple(service))
         components = [
-            replace(i.component, rate=i.rate, path_uri=f"localhost/{name}.rtc")
+            replace(
+                i.component,
+                id=profile_id(i.plan.component),
+                rate=i.rate,
+                path_uri=f"localhost/{name}.rtc",
+            )
             for name, i in self._instances.items()
         ]
         system = replace(self._system, components=tuple(components))
