@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from rtgen.backends.idl_text import idl_text
+from rtgen.cli import run
 from rtgen.diagnostics import Diagnostic, has_errors, in_order
 from rtgen.frontends import idl, rtc_profile
 from rtgen.frontends.rtc_profile import rules
@@ -71,3 +72,45 @@ def test_the_idl_is_read_again(name: str, tmp_path: Path) -> None:
     file.write_text(f'#include "BasicDataType.idl"\n{text}', encoding="utf-8")
     again = idl.load([file], root=tmp_path, include=[SPECS])
     assert not has_errors(again.diagnostics), again.diagnostics
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "code"),
+    [
+        ("large.xml", "<a>" + "x" * (16 * 1024 * 1024), "RTC0505"),
+        ("deep.xml", "<a>" * 1000, "RTC0504"),
+        ("entity.xml", '<!DOCTYPE a [<!ENTITY b "b">]><a>&b;</a>', "RTC0502"),
+        ("zero.xml", "<a>\0</a>", "RTC0501"),
+        ("large.yaml", "rtcProfile:\n" + "  a: b\n" * 200_000, "RTC0545"),
+        ("deep.yaml", "rtcProfile: " + "[" * 20_000, "RTC0545"),
+        ("alias.yaml", "rtcProfile: {a: &a [x], b: [*a, *a]}", "RTC0545"),
+        ("python.yaml", 'rtcProfile: !!python/object/apply:os.getcwd ["x"]', "RTC0545"),
+    ],
+)
+def test_no_file_harms(name: str, text: str, code: str, tmp_path: Path) -> None:
+    path = tmp_path / name
+    path.write_text(text, encoding="utf-8")
+    found = rtc_profile.read([path], root=tmp_path, include=())
+    assert not found.profiles
+    assert [each.code for each in found.diagnostics] == [code]
+
+
+@pytest.mark.parametrize(
+    "encoding", ["shift_jis", "euc_jp", "utf-16", "utf-8-sig", "windows-31j"]
+)
+def test_encodings(
+    encoding: str, tmp_path: Path, capfdbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    """A profile in another encoding is read, and written as it was."""
+    text = (CASES / "everything.xml").read_text(encoding="utf-8")
+    declared = encoding.removesuffix("-sig")
+    text = text.replace("UTF-8", declared, 1).replace('"Lab"', '"産総研"')
+    data = text.encode(
+        {"windows-31j": "cp932"}.get(encoding, encoding), "xmlcharrefreplace"
+    )
+    path = tmp_path / "RTC.xml"
+    path.write_bytes(data)
+    found = rtc_profile.read([path], root=tmp_path, include=())
+    assert [each.vendor for each in found.profiles] == ["産総研"]
+    assert run(["convert", str(path), "--to", "rtc-xml", "-q"]) == 0
+    assert capfdbinary.readouterr().out == data

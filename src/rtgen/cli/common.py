@@ -65,14 +65,16 @@ class Console:
             sys.stderr.write(f"{text}\n")
 
 
-def write_out(text: str) -> None:
-    """Writes text to standard output, in UTF-8 whatever the locale.
+def write_out(text: str | bytes) -> None:
+    """Writes text to standard output, in UTF-8 whatever the locale, or octets as they are.
 
     A reader that has left is no reason to end otherwise.
     """
     try:
         sys.stdout.flush()
-        sys.stdout.buffer.write(text.encode("utf-8", "backslashreplace"))
+        if isinstance(text, str):
+            text = text.encode("utf-8", "backslashreplace")
+        sys.stdout.buffer.write(text)
         sys.stdout.buffer.flush()
     except BrokenPipeError:
         # What is still buffered must not raise again at exit.

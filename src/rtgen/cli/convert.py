@@ -83,12 +83,12 @@ def _system(console: Console, path: Path, form: str) -> int:
     console.findings(found, read.sources)
     if has_errors(found):
         return BAD_INPUT
-    text = path.read_bytes().decode("utf-8", "replace")
+    data = path.read_bytes()
     is_yaml = path.suffix.lower() in YAML_SUFFIXES
     if is_yaml is form.endswith("yaml"):
-        write_out(text)
+        write_out(data)
     elif is_yaml:
-        write_out(profile_yaml.to_xml(text, shown))
+        write_out(profile_yaml.to_xml(data.decode("utf-8", "replace"), shown))
     else:
         tree = located_xml.parse(read.sources[shown], shown)
         write_out(profile_yaml.to_yaml(tree))
@@ -149,7 +149,7 @@ def _chosen(model: Model, file: str, name: str | None) -> Component:
 
 def _profile(
     path: Path, form: str, model: Model, component: Component, project: Project
-) -> str:
+) -> str | bytes:
     from rtgen.cli.component_text import component_profile
     from rtgen.frontends import located_xml, profile_yaml, rtc_profile
 
@@ -159,7 +159,7 @@ def _profile(
     else:
         data = path.read_bytes()
         if (path.suffix.lower() in YAML_SUFFIXES) is form.endswith("yaml"):
-            return data.decode("utf-8", "replace")
+            return data
         xml = rtc_profile.xml_text(data, shown)
     if form == "rtc-xml":
         return xml
