@@ -270,7 +270,7 @@ def require_target(project: Project) -> None:
     if project.target not in AVAILABLE_TARGETS:
         raise ToolError(
             f"the target {project.target!r} is not available in this version",
-            hint=f"it has {' and '.join(map(repr, AVAILABLE_TARGETS))}",
+            hint=f"it has {', '.join(map(repr, AVAILABLE_TARGETS))}",
         )
 
 
