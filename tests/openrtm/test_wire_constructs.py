@@ -236,11 +236,62 @@ def test_names_that_clash(orb: Any, tmp_path_factory: pytest.TempPathFactory) ->
     assert stub.from_(two, 5) == 7
 
 
+HIDING = """
+module WiredHiding {
+    interface Root { enum Mode { idle, busy }; Mode turn(in Mode given); attribute long level; };
+    interface One : Root { struct Part { long x; }; Part first(); };
+    interface Two : Root { struct Part { double y; }; Part second(); };
+    interface Both : One, Two {
+        struct Part { string z; };
+        enum Mode { quick, slow };
+        Part third(in Mode given);
+    };
+};
+"""
+
+
+def test_interfaces_with_several_bases(orb: Any, tmp_path: Path) -> None:
+    """What a derived interface declares hides what its bases have of that name."""
+    wires = wired_text(tmp_path, HIDING, "wired_hiding")
+    types, module = wires.declared("wired_hiding"), wires.module("wired_hiding")
+
+    class Both(types.Both):  # type: ignore[misc]
+        level = 3
+
+        def turn(self, given: Any) -> Any:
+            return types.Root.Mode(1 - given)
+
+        def first(self) -> Any:
+            return types.One.Part(4)
+
+        def second(self) -> Any:
+            return types.Two.Part(0.5)
+
+        def third(self, given: Any) -> Any:
+            return types.Both.Part(given.name)
+
+    reference = module.BothObjects.to(Both())
+    stub = module.BothStub(lambda: reference)
+    assert stub.turn(types.Root.Mode.idle) is types.Root.Mode.busy
+    assert (stub.first().x, stub.second().y, stub.level) == (4, 0.5, 3)
+    assert stub.third(types.Both.Mode.slow) == types.Both.Part("slow")
+    assert module.BothStub.Part is types.Both.Part
+    assert isinstance(module.TwoObjects.of(reference).second(), types.Two.Part)
+
+
 def test_the_text_is_blacks_and_type_checks(tmp_path: Path) -> None:
     further, clashes = tmp_path / "wired_further.idl", tmp_path / "wire_typing.idl"
     further.write_text(FURTHER)
     clashes.write_text(CLASHES)
-    given = [further, clashes, INTEROP / "calls.idl", INTEROP / "valuetypes.idl"]
+    hiding = tmp_path / "wired_hiding.idl"
+    hiding.write_text(HIDING)
+    given = [
+        further,
+        clashes,
+        hiding,
+        INTEROP / "calls.idl",
+        INTEROP / "valuetypes.idl",
+    ]
     for number, path in enumerate(given):
         emit(tmp_path / str(number), [path])
     modules = sorted(tmp_path.rglob("_corba/*.py"))
