@@ -3,26 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import import_module
 from typing import Any
 
 from rtgen.runtime.service_ports import Consumer, Provider
-from rtgen.runtime.services import (
-    BadOperation,
-    MarshalError,
-    ObjectNotExist,
-    ServiceError,
-    Skeleton,
-    UnknownException,
-)
-
-_TOLD: dict[type[ServiceError], str] = {
-    ObjectNotExist: "OBJECT_NOT_EXIST",
-    UnknownException: "UNKNOWN",
-    BadOperation: "BAD_OPERATION",
-    MarshalError: "MARSHAL",
-}
-"""The system exception of CORBA that says the same."""
+from rtgen.runtime.services import ServiceError, Skeleton
 
 
 def servant_of(provider: Provider[Any]) -> Any:
@@ -35,19 +19,11 @@ def servant_of(provider: Provider[Any]) -> Any:
         try:
             return provider.call(operation, arguments)
         except ServiceError as error:
-            raise _system_exception(error) from error
+            from rtgen.runtime.corba.faults import raised
+
+            raise raised(error) from error
 
     return provider.interface._stub_(call)
-
-
-def _system_exception(error: ServiceError) -> Exception:
-    corba = import_module("omniORB.CORBA")
-    name = next((n for t, n in _TOLD.items() if isinstance(error, t)), "UNKNOWN")
-    done = corba.COMPLETED_NO
-    if name == "UNKNOWN":
-        done = corba.COMPLETED_MAYBE
-    made: Exception = getattr(corba, name)(0, done)
-    return made
 
 
 class RemoteProvider:
