@@ -95,3 +95,13 @@ def test_a_module_hides_none_that_it_needs(tmp_path: Path, name: str) -> None:
     (tmp_path / "a.idl").write_text(f"component {name} {{}};")
     model = load([tmp_path / "a.idl"], root=tmp_path).model
     assert "RTC0566" in [d.code for d in BACKEND.emit(model, OPTIONS).diagnostics]
+
+
+def test_an_in_port_and_an_out_port_of_one_identifier(tmp_path: Path) -> None:
+    (plan,), _ = planned(
+        tmp_path,
+        a="struct T { long x; }; component C { consumes T data; publishes T data; };",
+    )
+    text = component_module(plan)
+    assert 'self._dataIn = OpenRTM_aist.InPort("data", self._d_data)\n' in text
+    assert 'self._data_Out = OpenRTM_aist.OutPort("data_out", self._d_data_)\n' in text

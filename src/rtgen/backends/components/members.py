@@ -33,7 +33,13 @@ def attributes_of(component: Component, imported: Collection[str] = ()) -> Attri
     ports = distinct((p.identifier for p in component.ports), names)
     own = CONFIGURATION_NAMES.union(imported)
     fields = distinct((p.identifier for p in component.configuration), own)
+    used: list[str] = []
+    for port in component.ports:
+        name = ports[port.identifier]
+        while name in used:  # an InPort and an OutPort may be called the same
+            name += "_"
+        used.append(name)
     return Attributes(
-        tuple((port, ports[port.identifier]) for port in component.ports),
+        tuple(zip(component.ports, used, strict=True)),
         tuple((each, fields[each.identifier]) for each in component.configuration),
     )
