@@ -65,9 +65,7 @@ class Inflow:
         self._next = 0
         self._pulled = {}
         told = [connector.profile().properties for connector in connectors]
-        self._pulling = tuple(
-            each.getProperty("dataflow_type") == "pull" for each in told
-        )
+        self._pulling = tuple(_word(each, "dataflow_type") == "pull" for each in told)
         self.buffer.settings = _reading(told)
 
     def _pushed(self) -> Any:
@@ -112,12 +110,17 @@ class Inflow:
             return None
 
 
+def _word(properties: Any, key: str) -> str:
+    """What a connection says, in lower case; empty for nothing."""
+    return str(properties.getProperty(key) or "").strip().lower()
+
+
 def _reading(properties: Sequence[Any]) -> BufferSettings:
     """What a read does with nothing unread: as the first connection says."""
     if not properties:
         return BufferSettings(length=1)
-    policy = properties[0].getProperty("buffer.read.empty_policy")
-    timeout = properties[0].getProperty("buffer.read.timeout")
+    policy = _word(properties[0], "buffer.read.empty_policy")
+    timeout = _word(properties[0], "buffer.read.timeout")
     known = {each.value: each for each in EmptyPolicy}
     try:
         seconds = float(timeout or "1.0")
@@ -187,12 +190,8 @@ class Outflow:
     def _look_at(self, connectors: list[Any]) -> None:
         self._known = connectors
         told = [connector.profile().properties for connector in connectors]
-        self._shares = any(
-            each.getProperty("interface_type") == "direct" for each in told
-        )
-        waits = any(
-            each.getProperty("buffer.write.full_policy") == "block" for each in told
-        )
+        self._shares = any(_word(each, "interface_type") == "direct" for each in told)
+        waits = any(_word(e, "buffer.write.full_policy") == "block" for e in told)
         self._refusal = PortStatus.BUFFER_TIMEOUT if waits else PortStatus.BUFFER_FULL
 
     def _to_nobody(self) -> PortStatus:
