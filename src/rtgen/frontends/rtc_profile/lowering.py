@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.frontends.rtc_profile import rules
@@ -92,8 +93,8 @@ class Lowering:
             file=profile.file,
             span=profile.span,
             doc=profile.doc,
-            ports=tuple(ports),
-            configuration=tuple(parameters),
+            ports=tuple(_beside(name[-1], port, taken) for port in ports),
+            configuration=tuple(_beside(name[-1], p, known) for p in parameters),
             kind=profile.kind,
             category=self._id_part(profile, profile.category, _BREAKS_ID),
             vendor=self._id_part(profile, profile.vendor, _BREAKS_ID),
@@ -397,6 +398,20 @@ def _opaque(name: ScopedName, service: bool, file: str, span: Span) -> Declarati
         annotations=annotations,
         members=(),
     )
+
+
+_Item = TypeVar("_Item", Port, ConfigurationParameter)
+
+
+def _beside(component: str, item: _Item, taken: set[str]) -> _Item:
+    """The item under an identifier that is not the component's: IDL has none such inside of it."""
+    if item.identifier.lower() != component.lower():
+        return item
+    name, number = item.identifier, 1
+    while name.lower() in taken:
+        number += 1
+        name = f"{item.identifier}_{number}"
+    return replace(item, identifier=name)
 
 
 def _identifier(
