@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import threading
+import time
 from typing import Any
 
+import omniORB
 from omniORB import CORBA
 
 _running: list[Any] = []
@@ -18,8 +21,19 @@ def start(arguments: list[str]) -> Any:
 
 
 def stop() -> None:
+    """Ends the ORB, and waits for its threads to leave Python.
+
+    One that is still about to when the interpreter ends would abort the process.
+    """
     if _running:
         _running.pop().destroy()
+        end = time.monotonic() + 2.0
+        while _has_threads() and time.monotonic() < end:
+            time.sleep(0.01)
+
+
+def _has_threads() -> bool:
+    return any(isinstance(each, omniORB.WorkerThread) for each in threading.enumerate())
 
 
 def orb() -> Any:
