@@ -5,6 +5,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 DEMO := build/demo
 PIP := --quiet --disable-pip-version-check --no-compile
+# Tests start many processes: bytecode is written once, by the first that imports something.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo gallery test check format lint types pyright imports drift pytest interpreters bench clean
 
@@ -43,8 +45,9 @@ imports: $(VENV)/test.stamp
 drift: $(VENV)/test.stamp
 	$(BIN)/rtgen check
 
+# Each worker begins with a half of the files, so what tests of a file share is made once.
 pytest: $(VENV)/test.stamp
-	$(BIN)/pytest -n 2
+	$(BIN)/pytest -n 2 --dist worksteal
 
 # The fast tests again on each other interpreter that this machine has, those with peers left out;
 # the newest one measures the coverage.

@@ -18,6 +18,7 @@ import pytest
 from openrtm_lab import Lab
 
 from rtgen.cli import run
+from rtgen.runtime.corba.name_server import NameServer
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -50,10 +51,10 @@ def rtm_environment(rtm_folders: list[Path]) -> dict[str, str]:
 
 
 @pytest.fixture(scope="session")
-def naming_service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+def naming_service() -> Iterator[str]:
     """`host:port` of a naming service."""
-    with middleware.naming_service(tmp_path_factory.mktemp("names")) as place:
-        yield place
+    with NameServer() as service:
+        yield service.address
 
 
 @pytest.fixture(scope="session")

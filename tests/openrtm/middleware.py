@@ -5,11 +5,8 @@ from __future__ import annotations
 import importlib.util
 import os
 import shutil
-import signal
-import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -24,10 +21,10 @@ REAL = importlib.util.find_spec("OpenRTM_aist") is not None
 
 
 def program(name: str) -> str:
-    """A program of the ORB's wheel, which is beside the interpreter; else one on the path."""
+    """A program beside the interpreter, where the ORB puts its own; else one on the path."""
     beside = str(Path(sys.executable).parent)
     found = shutil.which(name, path=beside) or shutil.which(name)
-    assert found is not None, f"{name} (jeteve-omniorb) is missing"
+    assert found is not None, f"{name} is missing"
     return found
 
 
@@ -64,40 +61,6 @@ def environment(folders: list[Path]) -> dict[str, str]:
         own["RTM_IDL"] = str(folders[-1])
     programs = [str(Path(sys.executable).parent), os.environ["PATH"]]
     return {**os.environ, **own, "PATH": os.pathsep.join(programs)}
-
-
-@contextmanager
-def naming_service(folder: Path) -> Iterator[str]:
-    """An omniNames of the caller's own on the loopback interface; gives its `host:port`."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
-    command = [
-        program("omniNames"),
-        *("-start", str(port), "-always", "-datadir", str(folder), "-nohostname"),
-        *("-ORBendPoint", f"giop:tcp:127.0.0.1:{port}"),
-    ]
-    with (folder / "omniNames.out").open("wb") as out:
-        process = subprocess.Popen(
-            command, stdout=out, stderr=subprocess.STDOUT, start_new_session=True
-        )
-    try:
-        _answers(port, process)
-        yield f"127.0.0.1:{port}"
-    finally:
-        # The wheel's omniNames is a script that waits for the program: both are ended.
-        os.killpg(process.pid, signal.SIGTERM)
-        process.wait()
-
-
-def _answers(port: int, process: subprocess.Popen[bytes]) -> None:
-    for _ in range(200):
-        assert process.poll() is None, "omniNames ended"
-        with socket.socket() as probe:
-            if probe.connect_ex(("127.0.0.1", port)) == 0:
-                return
-        time.sleep(0.05)
-    raise AssertionError("omniNames does not answer")
 
 
 @contextmanager

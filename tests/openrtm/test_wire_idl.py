@@ -185,8 +185,7 @@ def programs(folder: Path, *names: str) -> str:
     """A search path with these programs, and what a shell script needs."""
     folder.mkdir()
     for name in (*names, "dirname", "mkdir"):
-        found = shutil.which(name) or middleware.program(name)
-        (folder / name).symlink_to(found)
+        (folder / name).symlink_to(middleware.program(name))
     return str(folder)
 
 

@@ -7,8 +7,12 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from contextlib import chdir
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from rtgen.cli import run as rtgen
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "gallery.md"
@@ -110,21 +114,20 @@ def page() -> str:
 
 def diagram(entry: Entry) -> str:
     """The wiring as SVG."""
-    return _rtgen("graph", entry.system)
+    with TemporaryDirectory() as folder, chdir(ROOT):
+        file = Path(folder) / "wiring.svg"
+        code = rtgen(["graph", entry.system, "-o", str(file)])
+        assert code == 0, entry.system
+        return file.read_text(encoding="utf-8")
 
 
 def draw(entry: Entry) -> None:
     """Runs the system and writes the picture."""
     picture = str(entry.result)
     options = [option.format(picture) for option in entry.options]
-    _rtgen("run", entry.system, *(options or ["--plot", picture]), "--csv", "/dev/null")
-
-
-def _rtgen(*arguments: str) -> str:
-    command = [sys.executable, "-m", "rtgen", *arguments]
-    return subprocess.run(
-        command, cwd=ROOT, check=True, capture_output=True, encoding="utf-8"
-    ).stdout
+    options = [*(options or ["--plot", picture]), "--csv", "/dev/null"]
+    command = [sys.executable, "-m", "rtgen", "run", entry.system, *options]
+    subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
 
 
 def main() -> None:

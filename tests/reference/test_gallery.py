@@ -2,14 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
 from gallery import ENTRIES, IMAGES, PAGE, ROOT, Entry, diagram, page
+
+from rtgen import compiler
+from rtgen.project import load
+
+
+@pytest.fixture(scope="module")
+def definitions() -> Iterator[None]:
+    """The project's definitions are read once for all diagrams."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(ROOT)
+        read = compiler.read(load(), lowered=True)
+        patch.setattr(compiler, "read", lambda project, lowered: read)
+        yield
 
 
 def test_the_page_is_up_to_date() -> None:
     assert PAGE.read_text(encoding="utf-8") == page(), "run `make gallery`"
 
 
+@pytest.mark.usefixtures("definitions")
 @pytest.mark.parametrize("entry", ENTRIES, ids=lambda entry: entry.name)
 def test_the_diagram_is_up_to_date(entry: Entry) -> None:
     assert entry.wiring.read_text(encoding="utf-8") == diagram(
