@@ -99,6 +99,7 @@ def read(
             side = devices.device_idl(described, of_idl, given=lowered)
     if of_idl or side is not None or profiles or not (of_tecs or results):
         from rtgen.frontends import idl
+        from rtgen.standard_idl import dependencies, standard_idl
 
         found = idl.load(
             of_idl,
@@ -107,9 +108,12 @@ def read(
             define=dict(project.define),
             ignore_case_clashes=project.ignore_case_clashes,
             virtual={
-                **({} if profiles is None else profiles.virtual),
+                **(standard_idl(of_idl) if profiles is None else profiles.virtual),
                 **({} if side is None else side.files),
             },
+        )
+        found = replace(
+            found, dependencies=(*found.dependencies, *dependencies(found.model))
         )
         if side is not None:
             found = replace(

@@ -5,16 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from hashlib import sha256
 from pathlib import Path
 
-from rtgen.frontends import Dependency, FrontendResult, rtc_profile
+from rtgen.frontends import FrontendResult, rtc_profile
 from rtgen.frontends.library import VirtualFile
 from rtgen.frontends.rtc_profile import Profiles
-from rtgen.resources import idl_file
-
-STANDARD = ("BasicDataType.idl", "ExtendedDataTypes.idl", "InterfaceDataTypes.idl")
-"""The data types of OpenRTM, each file including those before it."""
+from rtgen.standard_idl import standard_idl
 
 _DECLARED = re.compile(r"\b(?:struct|union|interface)\s+(\w+)\s*[:{]")
 
@@ -26,7 +22,6 @@ class ProfileIdl:
     profiles: Profiles
     paths: tuple[Path, ...]
     virtual: dict[str, VirtualFile | Path] = field(default_factory=dict)
-    dependencies: tuple[Dependency, ...] = ()
     given: frozenset[str] = frozenset()
 
     def results(self, found: FrontendResult) -> list[FrontendResult]:
@@ -36,7 +31,7 @@ class ProfileIdl:
         rest = (each for each in found.model.declarations if each.name not in names)
         return [
             replace(found, model=replace(found.model, declarations=tuple(rest))),
-            replace(made, dependencies=(*made.dependencies, *self.dependencies)),
+            made,
         ]
 
 
@@ -59,22 +54,17 @@ def needed(profiles: Profiles, definitions: Sequence[Path]) -> ProfileIdl:
     """
     known = {path.resolve() for path in definitions}
     further = tuple(p for p in profiles.idl if p.resolve() not in known)
-    own = {path.name: path for path in (*definitions, *further)}
     names = _type_names(profiles)
-    virtual: dict[str, VirtualFile | Path] = {}
-    dependencies = []
-    for name in STANDARD:
-        if name in own:
-            virtual[name] = own[name]
-            continue
-        path = idl_file(name)
-        data = path.read_bytes()
-        dependencies.append(Dependency(path, sha256(data).hexdigest()))
-        text = data.decode()
-        given = not names.isdisjoint(_DECLARED.findall(text))
-        virtual[name] = VirtualFile(f"rtgen/idl/{name}", text, given)
+    virtual = {
+        name: (
+            replace(file, given=not names.isdisjoint(_DECLARED.findall(file.text)))
+            if isinstance(file, VirtualFile)
+            else file
+        )
+        for name, file in standard_idl((*definitions, *further)).items()
+    }
     chosen = frozenset(path.as_posix() for path in definitions)
-    return ProfileIdl(profiles, further, virtual, tuple(dependencies), chosen)
+    return ProfileIdl(profiles, further, virtual, chosen)
 
 
 def _type_names(profiles: Profiles) -> set[str]:

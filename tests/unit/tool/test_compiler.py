@@ -79,3 +79,46 @@ def test_a_broken_plug_in_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(compiler, "BUILT_IN", ())
     with pytest.raises(ToolError, match="broken"):
         list(compiler.backends())
+
+
+STANDARD = """\
+#include "BasicDataType.idl"
+
+struct Reading { RTC::Time tm; double value; };
+"""
+
+
+def test_types_of_openrtm_can_be_included_without_having_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("reading.idl").write_text(STANDARD)
+    model = compiler.read(with_arguments(load(), paths=["reading.idl"]))
+    assert not model.diagnostics
+    assert [file.key for file in model.model.files] == [
+        "rtgen/idl/BasicDataType.idl",
+        "reading.idl",
+    ]
+    shipped = [d.path for d in model.dependencies if d.path.name == "BasicDataType.idl"]
+    assert shipped[-1].is_file()
+
+
+def test_a_file_of_ones_own_goes_before_that_of_openrtm(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("reading.idl").write_text(STANDARD)
+    Path("own").mkdir()
+    Path("own/BasicDataType.idl").write_text(
+        "module RTC { struct Time { long long ns; }; };"
+    )
+    for options in (
+        {"paths": ["reading.idl"], "include": ["own"]},
+        {"paths": ["reading.idl", "own/BasicDataType.idl"]},
+    ):
+        found = compiler.read(with_arguments(load(), **options))
+        assert not found.diagnostics
+        assert sorted(file.key for file in found.model.files) == [
+            "own/BasicDataType.idl",
+            "reading.idl",
+        ]
