@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import gc
+import math
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -34,6 +35,19 @@ class Refusal(click.ClickException):
     """What the command line names is not there, or is no such thing."""
 
     exit_code = BAD_INPUT
+
+
+class FiniteRange(click.FloatRange):
+    """A range of numbers, in which `nan` and `inf` are not."""
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> float:
+        """The number. Raises click.BadParameter."""
+        number: float = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is no number of that range.", param, ctx)
+        return number
 
 
 @dataclass(frozen=True, slots=True)

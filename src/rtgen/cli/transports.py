@@ -11,13 +11,28 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from rtgen import runtime
-from rtgen.cli.common import Console, Refusal
+from rtgen.cli.common import Console, FiniteRange, Refusal
 from rtgen.cli.signals import terminable
 from rtgen.diagnostics import InputError, ToolError
+from rtgen.runtime.errors import NoNamingServiceError
 from rtgen.system_rules import CONNECTION
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import CorbaTransport
+
+_PORTS = 1 << 16
+
+
+def _place(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
+    """`HOST` or `HOST:PORT`, as it was told. Raises click.BadParameter."""
+    if value is None:
+        return None
+    host, colon, port = value.rpartition(":")
+    good = port.isascii() and port.isdecimal() and 0 < int(port) < _PORTS
+    if not (host and good if colon else value):
+        raise click.BadParameter(f"'{value}' is not HOST or HOST:PORT.")
+    return value
+
 
 _OPTIONS = (
     click.option(
@@ -34,6 +49,7 @@ _OPTIONS = (
     ),
     click.option(
         "--nameserver",
+        callback=_place,
         metavar="HOST[:PORT]",
         help="Naming service (corba); by default that of this machine, else one of our own.",
     ),
@@ -44,13 +60,13 @@ _OPTIONS = (
     ),
     click.option(
         "--call-timeout",
-        type=click.FloatRange(0.001, 3600),
+        type=FiniteRange(0.001, 3600),
         metavar="SECONDS",
         help="How long a call may take (corba); by default 2.",
     ),
     click.option(
         "--wait",
-        type=click.FloatRange(0, 86400),
+        type=FiniteRange(0, 86400),
         metavar="SECONDS",
         help="How long to wait for other processes (corba); by default 30.",
     ),
@@ -133,6 +149,9 @@ def opened(
             host=carrying.endpoint or LOOPBACK,
             timeout=carrying.call_timeout or _CALL_TIMEOUT,
         )
+    except NoNamingServiceError as error:
+        hint = "start omniNames there; without --nameserver one is started"
+        raise ToolError(str(error), hint=hint) from error
     except runtime.TransportError as error:
         raise ToolError(str(error)) from error
     with transport:

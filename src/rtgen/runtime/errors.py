@@ -91,5 +91,9 @@ class TransportError(RtcError):
     """What carries service calls cannot work as it was told to, or the naming service is gone."""
 
 
+class NoNamingServiceError(TransportError):
+    """No naming service answers where one was told to be."""
+
+
 class ServedElsewhereError(TransportError):
     """Another process serves a component of that instance name."""

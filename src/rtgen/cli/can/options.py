@@ -11,7 +11,7 @@ from typing import Any, ParamSpec, TypeVar
 import click
 
 from rtgen.cli.can.known import KnownBus, known_bus
-from rtgen.cli.common import Refusal
+from rtgen.cli.common import FiniteRange, Refusal
 from rtgen.runtime.canopen.python_can import BusAddress, Option, option
 
 P = ParamSpec("P")
@@ -147,7 +147,7 @@ def with_span(function: Callable[P, R]) -> Callable[P, R]:
     function = click.option(
         "--for",
         "seconds",
-        type=click.FloatRange(min=0, min_open=True),
+        type=FiniteRange(min=0, min_open=True),
         metavar="SECONDS",
         help="End after that time; default: at Ctrl-C.",
     )(function)

@@ -14,7 +14,7 @@ from rtgen.cli.can.common import counted
 from rtgen.cli.can.live import can_carry, drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.printing import Printer, Wanted
-from rtgen.cli.common import OK, Console, with_console, write_out
+from rtgen.cli.common import OK, Console, FiniteRange, with_console, write_out
 from rtgen.runtime.canopen.python_can import frame_of
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
 @click.option(
     "--speed",
-    type=click.FloatRange(min=0, min_open=True),
+    type=FiniteRange(min=0, min_open=True),
     default=1.0,
     show_default=True,
     metavar="FACTOR",

@@ -13,7 +13,7 @@ from rtgen.cli.can.live import opened
 from rtgen.cli.can.lss_scan import unconfigured
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.scanning import Found, scanned
-from rtgen.cli.common import NO, OK, Console, with_console, write_out
+from rtgen.cli.common import NO, OK, Console, FiniteRange, with_console, write_out
 from rtgen.runtime.canopen.lss import LssAddress
 
 
@@ -33,7 +33,7 @@ class _Line:
 @click.option(
     "--for",
     "seconds",
-    type=click.FloatRange(min=0.01),
+    type=FiniteRange(min=0.01),
     default=1.0,
     show_default=True,
     metavar="SECONDS",

@@ -16,7 +16,15 @@ from rtgen.cli.can.known_values import Field, sdo_value
 from rtgen.cli.can.live import opened
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.value_parsing import parsed_value
-from rtgen.cli.common import NO, OK, Console, Refusal, with_console, write_out
+from rtgen.cli.common import (
+    NO,
+    OK,
+    Console,
+    FiniteRange,
+    Refusal,
+    with_console,
+    write_out,
+)
 from rtgen.diagnostics import ToolError
 from rtgen.model.canopen import Access
 from rtgen.project_rules import SUPERVISED
@@ -77,7 +85,7 @@ def _unmarked(
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @click.option(
     "--timeout",
-    type=click.FloatRange(min=0.001),
+    type=FiniteRange(min=0.001),
     default=1.0,
     show_default=True,
     metavar="S",

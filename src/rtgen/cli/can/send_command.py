@@ -14,7 +14,7 @@ from rtgen.cli.can.frame_texts import FORMS, frame_of_text
 from rtgen.cli.can.live import drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.sequences import Step, read_sequence
-from rtgen.cli.common import OK, Console, with_console
+from rtgen.cli.common import OK, Console, FiniteRange, with_console
 from rtgen.runtime.canopen.python_can import OpenBus
 
 
@@ -28,7 +28,7 @@ from rtgen.runtime.canopen.python_can import OpenBus
 )
 @click.option(
     "--every",
-    type=click.FloatRange(min=0, min_open=True),
+    type=FiniteRange(min=0, min_open=True),
     metavar="SECONDS",
     help="Send again after that time, until --count or Ctrl-C.",
 )

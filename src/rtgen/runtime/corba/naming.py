@@ -12,7 +12,11 @@ from typing import Any, TypeVar
 import CosNaming
 from omniORB import CORBA
 
-from rtgen.runtime.errors import ServedElsewhereError, TransportError
+from rtgen.runtime.errors import (
+    NoNamingServiceError,
+    ServedElsewhereError,
+    TransportError,
+)
 
 _T = TypeVar("_T")
 
@@ -24,17 +28,25 @@ _Context = CosNaming.NamingContext
 
 
 class Naming:
-    """A naming service at `HOST` or `HOST:PORT`. Every method raises TransportError."""
+    """A naming service at `HOST` or `HOST:PORT`. Every method raises TransportError.
+
+    Raises NoNamingServiceError if there is none.
+    """
 
     def __init__(self, orb: Any, address: str) -> None:
         self.address = address if ":" in address else f"{address}:{PORT}"
         self._root: Any = None
         text = f"corbaloc::{self.address}/NameService"
-        self._root = self._asked(
-            lambda: orb.string_to_object(text)._narrow(_Context), "find"
-        )
+        try:
+            self._root = orb.string_to_object(text)._narrow(_Context)
+        except (CORBA.Exception, ValueError) as error:
+            raise NoNamingServiceError(
+                f"no naming service answers at {self.address}: {_told(error)}"
+            ) from error
         if self._root is None:
-            raise TransportError(f"what answers at {self.address} is no naming service")
+            raise NoNamingServiceError(
+                f"what answers at {self.address} is no naming service"
+            )
 
     def bind(self, port: tuple[str, str], name: str, reference: Any) -> None:
         """Makes a provider of a port known, in place of one that is gone.
