@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 
 import pytest
 from hypothesis import settings
@@ -14,6 +15,10 @@ settings.load_profile("rtgen")
 # Which bus python-can takes without being told: no test may get at a real one.
 for _variable in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
     os.environ.pop(_variable, None)
+
+# In the background Ctrl-C is ignored, also by the processes that tests start and interrupt.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 RANDOM = {"fuzz", "test_random_types_omniorb.py"}
 """Folders and files of tests with thousands of drawn inputs."""
