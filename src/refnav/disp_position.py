@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 from refnav.geometry import Pose
 from refnav.map_text import MapError, text_of
 from refnav.messages import pose_of
-from refnav.picture import Picture, PictureError
+from refnav.picture import TRAIL, Picture, PictureError
 from refnav.route_map import RouteMap, parse
 from refrobots.components.disp_position import DispPositionBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
@@ -19,7 +21,7 @@ class DispPosition(DispPositionBase):
 
     def on_initialize(self) -> ReturnCode_t:
         """Show where the base is."""
-        self._trail: list[Pose] = []
+        self._trail: deque[Pose] = deque(maxlen=TRAIL)
         self.observables["trail"] = lambda: self._trail[-1] if self._trail else ()
         return RTC_OK
 

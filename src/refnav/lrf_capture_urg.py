@@ -36,6 +36,9 @@ class LRFCapture_URG(LRFCapture_URGBase):  # noqa: N801
         settings.angularRes = config.resolution
         settings.minRange, settings.maxRange = config.min_range, config.max_range
         settings.rangeRes = 0.001
+        context = self.get_context(ec_id)
+        assert context is not None, "the component takes part in it"
+        settings.frequency = context.get_rate()
         self._scan.geometry.geometry.pose.position.x = config.offset_x
         return RTC_OK
 

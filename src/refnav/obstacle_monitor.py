@@ -7,7 +7,7 @@ from math import cos, hypot, sin
 
 from refnav.geometry import Pose
 from refnav.messages import pose_of
-from refnav.picture import Picture, PictureError
+from refnav.picture import TRAIL, Picture, PictureError
 from refnav.pose_history import PoseHistory
 from refrobots import iis, rtc
 from refrobots.components.obstacle_monitor import ObstacleMonitorBase
@@ -32,7 +32,7 @@ class ObstacleMonitor(ObstacleMonitorBase):
         config = self.config
         self._nearest = ()
         self._poses = PoseHistory()
-        self._trail: list[Pose] = []
+        self._trail: deque[Pose] = deque(maxlen=TRAIL)
         self._seen: deque[list[tuple[float, float]]] = deque(maxlen=config.scans)
         if config.picture:
             try:

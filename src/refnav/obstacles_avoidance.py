@@ -50,11 +50,12 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
         if asked is None:
             return RTC_OK
         v, w = self._allowed(asked.data.vx, asked.data.va, fresh)
+        sideways = asked.data.vy
         if not self._known(now):
-            v, w = 0.0, 0.0
+            v, sideways, w = 0.0, 0.0, 0.0
         self._driven = (v, w)
         sample = iis.TimedVelocity2D(
-            id=asked.id, data=rtc.Velocity2D(v, asked.data.vy, w), error=asked.error
+            id=asked.id, data=rtc.Velocity2D(v, sideways, w), error=asked.error
         )
         self.stamp(sample)
         self.velocity_out.write(sample)

@@ -11,6 +11,8 @@ from typing import Any
 from refnav.geometry import Pose
 
 KINDS = (".svg", ".png", ".pdf")
+TRAIL = 100_000
+"""No trail has more poses; the oldest go."""
 ARROW = 0.4
 """Length of the arrow of a pose [m]."""
 

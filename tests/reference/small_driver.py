@@ -37,12 +37,13 @@ def main():
     system = System()
     laser, reader = HokuyoAist(), UcodeReader()
     settlement, contents = UcodeSettlement(), ContentsInterpretation()
-    reader.configure("markers", "1 1 0; 2 2 0.5; ff 3 0")
-    settlement.configure("records", "1 1 0 room kitchen; 2 2 0.5 door front door")
     components = (laser, reader, settlement, contents)
     for component in components:
         system.add(component)
         system.activate(component)
+    system.configure(reader, "markers", "1 1 0; 2 2 0.5; ff 3 0")
+    records = "1 1 0 room kitchen; 2 2 0.5 door front door"
+    system.configure(settlement, "records", records)
     source = OutPort("pose", iis.TimedPose2D, "Peer0")
     source.connect(laser.pose)
     source.connect(reader.pose)
@@ -58,7 +59,7 @@ def main():
         source.write(pose)
         system.run((place + 1) * SECOND)
     for component in components:
-        print(component.instance_name, component.state, component.ticks)
+        print(component.instance_name, system.state(component), system.ticks(component))
     if hasattr(sys, "getallocatedblocks"):
         for port in ports:
             port._targets.pop()

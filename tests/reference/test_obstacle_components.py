@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from math import atan2, hypot, pi
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 from bench import Bench
 from pipeline import NAVIGATION
 
+from refnav import disp_position, obstacle_monitor
 from refnav.collision_detection import CollisionDetection
+from refnav.disp_position import DispPosition
 from refnav.game_pad import GamePad
 from refnav.lrf_capture_urg import LRFCapture_URG
 from refnav.motor_control import MotorControl
@@ -168,6 +171,7 @@ def scan(noise: str = "0.0", **parameters: str) -> rtc.RangeData:
 def test_a_scan_is_that_of_an_urg() -> None:
     found = scan()
     assert found.config.maxRange == 4.0
+    assert found.config.frequency == 10.0
     assert found.config.minAngle == pytest.approx(-2 * pi / 3, abs=0.004)
     assert found.config.maxAngle == pytest.approx(2 * pi / 3, abs=0.004)
     assert len(found.ranges) == round(4 * pi / 3 / found.config.angularRes) + 1
@@ -175,6 +179,26 @@ def test_a_scan_is_that_of_an_urg() -> None:
     assert found.ranges[len(found.ranges) // 2] == pytest.approx(1.8, abs=0.001)
     assert all(reach == 0.0 or 0.02 <= reach <= 4.0 for reach in found.ranges)
     assert 0.0 in scan(angle="3.1").ranges
+
+
+@pytest.mark.parametrize("module", [obstacle_monitor, disp_position])
+def test_of_a_long_way_the_end_is_kept(
+    module: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "TRAIL", 2)
+    shown = (
+        ObstacleMonitor("Shown0")
+        if module is obstacle_monitor
+        else DispPosition("Shown0")
+    )
+    bench = Bench(shown, 10.0)
+    if module is disp_position:
+        bench.set(map_file="")
+    bench.activate()
+    for x in (1.0, 2.0, 3.0):
+        bench.send("position", pose(x, 0.0, 0.0))
+        bench.run(0.1)
+    assert [at.x for at in shown._trail] == [2.0, 3.0]
 
 
 def test_noise_is_as_large_as_told_and_the_same_in_each_run() -> None:
@@ -236,9 +260,11 @@ def test_before_a_wall_the_base_slows_down_and_stops() -> None:
 
 def test_without_scans_the_base_stands() -> None:
     bench = avoidance()
-    bench.send("velocity_in", velocity(0.3))
+    asked = iis.TimedVelocity2D(data=rtc.Velocity2D(0.3, 0.2, 0.1))
+    bench.send("velocity_in", asked)
     bench.run(0.01)
-    assert told(bench.sent("velocity_out")) == [(0.0, 0.0)]
+    [sample] = bench.sent("velocity_out")
+    assert sample.data == rtc.Velocity2D(0.0, 0.0, 0.0)
     assert driven(bench) == (0.3, 0.0)
     bench.run(0.6)
     bench.send("velocity_in", velocity(0.3))

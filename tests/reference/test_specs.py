@@ -5,17 +5,26 @@ from __future__ import annotations
 import subprocess
 import sys
 import tomllib
+from math import radians
 from pathlib import Path
 
 import pytest
 
 from refrobots import iis
+from refrobots.components.ceiling_navigation import CeilingNavigationBase
+from refrobots.components.game_pad import GamePadBase
+from refrobots.components.localize_center import LocalizeCenterBase
+from refrobots.components.lrf_capture_urg import LRFCapture_URGBase
 from refrobots.components.navigation import NavigationBase
 from refrobots.components.odometry import OdometryBase
+from refrobots.components.odometry_rh2 import OdometryRh2Base
 from refrobots.components.omni_to2_wd import OmniTo2WDBase
 from refrobots.components.path_follower import PathFollowerBase
+from refrobots.components.path_planning import PathPlanningBase
 from refrobots.components.position_input import PositionInputBase
+from refrobots.components.ref_hard_rh2 import RefHardRh2Base
 from refrobots.components.ref_hard_rh3 import RefHardRh3Base
+from refrobots.components.switch_input_rtc import SwitchInputRTCBase
 from rtgen.runtime import Component
 
 SPECS = Path(__file__).parents[2] / "specs"
@@ -24,6 +33,7 @@ TYPE_FILES = sorted((SPECS / "idl").glob("*.idl"))
 POSE = "IIS::TimedPose2D"
 VELOCITY = "IIS::TimedVelocity2D"
 STATE = "IIS::TimedState"
+AXES = ("LX", "LY", "RX", "RY")
 
 # Specification of the RH3 navigation modules 1.10: port tables 3-2 to 3-24.
 PORTS = {
@@ -56,6 +66,40 @@ PORTS = {
         ("inport", "CurrentWheelAngle", "RTC::TimedDoubleSeq"),
         ("inport", "LocalizedPosition", POSE),
         ("outport", "OdometryPosition", POSE),
+    },
+}
+
+# Public RH2 components.
+PORTS |= {
+    PathPlanningBase: PORTS[OmniTo2WDBase],
+    RefHardRh2Base: PORTS[RefHardRh3Base] | {("outport", "PlantPose", POSE)},
+    OdometryRh2Base: PORTS[OdometryBase],
+    LocalizeCenterBase: {
+        ("inport", "dp_odmIn", POSE),
+        ("inport", "dp_ceilIn", POSE),
+        ("outport", "dp_out0", POSE),
+    },
+    CeilingNavigationBase: {
+        ("inport", "CameraData", "RTC::TimedOctetSeq"),
+        ("inport", "LocalizedPosition", POSE),
+        ("outport", "CeilingPosition", POSE),
+    },
+    SwitchInputRTCBase: {
+        ("inport", "inVelJoy", VELOCITY),
+        ("inport", "inVelAuto", VELOCITY),
+        ("outport", "outVel", VELOCITY),
+    },
+    GamePadBase: {
+        ("outport", "Button", "RTC::TimedULong"),
+        *(("outport", f"Stick{axis}", "RTC::TimedFloat") for axis in AXES),
+        *(("outport", f"Stick{axis}d", "RTC::TimedDouble") for axis in AXES),
+        ("outport", "Velocity", "RTC::TimedVelocity"),
+        ("outport", "VelocityIIS", "IIS::TimedVelocity"),
+        ("outport", "Velocity2DIIS", VELOCITY),
+    },
+    LRFCapture_URGBase: {
+        ("inport", "pose", POSE),
+        ("outport", "range", "RTC::RangeData"),
     },
 }
 
@@ -111,6 +155,52 @@ PARAMETERS: dict[type[Component], dict[str, tuple[object, str]]] = {
     },
 }
 
+PARAMETERS |= {
+    PathPlanningBase: {"map_file": ("route_map", "")},
+    RefHardRh2Base: {
+        name: told
+        for name, told in PARAMETERS[RefHardRh3Base].items()
+        if name != "GearRatio"
+    },
+    OdometryRh2Base: {
+        "leftWheelID": (0, ""),
+        "rightWheelID": (1, ""),
+        "radiusOfLeftWheel": (0.1, "m"),
+        "radiusOfRightWheel": (0.1, "m"),
+        "lengthOfAxle": (0.441, "m"),
+        "radiusOfBodyArea": (0.45, "m"),
+    },
+    LocalizeCenterBase: {
+        "startX": (3.24, "m"),
+        "startY": (7.7, "m"),
+        "startTheta": (-1.57, "rad"),
+        "cycle": (20, ""),
+    },
+    CeilingNavigationBase: {
+        "NavigationMap": ("ceiling_map", ""),
+        "BlockCoefficient": (0.414, ""),
+        "SearchScope": (2.0, ""),
+        "BlackWhiteValue": (220, ""),
+        "Center_X": (160, ""),
+        "Center_Y": (120, ""),
+        "RealMapSize": (100.0, "cm"),
+        "VirtualMapSize": (100.0, "pixels"),
+    },
+    SwitchInputRTCBase: {},
+    GamePadBase: {
+        "Klx": (1.0, "m/s"),
+        "Kly": (1.0, "m/s"),
+        "Krx": (1.0, "rad/s"),
+        "Kry": (1.0, ""),
+        "str_port": ("/dev/input/js0", ""),
+    },
+    # What the range finder is: 4 m, 240 degrees.
+    LRFCapture_URGBase: {
+        "max_range": (4.0, "m"),
+        "angle": (radians(120.0), "rad"),
+    },
+}
+
 OURS = {
     PositionInputBase: {"input", "input_file"},
     RefHardRh3Base: {
@@ -122,7 +212,13 @@ OURS = {
         "PlantStart_theta",
         "CommandTimeout",
     },
+    CeilingNavigationBase: {"ImageWidth"},
+    GamePadBase: {"script"},
+    LRFCapture_URGBase: {
+        *("room", "offset_x", "resolution", "min_range", "noise", "seed"),
+    },
 }
+OURS[RefHardRh2Base] = OURS[RefHardRh3Base] | {"GearRatio"}
 
 RATES = {
     PositionInputBase: 10.0,
@@ -131,6 +227,14 @@ RATES = {
     PathFollowerBase: 1000.0,
     RefHardRh3Base: 1000.0,
     OdometryBase: 100.0,
+    PathPlanningBase: 50.0,
+    RefHardRh2Base: 1000.0,
+    OdometryRh2Base: 100.0,
+    LocalizeCenterBase: 100.0,
+    CeilingNavigationBase: 50.0,
+    SwitchInputRTCBase: 20.0,
+    GamePadBase: 66.0,
+    LRFCapture_URGBase: 10.0,
 }
 
 BASES = pytest.mark.parametrize(

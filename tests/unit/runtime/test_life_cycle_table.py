@@ -3,50 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import pytest
+from life_cycle_rows import Row, read_table
 
 from rtgen.runtime import RTC_ERROR, RTC_OK, Component, ExecutionContext, ReturnCode_t
 from rtgen.runtime.life_cycle import Request
 
-DOCUMENT = Path(__file__).parents[3] / "docs" / "life-cycle.md"
 CALLBACKS = [name for name in vars(Component) if name.startswith("on_")]
 REQUESTS_OF_THE_NEXT_TICK = {"activate", "deactivate", "reset", "set_rate", "fail"}
-
-
-@dataclass(frozen=True)
-class Row:
-    state: str
-    request: str
-    fails: str
-    answer: str
-    callbacks: list[str]
-    new_state: str
-
-    def __str__(self) -> str:
-        failing = f" {self.fails} fails" if self.fails else ""
-        return f"{self.state} {self.request}{failing}".replace(" ", "-")
-
-
-def read_table() -> list[Row]:
-    rows = []
-    for line in DOCUMENT.read_text(encoding="utf-8").splitlines():
-        cells = [cell.strip() for cell in line.strip("|").split("|")]
-        if line.startswith("|") and cells[0] in {
-            "CREATED",
-            "Alone",
-            "INACTIVE",
-            "ACTIVE",
-            "ERROR",
-        }:
-            calls = [name.strip() for name in cells[4].split(",") if name.strip()]
-            rows.append(Row(*cells[:4], calls, cells[5]))
-    return rows
-
-
 ROWS = read_table()
 TICKS = {
     row.state: row.callbacks for row in ROWS if row.request == "tick" and not row.fails

@@ -50,8 +50,8 @@ class Sample:
 class Probe(Component):
     """Notes its callbacks, and does in them what it is told."""
 
-    type_name = "Probe"
-    rate = 10.0
+    _type_name = "Probe"
+    _rate = 10.0
 
     def __init__(self) -> None:
         super().__init__()
@@ -105,24 +105,27 @@ def tick(system: System, times: int = 1) -> None:
 
 def test_a_component_executes_while_it_is_active(system: System, probe: Probe) -> None:
     tick(system)
-    assert (probe.calls, probe.state) == ([], INACTIVE_STATE)
+    assert (probe.calls, probe._state) == ([], INACTIVE_STATE)
     assert system.activate(probe) == RTC_OK
     tick(system)
     assert probe.calls == ["on_activated", "on_execute", "on_state_update"]
-    assert probe.state == ACTIVE_STATE
+    assert probe._state == ACTIVE_STATE
     probe.calls.clear()
     assert system.deactivate(probe) == RTC_OK
     tick(system, 3)
-    assert (probe.calls, probe.state) == (["on_deactivated"], INACTIVE_STATE)
+    assert (probe.calls, probe._state) == (["on_deactivated"], INACTIVE_STATE)
 
 
 @pytest.mark.parametrize("callback", ["on_activated", "on_execute", "on_state_update"])
 @pytest.mark.parametrize(
     ("answer", "reason"),
     [
-        (ValueError("no"), "ValueError: no"),
-        (None, "{} returned None"),
-        (2, "{} returned 2"),
+        (ValueError("no"), "{}: ValueError: no"),
+        (ValueError(), "{}: ValueError"),
+        (None, "{}: returned None"),
+        (False, "{}: returned False"),
+        (2, "{}: returned BAD_PARAMETER"),
+        (99, "{}: returned 99"),
     ],
 )
 def test_a_failure_leads_to_error(
@@ -132,18 +135,18 @@ def test_a_failure_leads_to_error(
     system.activate(probe)
     tick(system)
     assert probe.calls[-2:] == [callback, "on_aborting"]
-    assert (probe.state, probe.reason) == (ERROR_STATE, reason.format(callback))
+    assert (probe._state, probe.reason) == (ERROR_STATE, reason.format(callback))
     probe.calls.clear()
     tick(system, 2)
     assert probe.calls == ["on_error", "on_error"]
     probe.answers["on_reset"] = 1
     assert system.reset(probe) == RTC_OK
     tick(system)
-    assert probe.state == ERROR_STATE
+    assert probe._state == ERROR_STATE
     probe.answers.clear()
     system.reset(probe)
     tick(system)
-    assert (probe.state, probe.reason) == (INACTIVE_STATE, "")
+    assert (probe._state, probe.reason) == (INACTIVE_STATE, "")
 
 
 def test_a_reason_that_was_told_is_kept(system: System, probe: Probe) -> None:
@@ -156,9 +159,9 @@ def test_a_reason_that_was_told_is_kept(system: System, probe: Probe) -> None:
 def test_requests_that_do_not_fit_are_refused(system: System, probe: Probe) -> None:
     assert system.deactivate(probe) == PRECONDITION_NOT_MET
     assert system.reset(probe) == PRECONDITION_NOT_MET
-    for _ in range(4):
+    for _ in range(9):
         assert system.activate(probe) == RTC_OK
-    assert system.activate(probe) == 4
+    assert len(probe._requests) == 1
     tick(system)
     assert probe.calls.count("on_activated") == 1
 
@@ -180,7 +183,13 @@ def test_time_is_waited_for_where_there_is_a_clock(probe: Probe) -> None:
     assert waited == [0, SECOND // 2]
 
 
-def test_parameters_are_set_by_text(probe: Probe) -> None:
+@pytest.mark.parametrize("rate", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_rate_that_is_none_is_refused(probe: Probe, rate: float) -> None:
+    with pytest.raises(ValueError, match="Hz above 0"):
+        System().add(probe, rate)
+
+
+def test_parameters_are_set_by_text(system: System, probe: Probe) -> None:
     class Configuration:
         __slots__ = ("count", "gain", "name", "on")
 
@@ -188,11 +197,11 @@ def test_parameters_are_set_by_text(probe: Probe) -> None:
     config.count, config.gain, config.name, config.on = 1, 0.5, "", False
     probe.config = config  # type: ignore[attr-defined]
     for name, text in (("count", "7"), ("gain", "2"), ("name", "x"), ("on", "true")):
-        probe.configure(name, text)
+        system.configure(probe, name, text)
     assert (config.count, config.gain, config.name, config.on) == (7, 2.0, "x", True)
     for name, text in (("count", "a"), ("on", "yes"), ("other", "1")):
         with pytest.raises(ValueError, match=r"a|yes|other"):
-            probe.configure(name, text)
+            system.configure(probe, name, text)
 
 
 def test_the_oldest_sample_is_overwritten() -> None:
@@ -219,6 +228,13 @@ def test_ports_of_different_types_are_not_joined() -> None:
     source = OutPort("out", Sample, "A0")
     with pytest.raises(TypeError, match=r"A0.out sends Sample, B0.in takes Other"):
         source.connect(InPort("in", type("Other", (Sample,), {}), "B0", 1))
+
+
+def test_ports_are_joined_once() -> None:
+    source, target = OutPort("out", Sample, "A0"), InPort("in", Sample, "B0", 1)
+    source.connect(target)
+    with pytest.raises(ValueError, match=r"A0\.out is joined with B0\.in"):
+        source.connect(target)
 
 
 def test_numbers_keep_their_room() -> None:
@@ -262,6 +278,13 @@ def test_structs_are_filled_in_place() -> None:
 
 
 def test_texts_keep_their_room() -> None:
+    texts = Values(None, 2, 0, 3)
+    texts.append("abc")
+    assert texts[0] == "abc"
+    with pytest.raises(SizeError):
+        texts.append("ああ")
+    with pytest.raises(SizeError):
+        texts[0] = "abcd"
     assert bounded("abc", 3) == "abc"
     assert exactly(b"ab", 2) == b"ab"
     with pytest.raises(SizeError):

@@ -60,6 +60,27 @@ def class_names(component: Component) -> tuple[str, str]:
     return f"{name}Base", f"{name}Configuration"
 
 
+def attribute_names(
+    model: Model, names: PythonNames, component: Component, options: Options
+) -> Attributes:
+    """The attributes that ports and parameters have, whatever the target."""
+    return _attributes(model, component, _imports(model, names, component, options))
+
+
+def _imports(
+    model: Model, names: PythonNames, component: Component, options: Options
+) -> Imports:
+    runtime_base = component.runtime_base.partition(":")[2]
+    taken = _TAKEN | {*class_names(component), runtime_base}
+    return Imports(model, names, "...", taken, options.external)
+
+
+def _attributes(model: Model, component: Component, imports: Imports) -> Attributes:
+    for parameter in component.configuration:
+        imports.mapping.annotation(model.unalias(parameter.type))
+    return attributes_of(component, imports.locals)
+
+
 def base_module(
     model: Model, names: PythonNames, component: Component, options: Options
 ) -> str:
@@ -77,15 +98,11 @@ class _BaseModule:
         self._parameters = Parameters(model)
         self._base, self._configuration = class_names(component)
         self._names = names
-        runtime_base = component.runtime_base.partition(":")[2]
-        taken = _TAKEN | {self._base, self._configuration, runtime_base}
-        self._imports = Imports(model, names, "...", taken, options.external)
+        self._imports = _imports(model, names, component, options)
 
     def text(self) -> str:
         component = self._component
-        for parameter in component.configuration:
-            self._imports.mapping.annotation(self._model.unalias(parameter.type))
-        attributes = attributes_of(component, self._imports.locals)
+        attributes = _attributes(self._model, component, self._imports)
         fields = [self._field(p, name) for p, name in attributes.configuration]
         ports = [self._port(port, name) for port, name in attributes.ports]
         source = source_of(self._model, component)

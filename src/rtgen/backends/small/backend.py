@@ -110,7 +110,7 @@ class _Tree:
     def artifacts(self) -> Iterator[Artifact]:
         """Runtime, types, packages, components."""
         used = self._used()
-        classes = {name: "_".join(name) for name in used}
+        classes = texts.type_names(self.model, self.names, used)
         root = f"{ROOT}/{self.options.folder}"
         forms = Forms(self.model, self.limits, classes)
         yield self._artifact(f"{ROOT}/rtgen/__init__.py", "", self.components)
@@ -129,7 +129,7 @@ class _Tree:
         for component in self.components:
             module = module_name(component.name[-1])
             text = texts.component_module(
-                self.model, self.names, component, self.limits.buffer
+                self.model, self.names, component, self.options
             )
             path = f"{root}/components/{module}.py"
             yield self._artifact(path, text, [component])

@@ -100,8 +100,8 @@ class Forms:
                 return Form(
                     '""',
                     False,
-                    f"{{0}} = bounded({{1}}, {most})",
-                    (f"wire.put_string(bounded({{0}}, {most}))",),
+                    f"{{0}} = _bounded({{1}}, {most})",
+                    (f"wire.put_string(_bounded({{0}}, {most}))",),
                     (f"{{0}} = wire.take_string({most})",),
                 )
             case NamedType(name):
@@ -134,9 +134,9 @@ class Forms:
             return Form(
                 'b""',
                 False,
-                f"{{0}} = bounded({{1}}, {room})",
+                f"{{0}} = _bounded({{1}}, {room})",
                 (
-                    f'wire.put("<I", 4, len(bounded({{0}}, {room})))',
+                    f'wire.put("<I", 4, len(_bounded({{0}}, {room})))',
                     "wire.put_octets({0})",
                 ),
                 (f"{{0}} = wire.take_octets(wire.take_count({room}))",),
@@ -145,7 +145,7 @@ class Forms:
         return Form(
             made,
             True,
-            "copy_items({0}, {1})",
+            "_copy_items({0}, {1})",
             (
                 'wire.put("<I", 4, len({0}))',
                 "for i in range(len({0})):",
@@ -165,8 +165,8 @@ class Forms:
             return Form(
                 f"bytes({length})",
                 False,
-                f"{{0}} = exactly({{1}}, {length})",
-                (f"wire.put_octets(exactly({{0}}, {length}))",),
+                f"{{0}} = _exactly({{1}}, {length})",
+                (f"wire.put_octets(_exactly({{0}}, {length}))",),
                 (f"{{0}} = wire.take_octets({length})",),
             )
         made, item_put, item_take = self._items(element, length, f", {length}")
@@ -177,7 +177,7 @@ class Forms:
         return Form(
             made,
             True,
-            "copy_array({0}, {1})",
+            "_copy_array({0}, {1})",
             (f"for i in range({length}):", f"    {item_put}"),
             (f"for i in range({length}):", f"    {set_}"),
         )
@@ -186,7 +186,7 @@ class Forms:
         match element:
             case PrimitiveType(Primitive.BOOLEAN):
                 return (
-                    f'Numbers("B", {room}{length})',
+                    f'_Numbers("B", {room}{length})',
                     'wire.put("<B", 1, 1 if {0}[i] else 0)',
                     "{0}.append(wire.take_boolean())",
                 )
@@ -196,21 +196,21 @@ class Forms:
                 code, size = _ENUM
             case NamedType(name) if isinstance(self._model.find(name), Struct):
                 return (
-                    f"Values({self._classes[name]}, {room}{length})",
+                    f"_Values({self._classes[name]}, {room}{length})",
                     "{0}[i]._put_(wire)",
                     "{0}.next_free()._take_(wire)",
                 )
             case StringType(wide=False, bound=bound) if not length:
                 most = bound or self._limits.string
                 return (
-                    f"Values(None, {room})",
-                    f"wire.put_string(bounded({{0}}[i], {most}))",
+                    f"_Values(None, {room}, 0, {most})",
+                    "wire.put_string({0}[i])",
                     f"{{0}}.append(wire.take_string({most}))",
                 )
             case _:
                 raise NoFormError(f"items of {element}")
         return (
-            f'Numbers("{code}", {room}{length})',
+            f'_Numbers("{code}", {room}{length})',
             f'wire.put("<{code}", {size}, {{0}}[i])',
             f'{{0}}.append(wire.take("<{code}", {size}))',
         )

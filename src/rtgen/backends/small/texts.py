@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from rtgen.backends.components.base_module import class_names
-from rtgen.backends.components.members import attributes_of
+from rtgen.backends import Options
+from rtgen.backends.components.base_module import attribute_names, class_names
 from rtgen.backends.components.places import heading
 from rtgen.backends.python_text import (
     docstring,
@@ -30,9 +30,34 @@ from rtgen.model import (
     Struct,
 )
 from rtgen.typemap.idl_python import PythonNames, package_path
+from rtgen.typemap.python_names import identifier
 
 _HELPERS = (*("Numbers", "Values", "bounded", "copy_array", "copy_items", "exactly"),)
+"""They are imported with a leading `_`, which no name of a definition has."""
+_USED = frozenset({"bytes", "chr", "len", "ord", "range"})
+"""What the methods use of Python, so that no class may be called like it."""
 _FLOATING = (PrimitiveType(Primitive.FLOAT), PrimitiveType(Primitive.DOUBLE))
+
+
+def type_names(
+    model: Model, names: PythonNames, used: Sequence[ScopedName]
+) -> dict[ScopedName, str]:
+    """The classes of all types: no two the same, none like a parameter that would hide it."""
+    taken = set(_USED)
+    for name in used:
+        declaration = model.find(name)
+        if isinstance(declaration, Struct):
+            taken.update(_members(model, names, declaration).values())
+    wanted = {name: identifier("_".join(name)) for name in used}
+    free = set(wanted.values()) - taken
+    chosen: dict[ScopedName, str] = {}
+    for name, text in wanted.items():
+        candidate = text
+        while candidate in taken or (candidate != text and candidate in free):
+            candidate += "_"
+        taken.add(candidate)
+        chosen[name] = candidate
+    return chosen
 
 
 def types_module(
@@ -51,7 +76,7 @@ def types_module(
         elif isinstance(declaration, Struct):
             bodies.append(_struct(model, names, declaration, classes[name], forms))
     body = "\n\n".join(bodies)
-    helpers = [helper for helper in _HELPERS if f"{helper}(" in body]
+    helpers = [f"{h} as _{h}" for h in _HELPERS if f"_{h}(" in body]
     imports = f"from rtgen.runtime import {', '.join(helpers)}\n" if helpers else ""
     return fit_text(
         docstring("The types of the components' ports.", 0)
@@ -84,14 +109,16 @@ def _struct(
     )
     lines = [f"class {class_name}:", *_doc(declaration.doc or "A struct.", 4), ""]
     lines.append(f"    __slots__ = {_slots([name for name, _ in members])}")
-    lines += ["", f"    def __init__(self, {parameters}):"]
+    own = "_self" if any(name == "self" for name, _ in members) else "self"
+    lines += ["", f"    def __init__({', '.join(filter(None, (own, parameters)))}):"]
+    lines += ["        pass"] * (not members)
     for name, form in members:
-        lines.append(f"        self.{name} = {form.made if form.mutable else name}")
+        lines.append(f"        {own}.{name} = {form.made if form.mutable else name}")
         if form.mutable:
             lines.append(f"        if {name} is not None:")
             lines.append(
                 "            "
-                + form.copy.replace("{0}", f"self.{name}").replace("{1}", name)
+                + form.copy.replace("{0}", f"{own}.{name}").replace("{1}", name)
             )
     for header, statements in (
         (
@@ -154,26 +181,25 @@ def package(
 
 
 def component_module(
-    model: Model, names: PythonNames, component: Component, buffer: int
+    model: Model,
+    names: PythonNames,
+    component: Component,
+    options: Options,
 ) -> str:
     """The configuration class and the base class of a component."""
     base, configuration = class_names(component)
-    attributes = attributes_of(component)
-    packages: dict[str, str] = {}
+    attributes = attribute_names(model, names, component, options)
+    imports = _PackageImports(
+        {"Component", "self", "instance_name", base, configuration}
+    )
     ports = []
     for port, name in attributes.ports:
         type_ = model.unalias(port.type)
         assert isinstance(type_, NamedType), "checked before"
-        path, attribute = names.public(type_.name)
-        if path:
-            module = "".join(f".{part}" for part in path[:-1])
-            packages[path[-1]] = f"from ..{module.lstrip('.')} import {path[-1]}"
-            attribute = f"{path[-1]}.{attribute}"
-        else:
-            packages[attribute] = f"from .. import {attribute}"
+        type_text = imports.text(*names.public(type_.name))
         add = "add_in_port" if port.kind is PortKind.INPORT else "add_out_port"
         ports.append(
-            f"        self.{name} = self.{add}({string_literal(port.name)}, {attribute})"
+            f"        self.{name} = self.{add}({string_literal(port.name)}, {type_text})"
         )
     fields = [
         f"        self.{name} = {_default(model, names, parameter)}"
@@ -181,17 +207,17 @@ def component_module(
     ]
     slots = _slots([name for _, name in attributes.configuration])
     lines = [docstring(heading(component), 0).rstrip("\n"), ""]
-    lines += ["from rtgen.runtime import Component", *sorted(packages.values())]
+    lines += ["from rtgen.runtime import Component", *imports.lines()]
     if fields:
         lines += ["", "", f"class {configuration}:"]
         lines += [*_doc(f"The parameters of {component.name[-1]}.", 4), ""]
         lines += [f"    __slots__ = {slots}", "", "    def __init__(self):", *fields]
     lines += ["", "", f"class {base}(Component):"]
     lines += _doc(component.doc or heading(component), 4)
-    lines += ["", f"    type_name = {string_literal(component.name[-1])}"]
+    lines += ["", f"    _type_name = {string_literal(component.name[-1])}"]
     lines += [
-        f"    rate = {number_literal(float(component.rate))}",
-        f"    buffer = {buffer}",
+        f"    _rate = {number_literal(float(component.rate))}",
+        f"    _buffer = {options.small[2]}",
     ]
     lines += ["", "    def __init__(self, instance_name=None):"]
     lines.append("        Component.__init__(self, instance_name)")
@@ -199,6 +225,37 @@ def component_module(
         lines.append(f"        self.config = {configuration}()")
     lines += ports
     return fit_text("\n".join(lines) + "\n")
+
+
+class _PackageImports:
+    """Where the types of ports come from, under names that hide nothing."""
+
+    def __init__(self, taken: set[str]) -> None:
+        self._taken = taken
+        self._names: dict[tuple[tuple[str, ...], str], str] = {}
+
+    def text(self, path: tuple[str, ...], attribute: str) -> str:
+        """The type as an expression."""
+        if not path:
+            return self._local((), attribute)
+        return f"{self._local(path[:-1], path[-1])}.{attribute}"
+
+    def lines(self) -> list[str]:
+        """The statements."""
+        return sorted(
+            f"from ..{'.'.join(folder)} import {name}"
+            + (f" as {local}" if local != name else "")
+            for (folder, name), local in self._names.items()
+        )
+
+    def _local(self, folder: tuple[str, ...], name: str) -> str:
+        if (folder, name) not in self._names:
+            local = name
+            while local in self._taken:
+                local = f"_{local}"
+            self._taken.add(local)
+            self._names[folder, name] = local
+        return self._names[folder, name]
 
 
 def _default(

@@ -2,7 +2,14 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """The types of the components' ports."""
 
-from rtgen.runtime import Numbers, Values, bounded, copy_array, copy_items, exactly
+from rtgen.runtime import (
+    Numbers as _Numbers,
+    Values as _Values,
+    bounded as _bounded,
+    copy_array as _copy_array,
+    copy_items as _copy_items,
+    exactly as _exactly,
+)
 
 
 class M_Mode:
@@ -48,12 +55,12 @@ class M_Item:
 
     def _copy_(self, other):
         self.state = other.state
-        self.number = exactly(other.number, 4)
+        self.number = _exactly(other.number, 4)
         self.place._copy_(other.place)
 
     def _put_(self, wire):
         wire.put("<I", 4, self.state)
-        wire.put_octets(exactly(self.number, 4))
+        wire.put_octets(_exactly(self.number, 4))
         self.place._put_(wire)
 
     def _take_(self, wire):
@@ -114,30 +121,30 @@ class M_All:
         self.name = name
         self.code = code
         self.data = data
-        self.values = Numbers("f", 4)
+        self.values = _Numbers("f", 4)
         if values is not None:
-            copy_items(self.values, values)
-        self.items = Values(M_Item, 2)
+            _copy_items(self.values, values)
+        self.items = _Values(M_Item, 2)
         if items is not None:
-            copy_items(self.items, items)
-        self.names = Values(None, 2)
+            _copy_items(self.items, items)
+        self.names = _Values(None, 2, 0, 3)
         if names is not None:
-            copy_items(self.names, names)
-        self.pair = Numbers("d", 2, 2)
+            _copy_items(self.names, names)
+        self.pair = _Numbers("d", 2, 2)
         if pair is not None:
-            copy_array(self.pair, pair)
-        self.flags = Numbers("B", 3, 3)
+            _copy_array(self.pair, pair)
+        self.flags = _Numbers("B", 3, 3)
         if flags is not None:
-            copy_array(self.flags, flags)
-        self.corners = Values(M_Point, 2, 2)
+            _copy_array(self.flags, flags)
+        self.corners = _Values(M_Point, 2, 2)
         if corners is not None:
-            copy_array(self.corners, corners)
-        self.choices = Numbers("B", 16)
+            _copy_array(self.corners, corners)
+        self.choices = _Numbers("B", 16)
         if choices is not None:
-            copy_items(self.choices, choices)
-        self.modes = Numbers("I", 16)
+            _copy_items(self.choices, choices)
+        self.modes = _Numbers("I", 16)
         if modes is not None:
-            copy_items(self.modes, modes)
+            _copy_items(self.modes, modes)
 
     def _copy_(self, other):
         self.flag = other.flag
@@ -146,17 +153,17 @@ class M_All:
         self.large = other.large
         self.most = other.most
         self.single = other.single
-        self.name = bounded(other.name, 20)
-        self.code = bounded(other.code, 5)
-        self.data = bounded(other.data, 16)
-        copy_items(self.values, other.values)
-        copy_items(self.items, other.items)
-        copy_items(self.names, other.names)
-        copy_array(self.pair, other.pair)
-        copy_array(self.flags, other.flags)
-        copy_array(self.corners, other.corners)
-        copy_items(self.choices, other.choices)
-        copy_items(self.modes, other.modes)
+        self.name = _bounded(other.name, 20)
+        self.code = _bounded(other.code, 5)
+        self.data = _bounded(other.data, 16)
+        _copy_items(self.values, other.values)
+        _copy_items(self.items, other.items)
+        _copy_items(self.names, other.names)
+        _copy_array(self.pair, other.pair)
+        _copy_array(self.flags, other.flags)
+        _copy_array(self.corners, other.corners)
+        _copy_items(self.choices, other.choices)
+        _copy_items(self.modes, other.modes)
 
     def _put_(self, wire):
         wire.put("<B", 1, 1 if self.flag else 0)
@@ -165,9 +172,9 @@ class M_All:
         wire.put("<I", 4, self.large)
         wire.put("<q", 8, self.most)
         wire.put("<f", 4, self.single)
-        wire.put_string(bounded(self.name, 20))
-        wire.put_string(bounded(self.code, 5))
-        wire.put("<I", 4, len(bounded(self.data, 16)))
+        wire.put_string(_bounded(self.name, 20))
+        wire.put_string(_bounded(self.code, 5))
+        wire.put("<I", 4, len(_bounded(self.data, 16)))
         wire.put_octets(self.data)
         wire.put("<I", 4, len(self.values))
         for i in range(len(self.values)):
@@ -177,7 +184,7 @@ class M_All:
             self.items[i]._put_(wire)
         wire.put("<I", 4, len(self.names))
         for i in range(len(self.names)):
-            wire.put_string(bounded(self.names[i], 3))
+            wire.put_string(self.names[i])
         for i in range(2):
             wire.put("<d", 8, self.pair[i])
         for i in range(3):

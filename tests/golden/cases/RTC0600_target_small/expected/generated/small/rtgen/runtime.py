@@ -29,7 +29,10 @@ ERROR_STATE = 3
 _ACTIVATE = 1
 _DEACTIVATE = 2
 _RESET = 3
-_MOST_REQUESTS = 4
+_CODES = (
+    *("RTC_OK", "RTC_ERROR", "BAD_PARAMETER", "UNSUPPORTED"),
+    *("OUT_OF_RESOURCES", "PRECONDITION_NOT_MET"),
+)
 
 
 class PortStatus:
@@ -83,13 +86,17 @@ class Numbers:
 class Values:
     """A sequence of texts or structs in a list that never grows.
 
-    With `make` its items are structs that are filled in place; else `None` marks what is free.
+    With `make` its items are structs that are filled in place; else texts of at most `most` octets
+    of UTF-8, and `None` marks what is free.
     """
 
-    __slots__ = ("_items", "_length", "_make")
+    __slots__ = ("_items", "_length", "_make", "_most")
 
-    def __init__(self, make: "type | None", room: int, length: int = 0) -> None:
+    def __init__(
+        self, make: "type | None", room: int, length: int = 0, most: int = 0
+    ) -> None:
         self._make = make
+        self._most = most
         self._items: list[object] = [make() if make else None for _ in range(room)]
         self._length = length
 
@@ -124,7 +131,7 @@ class Values:
         if self._make:
             self._items[place]._copy_(value)  # type: ignore[attr-defined]
         else:
-            self._items[place] = value
+            self._items[place] = bounded(value, self._most)
 
 
 def _place(index: int, length: int) -> int:
@@ -348,11 +355,15 @@ class OutPort:
         return PORT_OK
 
     def connect(self, target: InPort) -> None:
-        """Joins an InPort. Raises TypeError for one of another type."""
+        """Joins an InPort. Raises TypeError for one of another type, ValueError if it is joined."""
         if target.type is not self.type:
             raise TypeError(
                 f"{self.owner}.{self.name} sends {self.type.__name__},"
                 f" {target.owner}.{target.name} takes {target.type.__name__}"
+            )
+        if target in self._targets:
+            raise ValueError(
+                f"{self.owner}.{self.name} is joined with {target.owner}.{target.name}"
             )
         self._targets.append(target)
 
@@ -360,25 +371,26 @@ class OutPort:
 class Component:
     """The base of every component; what callbacks return and do is as on the embedded runtime."""
 
-    type_name = "Component"
-    rate = 1000.0
-    buffer = 8
+    # What ports may be called is not taken: the rest of the runtime's own begins with `_`.
+    _type_name = "Component"
+    _rate = 1000.0
+    _buffer = 8
 
     def __init__(self, instance_name: "str | None" = None) -> None:
-        self.instance_name = instance_name or self.type_name + "0"
+        self.instance_name = instance_name or self._type_name + "0"
         self.reason = ""
-        self.state = CREATED_STATE
-        self.ticks = 0
         self.in_ports: dict[str, InPort] = {}
         self.out_ports: dict[str, OutPort] = {}
         self.observables: dict[str, object] = {}
+        self._state = CREATED_STATE
+        self._ticks = 0
         self._failing = ""
         self._now = 0
         self._requests: list[int] = []
 
     def add_in_port(self, name: str, type_: type) -> InPort:
         """Adds an InPort with its buffer."""
-        port = InPort(name, type_, self.instance_name, self.buffer)
+        port = InPort(name, type_, self.instance_name, self._buffer)
         self.in_ports[name] = port
         return port
 
@@ -389,7 +401,19 @@ class Component:
         return port
 
     def on_initialize(self) -> int:
-        """Called once."""
+        """Called once, when the component joins a system; a failure keeps it out."""
+        return RTC_OK
+
+    def on_finalize(self) -> int:
+        """Called once, when the component leaves."""
+        return RTC_OK
+
+    def on_startup(self, ec_id: int) -> int:
+        """Called when the component has joined a system; a failure changes nothing."""
+        return RTC_OK
+
+    def on_shutdown(self, ec_id: int) -> int:
+        """Called before the component leaves; a failure changes nothing."""
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> int:
@@ -420,6 +444,16 @@ class Component:
         """Called at every tick while ACTIVE, after `on_execute`; a failure leads to ERROR."""
         return RTC_OK
 
+    @property
+    def is_active(self) -> bool:
+        """Whether the component is ACTIVE."""
+        return self._state == ACTIVE_STATE
+
+    @property
+    def lost(self) -> int:
+        """Samples that were overwritten in the component's InPorts."""
+        return sum(port.lost for port in self.in_ports.values())
+
     def now(self) -> int:
         """The time in ns."""
         return self._now
@@ -433,8 +467,7 @@ class Component:
         self._failing = reason
         return RTC_ERROR
 
-    def configure(self, name: str, text: str) -> None:
-        """Sets a parameter by its name in Python. Raises ValueError."""
+    def _configure(self, name: str, text: str) -> None:
         config = self.config  # type: ignore[attr-defined]
         if name not in config.__slots__:
             raise ValueError("there is no parameter " + name)
@@ -448,49 +481,46 @@ class Component:
 
     # One tick, as the embedded runtime has it.
 
-    def cycle(self, now: int) -> None:
-        """Carries out what was requested, then executes."""
+    def _cycle(self, now: int) -> None:
         self._now = now
-        before = self.state
+        before = self._state
         for _ in range(len(self._requests)):
             self._carry_out(self._requests.pop(0))
-        if self.state == ERROR_STATE:
+        if self._state == ERROR_STATE:
             if before == ERROR_STATE:
                 self._call("on_error", 0)
-        elif self.state == ACTIVE_STATE:
-            self.ticks += 1
+        elif self._state == ACTIVE_STATE:
+            self._ticks += 1
             if not (self._call("on_execute", 0) and self._call("on_state_update", 0)):
                 self._enter_error()
 
-    def request(self, request: int) -> int:
-        """Notes a request for the next tick."""
+    def _request(self, request: int) -> int:
         needed = (INACTIVE_STATE, ACTIVE_STATE, ERROR_STATE)[request - 1]
-        if self.state != needed:
+        if self._state != needed:
             return PRECONDITION_NOT_MET
-        if len(self._requests) >= _MOST_REQUESTS:
-            return OUT_OF_RESOURCES
-        self._requests.append(request)
+        if request not in self._requests:
+            self._requests.append(request)
         return RTC_OK
 
     def _carry_out(self, request: int) -> None:
-        if request == _ACTIVATE and self.state == INACTIVE_STATE:
+        if request == _ACTIVATE and self._state == INACTIVE_STATE:
             if self._call("on_activated", 0):
-                self.state = ACTIVE_STATE
+                self._state = ACTIVE_STATE
             else:
                 self._enter_error()
-        elif request == _DEACTIVATE and self.state == ACTIVE_STATE:
+        elif request == _DEACTIVATE and self._state == ACTIVE_STATE:
             self._call("on_deactivated", 0)
-            self.state = INACTIVE_STATE
+            self._state = INACTIVE_STATE
         elif (
             request == _RESET
-            and self.state == ERROR_STATE
+            and self._state == ERROR_STATE
             and self._call("on_reset", 0)
         ):
-            self.state = INACTIVE_STATE
+            self._state = INACTIVE_STATE
             self.reason = ""
 
     def _enter_error(self) -> None:
-        self.state = ERROR_STATE
+        self._state = ERROR_STATE
         self._call("on_aborting", 0)
 
     def _call(self, callback: str, *arguments: int) -> bool:
@@ -498,12 +528,18 @@ class Component:
         try:
             code = getattr(self, callback)(*arguments)
         except Exception as error:
-            self._note(callback, f"{type(error).__name__}: {error}")
+            told, kind = str(error), type(error).__name__
+            self._note(
+                callback, callback + ": " + (kind + ": " + told if told else kind)
+            )
             return False
-        if code != RTC_OK or code is None:
-            self._note(callback, self._failing or f"{callback} returned {code}")
-            return False
-        return True
+        # Neither None nor False is RTC_OK: whoever forgets the answer has failed.
+        if type(code) is int and code == RTC_OK:
+            return True
+        known = type(code) is int and 0 <= code < len(_CODES)
+        shown = _CODES[code] if known else repr(code)
+        self._note(callback, self._failing or callback + ": returned " + shown)
+        return False
 
     def _note(self, callback: str, reason: str) -> None:
         if callback not in ("on_aborting", "on_error"):
@@ -525,25 +561,41 @@ class System:
 
     def add(self, component: Component, rate: "float | None" = None) -> None:
         """Adds a component at a rate [Hz], its own unless given. Raises ValueError."""
+        hertz = component._rate if rate is None else rate
+        if not 0.0 < hertz <= SECOND:
+            raise ValueError("the rate must be a number of Hz above 0")
         component._now = self.time
         if not component._call("on_initialize"):
             raise ValueError(component.instance_name + ": " + component.reason)
-        component.state = INACTIVE_STATE
+        component._state = INACTIVE_STATE
+        component._call("on_startup", 0)
         self._components.append(component)
-        self._periods.append(int(SECOND / (rate or component.rate) + 0.5))
+        self._periods.append(round(SECOND / hertz))
         self._due.append(self.time)
+
+    def configure(self, component: Component, name: str, text: str) -> None:
+        """Sets a parameter by its name in Python. Raises ValueError."""
+        component._configure(name, text)
+
+    def state(self, component: Component) -> int:
+        """The state of a component."""
+        return component._state
+
+    def ticks(self, component: Component) -> int:
+        """How often `on_execute` was called."""
+        return component._ticks
 
     def activate(self, component: Component) -> int:
         """Requests ACTIVE."""
-        return component.request(_ACTIVATE)
+        return component._request(_ACTIVATE)
 
     def deactivate(self, component: Component) -> int:
         """Requests INACTIVE."""
-        return component.request(_DEACTIVATE)
+        return component._request(_DEACTIVATE)
 
     def reset(self, component: Component) -> int:
         """Requests INACTIVE after an error."""
-        return component.request(_RESET)
+        return component._request(_RESET)
 
     def run(self, until: int) -> None:
         """Runs until an instant [ns since the start], which does not belong to the run."""
@@ -556,5 +608,17 @@ class System:
             for i in range(len(due)):
                 if due[i] == instant:
                     due[i] = instant + self._periods[i]
-                    self._components[i].cycle(instant)
+                    self._components[i]._cycle(instant)
         self.time = until
+
+    def close(self) -> None:
+        """Ends the life of all components, the one added last first, deactivated if need be."""
+        while self._components:
+            component = self._components.pop()
+            self._periods.pop()
+            self._due.pop()
+            if component._state == ACTIVE_STATE:
+                component._carry_out(_DEACTIVATE)
+            component._call("on_shutdown", 0)
+            component._call("on_finalize")
+            component._state = CREATED_STATE

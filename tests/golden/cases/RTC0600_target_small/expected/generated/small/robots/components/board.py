@@ -21,9 +21,9 @@ class BoardConfiguration:
 class BoardBase(Component):
     """A component that fits a board."""
 
-    type_name = "Board"
-    rate = 20.0
-    buffer = 4
+    _type_name = "Board"
+    _rate = 20.0
+    _buffer = 4
 
     def __init__(self, instance_name=None):
         Component.__init__(self, instance_name)
