@@ -147,6 +147,18 @@ def test_nothing_else_is_imported(board: Path) -> None:
     assert "struct" in others
 
 
+def test_only_what_micropython_reads_is_written(board: Path) -> None:
+    for file in [*board.rglob("*.py"), DRIVER]:
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            assert not isinstance(node, ast.Match), file
+            if isinstance(node, ast.Tuple | ast.List | ast.Set):
+                assert not any(isinstance(i, ast.Starred) for i in node.elts), file
+            if isinstance(node, ast.Dict):
+                assert None not in node.keys, file
+            if isinstance(node, ast.arguments):
+                assert not node.posonlyargs, file
+
+
 def test_micropython_gives_the_same(board: Path, embedded: list[str]) -> None:
     found = shutil.which("micropython")
     if found is None:

@@ -23,7 +23,8 @@ module M {
         long self; long class; sequence<double, 3> Values; sequence<Point, 2> Numbers;
         octet bytes[4]; Point M_Point; string<9> bounded; sequence<octet, 5> exactly;
         long len; long range; long i; long wire; long other; long count;
-        sequence<long, 2> copy_items; double copy_array[2]; long ord; sequence<string<3>, 2> names; Word print; long _in;
+        sequence<long, 2> copy_items; double copy_array[2]; long ord;
+        sequence<string<3>, 2> names; Word print; long _in;
         Point _copy_; long _put_; long to_cdr; long instance_name;
     };
     struct Base { long a; };
