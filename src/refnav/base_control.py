@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from refnav.geometry import Pose
 from refnav.kinematics import TwoWheels
 from refrobots import RefHard, iis
 from rtgen.runtime import InPort
@@ -39,6 +40,21 @@ class PlantSizes(Protocol):
     PlantWheelTread: float
     PlantWheelRadiusLeft: float
     PlantWheelRadiusRight: float
+
+
+class PlantStart(Protocol):
+    """The parameters that say where a simulated base stands at first [m, rad]."""
+
+    PlantStart_x: float
+    PlantStart_y: float
+    PlantStart_theta: float
+
+
+def start_of(parameters: PlantStart) -> Pose:
+    """Where the simulated base stands when it is first activated."""
+    return Pose(
+        parameters.PlantStart_x, parameters.PlantStart_y, parameters.PlantStart_theta
+    )
 
 
 def true_wheels(parameters: PlantSizes) -> TwoWheels:

@@ -10,10 +10,11 @@ from refnav.base_control import (
     BaseControl,
     BaseParameters,
     PlantSizes,
+    PlantStart,
+    start_of,
     true_wheels,
 )
 from refnav.cia402 import Command, DriveMaster, Mode, PowerState
-from refnav.geometry import Pose
 from refnav.plant import Plant
 from refrobots import rtc
 from rtgen.runtime import SECOND, InPort, OutPort
@@ -23,15 +24,12 @@ _COASTING: Final = 1.0
 """How long [s] a wheel may turn on when its drive is lost."""
 
 
-class PlantParameters(BaseParameters, PlantSizes, Protocol):
+class PlantParameters(BaseParameters, PlantSizes, PlantStart, Protocol):
     """The parameters of a simulated base with drives [m, rad, s]."""
 
     Velocity_limit: float
     EncoderConstant_L: float
     EncoderConstant_R: float
-    PlantStart_x: float
-    PlantStart_y: float
-    PlantStart_theta: float
     DriveTimeout: float
 
 
@@ -139,7 +137,6 @@ class CanopenBase:
         self._wheels = [*self._left, *self._right]
         self._parameters = parameters
         self._control = control
-        self._placed = False
         self._running = False
 
     @property
@@ -149,16 +146,7 @@ class CanopenBase:
 
     def start(self, now: int) -> None:
         """At rest from now [ns] on; the base stays where it is."""
-        parameters = self._parameters
-        if not self._placed:
-            self.plant.place(
-                Pose(
-                    parameters.PlantStart_x,
-                    parameters.PlantStart_y,
-                    parameters.PlantStart_theta,
-                )
-            )
-            self._placed = True
+        self.plant.start(start_of(self._parameters))
         self._running = False
         self._control.start(now)
 

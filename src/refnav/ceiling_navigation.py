@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from refnav.ceiling import View, blobs, fitted, in_body, parse, recognised
 from refnav.map_text import MapError, text_of
+from refnav.messages import pose_message
 from refnav.pose_history import PoseHistory
-from refrobots import iis, rtc
+from refrobots import iis
 from refrobots.components.ceiling_navigation import CeilingNavigationBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
@@ -55,6 +56,6 @@ class CeilingNavigation(CeilingNavigationBase):
         about_then = self._about.at(sample.tm)
         pose = fitted(recognised(seen, self._lamps, about_then, config.SearchScope))
         if pose is not None:
-            data = rtc.Pose2D(rtc.Point2D(pose.x, pose.y), pose.theta)
-            self.CeilingPosition.write(iis.TimedPose2D(sample.tm, [], data, []))
+            found = iis.TimedPose2D(sample.tm, [], pose_message(pose), [])
+            self.CeilingPosition.write(found)
         return RTC_OK

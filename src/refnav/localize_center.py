@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from refnav.geometry import Pose, wrap
-from refnav.messages import pose_of
+from refnav.messages import pose_message, pose_of
 from refnav.pose_history import PoseHistory
-from refrobots import iis, rtc
+from refrobots import iis
 from refrobots.components.localize_center import LocalizeCenterBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
@@ -64,7 +64,6 @@ class LocalizeCenter(LocalizeCenterBase):
         )
 
     def _send(self, pose: Pose) -> None:
-        data = rtc.Pose2D(rtc.Point2D(pose.x, pose.y), pose.theta)
-        sample = iis.TimedPose2D(data=data)
+        sample = iis.TimedPose2D(data=pose_message(pose))
         self.stamp(sample)
         self.dp_out0.write(sample)

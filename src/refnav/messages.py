@@ -1,4 +1,4 @@
-"""Poses as the common interfaces of the third phase write and read them."""
+"""Poses as messages have them."""
 
 from __future__ import annotations
 
@@ -11,6 +11,11 @@ def pose_of(data: rtc.Pose2D) -> Pose:
     return Pose(data.position.x, data.position.y, data.heading)
 
 
+def pose_message(pose: Pose) -> rtc.Pose2D:
+    """A pose, its heading as it is."""
+    return rtc.Pose2D(rtc.Point2D(pose.x, pose.y), pose.theta)
+
+
 def pose_2d(pose: Pose) -> rtc.Pose2D:
-    """A pose with its heading within 0..2 pi."""
+    """A pose with its heading within 0..2 pi, for the third phase of the common interfaces."""
     return rtc.Pose2D(rtc.Point2D(pose.x, pose.y), wrap_positive(pose.theta))

@@ -9,6 +9,7 @@ from typing import Protocol
 
 from refnav.base_control import PlantSizes, true_wheels
 from refnav.geometry import Pose
+from refnav.messages import pose_message
 from refnav.plant import Plant
 from refrobots import rtc
 from refrobots.rh3 import BoardEvent, BoardEventKind
@@ -144,7 +145,6 @@ class MotorBoard(MotorBoardTarget):
         )
 
     def _note(self, kind: BoardEventKind) -> None:
-        x, y, theta = self.base.pose
         self._tell(
             BoardEvent(
                 tm=_time(self._now()),
@@ -152,7 +152,7 @@ class MotorBoard(MotorBoardTarget):
                 command=_time(self._commanded),
                 left=self.base.speeds[0],
                 right=self.base.speeds[1],
-                pose=rtc.Pose2D(rtc.Point2D(x, y), theta),
+                pose=pose_message(self.base.pose),
             )
         )
 

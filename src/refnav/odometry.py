@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Generic, Protocol, TypeVar
 
 from refnav.geometry import Pose, advance, wrap
+from refnav.messages import pose_message
 from refrobots import iis, rtc
 from refrobots.components.odometry import OdometryBase, OdometryConfiguration
 from rtgen.runtime import RTC_OK, Component, InPort, OutPort, ReturnCode_t
@@ -92,8 +93,8 @@ class Odometer(Component, Generic[P]):
             return self.fail(
                 f"CurrentWheelAngle: {len(sample.data)} angles, a wheel is missing"
             )
-        data = rtc.Pose2D(rtc.Point2D(pose.x, pose.y), pose.theta)
-        self.OdometryPosition.write(iis.TimedPose2D(sample.tm, [], data, []))
+        found = iis.TimedPose2D(sample.tm, [], pose_message(pose), [])
+        self.OdometryPosition.write(found)
         return RTC_OK
 
 

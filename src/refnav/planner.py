@@ -6,6 +6,7 @@ from abc import abstractmethod
 from collections.abc import Sequence
 
 from refnav.geometry import Pose
+from refnav.messages import pose_message, pose_of
 from refrobots import iis, rtc
 from rtgen.runtime import RTC_OK, Component, InPort, OutPort, ReturnCode_t
 
@@ -38,8 +39,7 @@ class Planner(Component):
         self._follow_state()
         sample = self.current_position.read_newest()
         if sample is not None:
-            data = sample.data
-            self._pose = Pose(data.position.x, data.position.y, data.heading)
+            self._pose = pose_of(sample.data)
         while self.goal.is_new() and (goal := self.goal.read()) is not None:
             if not self._collect(goal):
                 return self.fail(f"goal: id {list(goal.id)} has no place in a path")
@@ -62,7 +62,7 @@ class Planner(Component):
                 self.status_out.write(state)
 
     def _collect(self, goal: iis.TimedPose2D) -> bool:
-        point = Pose(goal.data.position.x, goal.data.position.y, goal.data.heading)
+        point = pose_of(goal.data)
         match list(goal.id):
             case []:
                 self._wanted = [point]
@@ -81,4 +81,4 @@ class Planner(Component):
 
 def poses(path: Sequence[Pose]) -> list[rtc.Pose2D]:
     """Poses as a path has them on its way."""
-    return [rtc.Pose2D(rtc.Point2D(p.x, p.y), p.theta) for p in path]
+    return [pose_message(pose) for pose in path]

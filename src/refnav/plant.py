@@ -16,12 +16,13 @@ class Plant:
     (x, y, theta) is the true pose [m, rad]. `kinematics` has the true sizes.
     """
 
-    __slots__ = ("angles", "kinematics", "speeds", "theta", "x", "y")
+    __slots__ = ("_placed", "angles", "kinematics", "speeds", "theta", "x", "y")
 
     def __init__(self, kinematics: Kinematics) -> None:
         self.kinematics = kinematics
         self.angles = [0.0] * kinematics.wheels
         self.place(Pose(0.0, 0.0, 0.0))
+        self._placed = False
 
     @property
     def pose(self) -> Pose:
@@ -36,7 +37,13 @@ class Plant:
     def place(self, pose: Pose) -> None:
         """Set the base down at a pose, at rest."""
         self.x, self.y, self.theta = pose
+        self._placed = True
         self.halt()
+
+    def start(self, pose: Pose) -> None:
+        """Set the base down, unless it was before: then it stays where it is."""
+        if not self._placed:
+            self.place(pose)
 
     def halt(self) -> None:
         """Hold all wheels at once."""

@@ -9,7 +9,8 @@ from typing import TextIO
 from refnav.commands import SYNTAX, Command, CommandError, parse, parse_all
 from refnav.console import ConsoleReader
 from refnav.geometry import Pose
-from refrobots import iis, rtc
+from refnav.messages import pose_message
+from refrobots import iis
 from refrobots.components.position_input import PositionInputBase
 from rtgen.runtime import PORT_OK, RTC_OK, ReturnCode_t
 
@@ -133,8 +134,8 @@ def _messages(command: Command) -> list[iis.TimedPose2D]:
         between = [[iis.PATH_MIDDLE] for _ in points[1:-1]]
         places = [[iis.PATH_FIRST], *between, [iis.PATH_LAST]]
     return [
-        iis.TimedPose2D(id=place, data=rtc.Pose2D(rtc.Point2D(p.x, p.y), p.theta))
-        for place, p in zip(places, points, strict=True)
+        iis.TimedPose2D(id=place, data=pose_message(point))
+        for place, point in zip(places, points, strict=True)
     ]
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from math import tau
 
-from refnav.base_control import true_wheels
-from refnav.geometry import Pose
+from refnav.base_control import start_of, true_wheels
+from refnav.messages import pose_message
 from refnav.plant import Plant, counted
 from refrobots import iis, rtc
 from refrobots.components.ref_hw import RefHwBase
@@ -18,7 +18,6 @@ class RefHw(RefHwBase):
     def on_initialize(self) -> ReturnCode_t:
         """Put the base on the floor."""
         self._plant = Plant(true_wheels(self.config))
-        self._placed = False
         self.observables["truth"] = lambda: self._plant.pose
         self.observables["wheels"] = lambda: tuple(self._plant.speeds)
         return RTC_OK
@@ -27,11 +26,7 @@ class RefHw(RefHwBase):
         """At rest, where it stood."""
         config = self.config
         self._plant.kinematics = true_wheels(config)
-        if not self._placed:
-            self._plant.place(
-                Pose(config.PlantStart_x, config.PlantStart_y, config.PlantStart_theta)
-            )
-            self._placed = True
+        self._plant.start(start_of(config))
         self._wanted = [0.0, 0.0]
         self._now = self.now()
         return RTC_OK
@@ -65,8 +60,7 @@ class RefHw(RefHwBase):
         )
         self.stamp(angles)
         self.WheelAngle.write(angles)
-        x, y, theta = plant.pose
-        pose = iis.TimedPose2D(data=rtc.Pose2D(rtc.Point2D(x, y), theta))
+        pose = iis.TimedPose2D(data=pose_message(plant.pose))
         self.stamp(pose)
         self.pose.write(pose)
         return RTC_OK

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from typing import Protocol
 
-from refnav.geometry import Pose
+from refnav.base_control import start_of
 from refnav.motor_board import MotorBoard
 from refrobots.components.simulated_motor_board import SimulatedMotorBoardBase
 from refrobots.rh3 import BoardEvent, BoardEventKind
@@ -48,10 +48,9 @@ class SimulatedMotorBoard(SimulatedMotorBoardBase):
         if config.transport == "none":
             return RTC_OK
         if self._board is None:
-            start = Pose(
-                config.PlantStart_x, config.PlantStart_y, config.PlantStart_theta
+            self._board = MotorBoard(
+                config, start_of(config), self.now, self._log.append
             )
-            self._board = MotorBoard(config, start, self.now, self._log.append)
         return self._listen(self._board) if config.link else RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:

@@ -9,10 +9,11 @@ from refnav.base_control import (
     BaseControl,
     BaseParameters,
     PlantSizes,
+    PlantStart,
     TravelSwitch,
+    start_of,
     true_wheels,
 )
-from refnav.geometry import Pose
 from refnav.plant import Plant, counted
 from refrobots import RefHard, iis, rtc
 from rtgen.runtime import (
@@ -25,7 +26,7 @@ from rtgen.runtime import (
 )
 
 
-class BaseSettings(BaseParameters, PlantSizes, Protocol):
+class BaseSettings(BaseParameters, PlantSizes, PlantStart, Protocol):
     """The parameters of a simulated base [m, rad/s]."""
 
     Velocity_limit: float
@@ -34,9 +35,6 @@ class BaseSettings(BaseParameters, PlantSizes, Protocol):
     EncoderCount: int
     EncoderConstant_L: float
     EncoderConstant_R: float
-    PlantStart_x: float
-    PlantStart_y: float
-    PlantStart_theta: float
 
 
 P = TypeVar("P", bound=BaseSettings)
@@ -58,7 +56,6 @@ class SimulatedRefHard(Component, Generic[P]):
     def on_initialize(self) -> ReturnCode_t:
         """Put the base on the floor and offer its services."""
         self._base = Plant(true_wheels(self.config))
-        self._placed = False
         self._angles = rtc.TimedDoubleSeq(data=[0.0, 0.0])
         switch = TravelSwitch()
         self.InventGUIRefHard.set_servant(switch)
@@ -72,12 +69,7 @@ class SimulatedRefHard(Component, Generic[P]):
         """Switch the motors on, at rest; the base stays where it is."""
         config = self.config
         self._base.kinematics = true_wheels(config)
-        if not self._placed:
-            start = Pose(
-                config.PlantStart_x, config.PlantStart_y, config.PlantStart_theta
-            )
-            self._base.place(start)
-            self._placed = True
+        self._base.start(start_of(config))
         self._now = self.now()
         self._control.start(self._now)
         return self.on_rate_changed(ec_id)
