@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from functools import cache
 from itertools import permutations
 from math import hypot
 from multiprocessing import get_context
@@ -18,13 +19,16 @@ from rtgen.model import Activation
 TARGET = (0.3, 0.0, 0.5)
 
 
+navigation = cache(profile)
+
+
 def end_of(order: tuple[str, ...]) -> Pose:
     """Where the base ends if one component is activated every 50 ms, in this order."""
     steps = [
         Activation(instance=name, sequence=number, wait_ms=50 if number else 0)
         for number, name in enumerate(order)
     ]
-    with build(replace(profile(), activation=tuple(steps)), goal(*TARGET)) as system:
+    with build(replace(navigation(), activation=tuple(steps)), goal(*TARGET)) as system:
         assert system.run(LONGEST, at_end), order
         return truth(system)
 
@@ -37,7 +41,7 @@ def spread(ends: list[Pose]) -> tuple[float, float]:
 
 
 def test_forward_and_backward_orders() -> None:
-    names = tuple(c.instance for c in profile().components)
+    names = tuple(c.instance for c in navigation().components)
     ends = [end_of(order) for order in (names, names[::-1])]
     apart, turned = spread(ends)
     assert apart < 0.01
@@ -46,7 +50,7 @@ def test_forward_and_backward_orders() -> None:
 
 @pytest.mark.slow
 def test_all_orders_end_in_one_place() -> None:
-    orders = list(permutations(c.instance for c in profile().components))
+    orders = list(permutations(c.instance for c in navigation().components))
     assert len(orders) == 720
     # Not by fork: the tests run in a process that has threads.
     with ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
