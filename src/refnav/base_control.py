@@ -11,18 +11,42 @@ from rtgen.runtime import InPort
 
 
 class TravelSwitch(RefHard):
-    """Both service ports work on one switch: whoever says Go releases the base."""
+    """What a user interface switches: its Go releases the base, whoever has stopped it.
+
+    `bumper` is the same for a bumper, whose Go takes back no more than its own Stop.
+    """
 
     def __init__(self) -> None:
         self.stopped = False
+        self.bumper = Bumper(self)
+        self._by_hand = False
 
     def Stop(self) -> None:
         """Stop the travelling base."""
-        self.stopped = True
+        self.stopped = self._by_hand = True
 
     def Go(self) -> None:
         """Let the stopped base travel."""
-        self.stopped = False
+        self.stopped = self._by_hand = False
+
+    def release(self) -> None:
+        """Let the base travel, unless it was stopped by hand."""
+        self.stopped = self._by_hand
+
+
+class Bumper(RefHard):
+    """What a bumper switches."""
+
+    def __init__(self, switch: TravelSwitch) -> None:
+        self._switch = switch
+
+    def Stop(self) -> None:
+        """Stop the travelling base."""
+        self._switch.stopped = True
+
+    def Go(self) -> None:
+        """Let the base travel, unless it was stopped by hand."""
+        self._switch.release()
 
 
 class BaseParameters(Protocol):

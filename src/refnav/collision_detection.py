@@ -39,9 +39,10 @@ class CollisionDetection(CollisionDetectionBase):
             self._velocity = (asked.data.vx, asked.data.va)
         if scan is None and asked is None:
             return RTC_OK
-        if self._too_near():
-            return self._stop()
-        return self._let_go()
+        if not self._too_near():
+            return self._let_go()
+        # With each scan anew: somebody else may have said Go.
+        return self._stop() if scan is not None or not self._stopped else RTC_OK
 
     def _too_near(self) -> bool:
         config = self.config
@@ -53,8 +54,6 @@ class CollisionDetection(CollisionDetectionBase):
         return free_way(w / v, self._points, body, inf) < way
 
     def _stop(self) -> ReturnCode_t:
-        if self._stopped:
-            return RTC_OK
         try:
             self.BumpRefHard.object.Stop()
         except ServiceError as error:

@@ -15,7 +15,7 @@ class MotorControl(MotorControlBase):
         """Offer the services."""
         switch = TravelSwitch()
         self.InventGUIRefHard.set_servant(switch)
-        self.BumpRefHard.set_servant(switch)
+        self.BumpRefHard.set_servant(switch.bumper)
         self._control = BaseControl(self.InTargetVelocity, self.config, switch)
         self._speeds = rtc.TimedDoubleSeq(data=[0.0, 0.0])
         return RTC_OK

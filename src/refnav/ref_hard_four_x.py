@@ -25,7 +25,7 @@ class RefHardFourX(RefHardFourXBase):
         """Put the base on the floor and offer its services."""
         switch = TravelSwitch()
         self.InventGUIRefHard.set_servant(switch)
-        self.BumpRefHard.set_servant(switch)
+        self.BumpRefHard.set_servant(switch.bumper)
         self._base = CanopenBase(
             [self._wheel("front_left"), self._wheel("rear_left")],
             [self._wheel("front_right"), self._wheel("rear_right")],

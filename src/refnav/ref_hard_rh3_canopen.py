@@ -20,7 +20,7 @@ class RefHardRh3Canopen(RefHardRh3CanopenBase):
         """Put the base on the floor and offer its services."""
         switch = TravelSwitch()
         self.InventGUIRefHard.set_servant(switch)
-        self.BumpRefHard.set_servant(switch)
+        self.BumpRefHard.set_servant(switch.bumper)
         self._base = CanopenBase(
             [self._wheel("left")],
             [self._wheel("right")],

@@ -32,7 +32,7 @@ class RefHardRh3Tecs(RefHardRh3TecsBase, MotorBoardClientBase):
         self._angles = rtc.TimedDoubleSeq(data=[0.0, 0.0])
         self._switch = TravelSwitch()
         self.InventGUIRefHard.set_servant(self._switch)
-        self.BumpRefHard.set_servant(self._switch)
+        self.BumpRefHard.set_servant(self._switch.bumper)
         self._control = BaseControl(self.InTargetVelocity, self.config, self._switch)
         self._answered = self._unanswered = 0
         self.observables["calls"] = lambda: (self._answered, self._unanswered)

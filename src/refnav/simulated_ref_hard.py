@@ -59,7 +59,7 @@ class SimulatedRefHard(Component, Generic[P]):
         self._angles = rtc.TimedDoubleSeq(data=[0.0, 0.0])
         switch = TravelSwitch()
         self.InventGUIRefHard.set_servant(switch)
-        self.BumpRefHard.set_servant(switch)
+        self.BumpRefHard.set_servant(switch.bumper)
         self._control = BaseControl(self.InTargetVelocity, self.config, switch)
         self.observables["truth"] = lambda: self._base.pose
         self.observables["wheels"] = lambda: tuple(self._base.speeds)

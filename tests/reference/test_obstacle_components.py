@@ -11,6 +11,7 @@ from bench import Bench
 from pipeline import NAVIGATION
 
 from refnav import disp_position, obstacle_monitor
+from refnav.base_control import TravelSwitch
 from refnav.collision_detection import CollisionDetection
 from refnav.disp_position import DispPosition
 from refnav.game_pad import GamePad
@@ -22,8 +23,8 @@ from refnav.pads import Sticks
 from refnav.ref_hw import RefHw
 from refnav.switch_input_rtc import SwitchInputRTC
 from refnav.urg_to_obstacles import Urg_to_Obstacles
-from refrobots import iis, rtc
-from rtgen.runtime import LifeCycleState
+from refrobots import RefHard, iis, rtc
+from rtgen.runtime import Component, LifeCycleState
 
 
 def velocity(vx: float, va: float = 0.0) -> iis.TimedVelocity2D:
@@ -339,6 +340,73 @@ def test_a_stopped_base_is_released_when_it_is_to_back_off() -> None:
     assert detection.observables["stopped"]() == (1.0,)
     assert wheels(-0.2) == pytest.approx(-2.0)
     assert detection.observables["stopped"]() == (0.0,)
+
+
+class Console(Component):
+    """Presses the buttons of a user interface."""
+
+    def __init__(self) -> None:
+        super().__init__("Console0")
+        self.panel = self.add_consumer("panel", "RefHard", RefHard)
+
+
+def test_go_of_the_bumper_takes_back_its_own_stop_alone() -> None:
+    switch = TravelSwitch()
+    switch.bumper.Stop()
+    switch.Stop()
+    switch.bumper.Go()
+    assert switch.stopped
+    switch.Go()
+    assert not switch.stopped
+    switch.bumper.Stop()
+    assert switch.stopped
+    switch.bumper.Go()
+    assert not switch.stopped
+    switch.bumper.Stop()
+    switch.Go()
+    assert not switch.stopped
+
+
+def test_a_go_by_hand_before_an_obstacle_holds_until_the_next_scan() -> None:
+    motors = Bench(MotorControl("MotorControl0"), 100.0)
+    system = motors.system
+    detection, console = CollisionDetection("CollisionDetection0"), Console()
+    for component in (detection, console):
+        system.add(component, 100.0)
+    system.connect(
+        ("CollisionDetection0", "BumpRefHard"), ("MotorControl0", "BumpRefHard")
+    )
+    system.connect(("Console0", "panel"), ("MotorControl0", "InventGUIRefHard"))
+    source = system.component("Peer0")
+    source.add_out_port("obstacles", iis.TimedPoint2DSeq)
+    source.add_out_port("velocity", iis.TimedVelocity2D)
+    for name in ("obstacles", "velocity"):
+        system.connect(("Peer0", name), ("CollisionDetection0", name))
+    motors.activate()
+    system.activate("CollisionDetection0")
+    motors.run(0.02)
+
+    def wheels() -> float:
+        for name in ("velocity", "InTargetVelocity"):
+            motors.send(name, velocity(0.3))
+        motors.run(0.05)
+        speed = motors.sent("WheelSpeed")[-1].data[0]
+        assert isinstance(speed, float)
+        return speed
+
+    motors.send("obstacles", points((0.6, 0.0)))
+    assert wheels() == 0.0
+    console.panel.object.Go()
+    assert wheels() > 0.0
+    motors.send("obstacles", points((0.6, 0.0)))
+    assert wheels() == 0.0
+    # Stopped by hand, too: a way that is free again is not enough.
+    console.panel.object.Stop()
+    motors.send("obstacles", points())
+    assert wheels() == 0.0
+    assert detection.observables["stopped"]() == (0.0,)
+    console.panel.object.Go()
+    assert wheels() > 0.0
 
 
 def test_the_simulated_base_does_what_its_wheels_are_told() -> None:
