@@ -224,13 +224,23 @@ def _inspected(
 
 def _looked_at(system: System, project: Project | None) -> Sequence[Diagnostic]:
     """What is to be said of a system that is shown, against the definitions if there are some."""
-    from rtgen import system_checks, systems
+    from rtgen import system_checks
 
     if project is None:
         return system_checks.as_warnings(system_checks.check_properties(system))
-    model = read(project, lowered=True).model
-    models = component_models(model, _options(project))
-    return list(systems.checked([system], models))
+    return _checked([system], read(project, lowered=True), _options(project))
+
+
+def _checked(
+    profiles: Sequence[System], definitions: FrontendResult, options: Options
+) -> list[Diagnostic]:
+    """The findings about systems; definitions with errors do not tell what there is."""
+    from rtgen import system_checks, systems
+
+    if has_errors(definitions.diagnostics):
+        return [d for each in profiles for d in system_checks.check_properties(each)]
+    models = component_models(definitions.model, options)
+    return list(systems.checked(profiles, models))
 
 
 def _hashes(result: FrontendResult) -> dict[str, str | None]:
@@ -286,7 +296,7 @@ def _with_systems(
     from rtgen import systems
 
     found = systems.read(project.systems, root=project.root, output=project.output)
-    checked = systems.checked(found.systems, component_models(result.model, options))
+    checked = _checked(found.systems, result, options)
     return replace(
         result,
         model=replace(result.model, systems=tuple(found.systems)),

@@ -73,8 +73,6 @@ def _system(console: Console, path: Path, form: str) -> int:
     from rtgen.frontends import located_xml, profile_yaml, rts_profile
     from rtgen.system_checks import as_warnings, check_properties
 
-    if form not in _OF_SYSTEMS:
-        raise _wrong_form(form, _OF_SYSTEMS, "a system")
     shown = path.as_posix()
     read = rts_profile.load(path)
     found = [*read.diagnostics]
@@ -83,6 +81,8 @@ def _system(console: Console, path: Path, form: str) -> int:
     console.findings(found, read.sources)
     if has_errors(found):
         return BAD_INPUT
+    if form not in _OF_SYSTEMS:
+        raise _wrong_form(form, _OF_SYSTEMS, "a system")
     data = path.read_bytes()
     is_yaml = path.suffix.lower() in YAML_SUFFIXES
     if is_yaml is form.endswith("yaml"):
