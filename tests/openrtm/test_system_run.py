@@ -113,6 +113,11 @@ class Sink(SinkBase):
 ''',
 }
 
+FAILING = """
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        raise OSError("no paper")
+"""
+
 
 def component(kind: str, more: str = "") -> str:
     return (
@@ -315,6 +320,26 @@ def test_a_system_that_does_not_come_up_leaves_nothing(
     behaviour.write_text(BEHAVIOURS["sink"], encoding="utf-8")
     assert started.returncode == 3
     assert "the process of Sink0 has ended: ModuleNotFoundError" in started.stderr
+    assert processes(folder) == []
+
+
+def test_a_component_that_fails_when_it_is_activated_is_told(
+    workshop: Path,
+    rtm_environment: dict[str, str],
+    naming_service: str,
+    ended: Callable[[Path], None],
+) -> None:
+    folder = workshop / "generated/openrtm/line"
+    ended(folder)
+    behaviour = workshop / "src/hands/sink.py"
+    behaviour.write_text(BEHAVIOURS["sink"] + FAILING, encoding="utf-8")
+    started = script(
+        folder / "start.sh", rtm_environment, "--nameserver", naming_service
+    )
+    behaviour.write_text(BEHAVIOURS["sink"], encoding="utf-8")
+    assert started.returncode == 3
+    assert "ready" not in started.stdout
+    assert "Sink0 is in ERROR_STATE: Sink0: on_activated: OSError" in started.stderr
     assert processes(folder) == []
 
 

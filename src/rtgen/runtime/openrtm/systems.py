@@ -173,6 +173,7 @@ class Client:
         for instance in system.instances:
             time.sleep(instance.wait)
             yield f"{instance.name} {self._activate(instance.name)}"
+        self._require_active(system)
         yield "ready"
 
     def stop(self, system: System) -> Iterator[str]:
@@ -219,11 +220,22 @@ class Client:
         try:
             os.kill(int((self._run / f"{name}.pid").read_text()), 0)
         except ProcessLookupError:
-            lines = (self._run / f"{name}.out").read_text(errors="replace").split("\n")
-            last = next((line.strip() for line in reversed(lines) if line.strip()), "")
+            last = self._last_line(name)
             raise StartError(f"the process of {name} has ended: {last}") from None
         except (OSError, ValueError):
             return  # not started by start.sh, or not ours
+
+    def _last_line(self, name: str) -> str:
+        """The last line that a component's process has printed; empty if it is not known."""
+        if self._run is None:
+            return ""
+        try:
+            text = (self._run / f"{name}.out").read_text(errors="replace")
+        except OSError:
+            return ""
+        return next(
+            (each.strip() for each in reversed(text.split("\n")) if each.strip()), ""
+        )
 
     def _resolved(self, naming: Any, name: str) -> Any:
         """The living component that a name is bound to, else None."""
@@ -263,6 +275,25 @@ class Client:
             if state != self._rtc.ACTIVE_STATE:
                 raise StartError(f"it is in {state}")
         return str(state).removesuffix("_STATE")
+
+    def _require_active(self, system: System) -> None:
+        """Raises StartError if a component is in ERROR once all have had time for two ticks.
+
+        In OpenRTM a component is ACTIVE before `onActivated`, until the tick after that fails.
+        """
+        with _Step("a component does not answer"):
+            contexts = map(self._context, self._components.values())
+            rates = [context.get_rate() for context in contexts]
+            ticks = [2.0 / rate for rate in rates if rate > 0]
+            time.sleep(min(max(ticks, default=0.0), self._timeout))
+            failed = [
+                instance.name
+                for instance in system.instances
+                if self._state(self._components[instance.name]) == self._rtc.ERROR_STATE
+            ]
+        told = [f"{name} is in ERROR_STATE: {self._last_line(name)}" for name in failed]
+        if told:
+            raise StartError("; ".join(text.removesuffix(": ") for text in told))
 
     # Configuration.
 
