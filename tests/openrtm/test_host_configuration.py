@@ -118,6 +118,7 @@ def test_a_text_that_is_no_value_leaves_the_old_one(
 
 
 def test_an_empty_default_is_bound(relay: Relay) -> None:
+    assert relay.behaviour.config.note == ""
     relay.configure(note="something")
     relay.activate()
     assert relay.behaviour.config.note == "something"

@@ -172,6 +172,27 @@ def test_a_value_handed_over_in_the_process(relay: Relay) -> None:
     assert not relay.behaviour.data.is_new()
 
 
+def test_a_connection_that_ends_while_it_is_read(
+    relay: Relay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """OpenRTM takes its buffer away first, and lists it a little longer."""
+    port = source(relay)
+    port.write(wire(1))
+    (connection,) = relay.rtc._dataIn.connectors()
+    data = relay.behaviour.in_ports["data"]
+    monkeypatch.setattr(connection, "_buffer", None)
+    assert not data.is_new()
+    monkeypatch.undo()
+
+    def ending(_: Any) -> Any:
+        raise AttributeError("'NoneType' object has no attribute 'read'")
+
+    monkeypatch.setattr(connection, "read", ending)
+    assert not data.is_new()
+    monkeypatch.undo()
+    assert numbers(data) == [1]
+
+
 def test_a_sample_that_cannot_be_taken_is_told(
     relay: Relay, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -97,12 +97,18 @@ class Worker(WorkerBase):
         return RTC_OK
 ''',
     "sink": '''
+import time
+
 from rtgen.runtime import RTC_OK, ReturnCode_t
 from workshop.components.sink import SinkBase
 
 
 class Sink(SinkBase):
-    """Writes down what came last."""
+    """Writes down what came last; its activation takes longer than OpenRTM waits."""
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        time.sleep(0.7)
+        return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
         if self.reading.is_new():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import importlib
 from decimal import Decimal
 from pathlib import Path
@@ -13,6 +14,7 @@ from mypy import api
 from wires import Wires, agree, emit, marshalled, values_agree, wired, wired_text
 
 from rtgen.runtime.cdr_faults import encoded
+from rtgen.runtime.descriptors import StructDescriptor
 from rtgen.runtime.values import AnyValue
 
 INTEROP = Path(__file__).parents[1] / "interop"
@@ -88,6 +90,14 @@ def test_initial_values(constructs: Wires, further: Wires) -> None:
     for kind in (*constructs.kinds, *further.kinds):
         if not kind.is_exception:
             agree(kind, kind.type(), kind.new(), True)
+
+
+def test_openrtm_can_copy_initial_values(constructs: Wires, further: Wires) -> None:
+    """An OutPort keeps a deep copy of the value it is made with."""
+    for kind in (*constructs.kinds, *further.kinds):
+        if isinstance(kind.descriptor, StructDescriptor):
+            wire = kind.new()
+            assert marshalled(kind, copy.deepcopy(wire)) == marshalled(kind, wire)
 
 
 def test_what_refers_to_types_and_objects(further: Wires, orb: Any) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import importlib
 from pathlib import Path
 from typing import Any
 
@@ -29,3 +31,14 @@ def test_initial_values_can_be_marshalled(types: Wires) -> None:
         octets = kind.type().to_cdr()
         assert len(marshalled(kind, kind.new())) == len(octets)
         assert kind.of(kind.new()) == kind.type()
+
+
+def test_openrtm_can_copy_initial_values(types: Wires) -> None:
+    """An OutPort keeps a deep copy of the value it is made with, and asks it for its type."""
+    any_ = importlib.import_module("omniORB.any")
+    for kind in types.kinds:
+        if kind.is_exception:
+            continue
+        copied = copy.deepcopy(kind.new())
+        assert any_.to_any(copied).typecode().id() == kind.descriptor.repository_id
+        assert kind.of(copied) == kind.type()

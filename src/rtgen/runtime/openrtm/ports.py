@@ -14,6 +14,9 @@ from rtgen.runtime.return_codes import PORT_OK, PortStatus
 _OK = 0
 """`PORT_OK` of OpenRTM's connectors."""
 
+_ENDED = -1
+"""None of their codes."""
+
 
 class Inflow:
     """Brings samples from the connections of OpenRTM's InPort into a behaviour's, when asked for.
@@ -39,6 +42,7 @@ class Inflow:
         self._known: list[Any] = []
         self._pulled: dict[int, Any] = {}
         self._pulling: tuple[bool, ...] = ()
+        self._handed_over = False
         self._next = 0
         target._attach(self)  # type: ignore[arg-type]  # as much of a connector as it needs
         target._feed = self.feed
@@ -66,6 +70,7 @@ class Inflow:
         self._pulled = {}
         told = [connector.profile().properties for connector in connectors]
         self._pulling = tuple(_word(each, "dataflow_type") == "pull" for each in told)
+        self._handed_over |= any(map(_is_direct, told))
         self.buffer.settings = _reading(told)
 
     def _pushed(self) -> Any:
@@ -79,11 +84,13 @@ class Inflow:
             connector = self._known[place]
             buffer = connector.getBuffer()
             if buffer is not None and buffer.readable() > 0:
-                status, wire = connector.read(self._datum)
-                if int(status) == _OK:
+                status, wire = self._read(connector)
+                if status == _OK:
                     self._next = place + 1
                     return wire
-        return self._port.read() if self._port.isNew() else None
+        if self._handed_over and self._port.isNew():
+            return self._port.read()
+        return None
 
     def _pull(self) -> Any:
         """The value of a connection that is pulled; None if it is the same as the last time.
@@ -93,14 +100,23 @@ class Inflow:
         for place, connector in enumerate(self._known):
             if not self._pulling[place]:
                 continue
-            status, wire = connector.read(self._datum)
-            if int(status) != _OK:
+            status, wire = self._read(connector)
+            if status != _OK:
                 continue
             sample = self._converted(wire)
             if sample is not None and sample != self._pulled.get(place):
                 self._pulled[place] = sample._snapshot_()
                 return sample
         return None
+
+    def _read(self, connector: Any) -> tuple[int, Any]:
+        """Status and value of a connection, which may be ending in another thread."""
+        try:
+            status, wire = connector.read(self._datum)
+        except AttributeError:
+            # OpenRTM takes its buffer and its peer away, without a lock.
+            return _ENDED, None
+        return int(status), wire
 
     def _converted(self, wire: Any) -> Any:
         try:
@@ -113,6 +129,11 @@ class Inflow:
 def _word(properties: Any, key: str) -> str:
     """What a connection says, in lower case; empty for nothing."""
     return str(properties.getProperty(key) or "").strip().lower()
+
+
+def _is_direct(properties: Any) -> bool:
+    """Whether a value itself is handed over, within a process."""
+    return _word(properties, "interface_type") == "direct"
 
 
 def _reading(properties: Sequence[Any]) -> BufferSettings:
@@ -190,7 +211,7 @@ class Outflow:
     def _look_at(self, connectors: list[Any]) -> None:
         self._known = connectors
         told = [connector.profile().properties for connector in connectors]
-        self._shares = any(_word(each, "interface_type") == "direct" for each in told)
+        self._shares = any(map(_is_direct, told))
         waits = any(_word(e, "buffer.write.full_policy") == "block" for e in told)
         self._refusal = PortStatus.BUFFER_TIMEOUT if waits else PortStatus.BUFFER_FULL
 

@@ -267,7 +267,8 @@ class Client:
         with _Step(f"{name} cannot be activated"):
             if self._state(component) == inactive:
                 code = self._openrtm.activate(component)
-                if code != self._rtc.RTC_OK:
+                # RTC_ERROR means as well that it takes longer than OpenRTM waits, half a second.
+                if code not in (self._rtc.RTC_OK, self._rtc.RTC_ERROR):
                     raise StartError(f"{code}")
             if not self._wait(lambda: self._state(component) != inactive):
                 raise StartError(f"it is still inactive after {self._timeout:g} s")

@@ -6,6 +6,7 @@ in which package they are, nor what it is called.
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Callable, Mapping, Sequence
 from decimal import Decimal
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
@@ -79,6 +80,14 @@ def refill(
 def to_fixed(value: Decimal, digits: int, scale: int) -> Any:
     """A fixed-point number. Raises CORBA.DATA_CONVERSION for one out of range."""
     return omniORB.fixed(digits, scale, f"{value:f}")
+
+
+def _made_again(value: Any) -> tuple[Callable[[str], Any], tuple[str]]:
+    return omniORB.fixed, (str(value),)
+
+
+# OpenRTM makes deep copies of the values that data ports are made with.
+copyreg.pickle(type(omniORB.fixed("0")), _made_again)
 
 
 def from_fixed(wire: Any) -> Decimal:

@@ -111,10 +111,15 @@ class InPortConnector(Connector):
     def __init__(self, info: ConnectorInfo, like: Any) -> None:
         super().__init__(info)
         self._like = like
-        self._buffer = RingBuffer(info.properties.getNode("buffer"))
+        self._buffer: Any = RingBuffer(info.properties.getNode("buffer"))
 
-    def getBuffer(self) -> RingBuffer:
+    def getBuffer(self) -> Any:
+        """The buffer; None of a connection that has ended."""
         return self._buffer
+
+    def disconnect(self) -> int:
+        self._buffer = None
+        return super().disconnect()
 
     def read(self, data: Any = None) -> tuple[int, Any]:
         """Status and value; the value is `data` if there was none to read."""
@@ -129,7 +134,10 @@ class InPortConnector(Connector):
 
     def readBuff(self) -> tuple[int, bytes]:
         """Status and octets."""
-        return self._buffer.read()
+        if self._buffer is None:
+            return DataPortStatus.PRECONDITION_NOT_MET, b""
+        status, octets = self._buffer.read()
+        return status, octets
 
 
 class InPortPushConnector(InPortConnector):

@@ -46,11 +46,13 @@ class Participant:
             self.actions.on_deactivated(self.handle)
         elif self.state == RTC.ERROR_STATE and not self._reset():
             return
-        self.state = self._next
-        if self.state == RTC.ACTIVE_STATE:
+        # The old state is told until the entry action of the new one has returned.
+        state = self._next
+        if state == RTC.ACTIVE_STATE:
             self._check(self.actions.on_activated(self.handle))
-        elif self.state == RTC.ERROR_STATE:
+        elif state == RTC.ERROR_STATE:
             self.actions.on_aborting(self.handle)
+        self.state = state
 
     def _reset(self) -> bool:
         """Whether the component lets itself be reset; if not it stays in error."""
@@ -148,10 +150,11 @@ class ExecutionContextBase:
     def set_rate(self, rate: float) -> Any:
         if rate <= 0:
             return RTC.BAD_PARAMETER
+        before, self._rate = self._rate, rate
         for each in list(self._participants):
             if each.rate_changed() != RTC.RTC_OK:
+                self._rate = before
                 return RTC.RTC_ERROR
-        self._rate = rate
         return RTC.RTC_OK
 
     def add_component(self, component: Any) -> Any:

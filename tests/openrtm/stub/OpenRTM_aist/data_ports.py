@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any
 
 import RTC
@@ -39,6 +40,8 @@ class DataPortBase(PortBase):
     def __init__(self, name: str, value: Any) -> None:
         super().__init__(name)
         self._value = value
+        # What listeners are told the type by.
+        self._like = copy.deepcopy(value)
         self._connectors: list[Any] = []
         self._properties = Properties()
         for key, text in (
@@ -105,11 +108,11 @@ class DataPortBase(PortBase):
             self._connectors.append(connector)
 
     def unsubscribeInterfaces(self, profile: Any) -> None:
-        with self._lock:
-            ended = [c for c in self._connectors if c.id() == profile.connector_id]
-            self._connectors = [c for c in self._connectors if c not in ended]
+        ended = [c for c in self._connectors if c.id() == profile.connector_id]
+        # They end before they are taken off the list, where a reader may still find them.
         for connector in ended:
             connector.disconnect()
+            self._connectors.remove(connector)
 
 
 def is_pull(info: ConnectorInfo) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 
 
@@ -30,7 +31,7 @@ class Properties:
         for key in items:
             if not key:
                 return
-            self.setProperty(key, next(items))
+            self.setProperty(key.strip(" \t"), next(items).strip(" \t"))
 
     def getName(self) -> str:
         return self.name
@@ -104,4 +105,12 @@ class Properties:
             key, colon, value = text.partition(":")
             if not colon:
                 key, _, value = text.partition("=")
-            self.setProperty(key.strip(), value.strip())
+            self.setProperty(unescape(key).strip(), unescape(value).strip())
+
+
+_ESCAPED = {"t": "\t", "n": "\n", "f": "\f", "r": "\r"}
+
+
+def unescape(text: str) -> str:
+    """Backslashes taken away: a few letters behind one stand for control characters."""
+    return re.sub(r"\\(.)", lambda found: _ESCAPED.get(found[1], found[1]), text)
