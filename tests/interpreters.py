@@ -17,7 +17,10 @@ MONITORED = ("3.12", "3.13")
 """Those that can measure the coverage of lines at hardly any cost."""
 
 TRIED_ONCE = ("tests/interop", "tests/fuzz")
-"""Comparisons with peers and random inputs are the same on each interpreter."""
+"""Comparisons with peers and random inputs are the same on each interpreter.
+
+Comparisons in other folders have the marker `peer`.
+"""
 
 
 def find(version: str) -> str | None:
@@ -57,7 +60,8 @@ def try_on(
     install = [python, "-m", "pip", "install", "--quiet", "--no-compile"]
     install += ["--disable-pip-version-check", f"{wheel}[plot,test]"]
     subprocess.run(install, check=True)
-    tests = [python, "-m", "pytest", "-q", "-m", "not slow", "-p", "no:cacheprovider"]
+    tests = [python, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
+    tests += ["-m", "not slow and not peer"]
     tests += [f"--ignore={name}" for name in TRIED_ONCE]
     tests += ["--cov", "--cov-report=term:skip-covered"] * measured
     environment = {

@@ -26,6 +26,7 @@ def profiles(out: Path) -> list[Path]:
     return sorted(out.glob("openrtm/*/RTC.xml"))
 
 
+@pytest.mark.peer
 def test_modules_are_in_blacks_form(reference: Path) -> None:
     for module in modules(reference):
         text = module.read_text(encoding="utf-8")

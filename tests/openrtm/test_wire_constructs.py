@@ -289,6 +289,7 @@ def test_interfaces_with_several_bases(orb: Any, tmp_path: Path) -> None:
     assert isinstance(module.TwoObjects.of(reference).second(), types.Two.Part)
 
 
+@pytest.mark.peer
 def test_the_text_is_blacks_and_type_checks(tmp_path: Path) -> None:
     further, clashes = tmp_path / "wired_further.idl", tmp_path / "wire_typing.idl"
     further.write_text(FURTHER)

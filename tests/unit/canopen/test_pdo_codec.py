@@ -149,6 +149,7 @@ def test_gaps_are_not_read(data: st.DataObject) -> None:
     assert decode(noisy.to_bytes((at + 7) // 8, "little")) == tuple(values)
 
 
+@pytest.mark.peer
 @QUICK
 @given(st.data())
 def test_black_leaves_it(data: st.DataObject) -> None:

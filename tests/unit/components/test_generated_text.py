@@ -259,6 +259,7 @@ def models(draw: st.DrawFn) -> Model:
 
 @settings(max_examples=60, deadline=None)
 @given(models())
+@pytest.mark.peer
 def test_black_finds_nothing_to_do(found: Model) -> None:
     mode = black.Mode(target_versions={black.TargetVersion.PY311})
     for path, artifact in artifacts(found).items():

@@ -57,6 +57,7 @@ def packages() -> Iterator[tuple[str, dict[str, str]]]:
         yield f"random{seed}", modules(found.unit, found.signature)
 
 
+@pytest.mark.peer
 def test_text_is_in_the_form_of_black() -> None:
     for name, files in packages():
         for file, text in files.items():

@@ -37,6 +37,7 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.peer
 def test_python_is_in_blacks_form(tree: Path) -> None:
     found = sorted((tree / "tecs").rglob("*.py"))
     assert len(found) > 50

@@ -53,6 +53,7 @@ def test_golden(case: str, update_golden: bool) -> None:
     assert made == kept
 
 
+@pytest.mark.peer
 def test_black_leaves_every_construct_unchanged() -> None:
     for artifact in emission(CONSTRUCTS).artifacts:
         if artifact.text:
@@ -90,6 +91,7 @@ struct {Z} {{ double {aa}; double {bb}; double {cc}; }};
 """
 
 
+@pytest.mark.peer
 @pytest.mark.parametrize("longest", [5, 20, 50, 65, 80, 90, 100, 110, 120])
 def test_black_leaves_names_of_any_length_unchanged(
     tmp_path: Path, longest: int
