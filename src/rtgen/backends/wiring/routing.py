@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import fsum
 from typing import TypeAlias
 
 from rtgen.backends.wiring.diagram import Box, Diagram, Link, Tab
@@ -58,7 +59,8 @@ class Geometry:
 
 def text_width(text: str, size: float) -> float:
     """About how wide a text is in a usual sans-serif font."""
-    return size * sum(_share(character) for character in text)
+    # What `sum` gives depends on the version of Python.
+    return size * fsum(_share(character) for character in text)
 
 
 def _share(character: str) -> float:
@@ -155,7 +157,7 @@ class _Router:
         return min(
             range(self._rows + 1),
             key=lambda gap: (
-                sum(abs(gap - end) for end in ends),
+                fsum(abs(gap - end) for end in ends),
                 gap if forward else -gap,
             ),
         )
