@@ -149,6 +149,7 @@ def test_a_kill_in_the_middle_leaves_whole_files(built: Path, tmp_path: Path) ->
     assert made == {n: d for n, d in new.items() if n.startswith("generated/")}
 
 
+@pytest.mark.slow
 def test_one_character_anywhere_in_the_tree_is_drift(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
