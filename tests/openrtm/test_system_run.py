@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import middleware
 import openrtm_peers as peers
 import pytest
 from openrtm_lab import Lab, until
@@ -339,6 +340,10 @@ def test_a_component_that_fails_when_it_is_activated_is_told(
     ended(folder)
     behaviour = workshop / "src/hands/sink.py"
     behaviour.write_text(BEHAVIOURS["sink"] + FAILING, encoding="utf-8")
+    # What is older than the IDL is made anew.
+    stubs = folder.parent / "Sink/stubs"
+    stubs.mkdir(exist_ok=True)
+    os.utime(stubs, (0, 0))
     started = script(
         folder / "start.sh", rtm_environment, "--nameserver", naming_service
     )
@@ -346,6 +351,8 @@ def test_a_component_that_fails_when_it_is_activated_is_told(
     assert started.returncode == 3
     assert "ready" not in started.stdout
     assert "Sink0 is in ERROR_STATE: Sink0: on_activated: OSError" in started.stderr
+    assert stubs.stat().st_mtime > 0
+    assert list(stubs.glob("*_idl.py"))
     assert processes(folder) == []
 
 
@@ -372,6 +379,18 @@ def test_a_naming_service_elsewhere_is_not_started(
     assert told.returncode == 3
     assert f"no naming service answers at {elsewhere}" in told.stderr
     assert script(folder / "start.sh", rtm_environment, "--what").returncode == 2
+    for wrong in ("--timeout=soon", "--rate-scale=0", "--nameserver=127.0.0.1:x"):
+        told = script(folder / "start.sh", rtm_environment, wrong)
+        assert told.returncode == 2
+        assert "usage: start.sh" in told.stderr
+    told = script(folder / "connect.py", rtm_environment, "--rate-scale", "nan")
+    assert told.returncode == 2
+    assert "nan is no number above 0" in told.stderr
+    bare = {**rtm_environment, "PYTHONPATH": ""}
+    if not middleware.REAL:
+        told = script(folder / "start.sh", bare)
+        assert told.returncode == 3
+        assert "does not have OpenRTM_aist" in told.stderr
     nobody = {**rtm_environment, "PYTHON": "/nowhere/python3"}
     assert script(folder / "start.sh", nobody).returncode == 3
 

@@ -184,7 +184,7 @@ def compiled(
 def programs(folder: Path, *names: str) -> str:
     """A search path with these programs, and what a shell script needs."""
     folder.mkdir()
-    for name in (*names, "dirname", "mkdir"):
+    for name in (*names, "dirname", "mkdir", "mv", "rm"):
         (folder / name).symlink_to(middleware.program(name))
     return str(folder)
 
@@ -263,6 +263,7 @@ def test_the_script_passes_omniidls_errors_on(reference: Path, tmp_path: Path) -
     run = compiled(tmp_path, tmp_path / "component", environment)
     assert run.returncode == 1
     assert "intellirobot.idl:1: Syntax error" in run.stderr
+    assert not list((tmp_path / "component").glob("stubs*"))
 
 
 # Stubs beside OpenRTM's.

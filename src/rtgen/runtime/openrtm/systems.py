@@ -71,8 +71,6 @@ def main(system: System, arguments: Sequence[str] | None = None) -> int:
     """Carries out the command line; gives the exit code."""
     options = _options(system, arguments)
     try:
-        if not (isfinite(options.rate_scale) and options.rate_scale > 0):
-            raise StartError("--rate-scale is a number above 0")
         client = Client(options.nameserver, options.timeout, options.run)
         if options.stop:
             for line in client.stop(system):
@@ -98,14 +96,14 @@ def _options(system: System, arguments: Sequence[str] | None) -> argparse.Namesp
     )
     parser.add_argument(
         "--rate-scale",
-        type=float,
+        type=_positive,
         default=1.0,
         metavar="X",
         help="run all components at X times their rates",
     )
     parser.add_argument(
         "--timeout",
-        type=float,
+        type=_positive,
         default=30.0,
         metavar="SECONDS",
         help="how long to wait for each step [%(default)s]",
@@ -120,6 +118,13 @@ def _options(system: System, arguments: Sequence[str] | None) -> argparse.Namesp
         "--stop", action="store_true", help="deactivate and end all components"
     )
     return parser.parse_args(arguments)
+
+
+def _positive(text: str) -> float:
+    number = float(text)
+    if not (isfinite(number) and number > 0):
+        raise argparse.ArgumentTypeError(f"{text} is no number above 0")
+    return number
 
 
 def _tell(line: str) -> None:

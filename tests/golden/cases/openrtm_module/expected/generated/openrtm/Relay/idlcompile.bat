@@ -23,5 +23,11 @@ if errorlevel 1 (
     exit /b 3
 )
 set FILES= idl\relay.idl
-if not exist stubs mkdir stubs
-if defined FILES omniidl -bpython -I"%FOLDER%" -Iidl -Cstubs %FILES% || exit /b 1
+if exist stubs.new rmdir /s /q stubs.new
+mkdir stubs.new
+if defined FILES omniidl -bpython -I"%FOLDER%" -Iidl -Cstubs.new %FILES% || (
+    rmdir /s /q stubs.new
+    exit /b 1
+)
+if exist stubs rmdir /s /q stubs
+ren stubs.new stubs

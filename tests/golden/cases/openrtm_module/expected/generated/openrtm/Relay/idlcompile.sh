@@ -29,5 +29,12 @@ if ! command -v omniidl >/dev/null 2>&1; then
     exit 3
 fi
 set -- idl/relay.idl
-mkdir -p stubs
-[ $# -eq 0 ] || omniidl -bpython -I"$folder" -Iidl -Cstubs "$@"
+# The folder is there when all of it is.
+rm -rf stubs.new
+mkdir stubs.new
+[ $# -eq 0 ] || omniidl -bpython -I"$folder" -Iidl -Cstubs.new "$@" || {
+    rm -rf stubs.new
+    exit 1
+}
+rm -rf stubs
+mv stubs.new stubs
