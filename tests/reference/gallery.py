@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from contextlib import chdir
@@ -23,12 +24,14 @@ IMAGES = ROOT / "docs" / "images" / "gallery"
 class Entry:
     """A system: its file or folder, what it shows, and the options of the run for its picture.
 
-    `{}` in the options stands for the picture; without it the picture is that of `--plot`.
+    `{}` in the options stands for the picture; without it the picture is that of `--plot`. `series`
+    (instance, port, member) are drawn over time, where nothing drives.
     """
 
     system: str
     shows: str
     options: tuple[str, ...] = ()
+    series: tuple[tuple[str, str, str], ...] = ()
 
     @property
     def name(self) -> str:
@@ -63,6 +66,14 @@ ENTRIES = (
     Entry("specs/tecs/rh3_board.xml", "RH3 with its wheels on a TECS board."),
     Entry("specs/canopen/rh3_beego.xml", "RH3 on two CANopen drives."),
     Entry("specs/canopen/fourx.xml", "FourX on four CANopen drives."),
+    Entry(
+        "specs/canopen/pdo_linking.xml",
+        "A motor follows a potentiometer, with no master between them (Figure 120).",
+        series=(
+            ("Palette0", "tpdo4", "Angle_reference"),
+            ("Motor0", "tpdo2", "Position_actual_value"),
+        ),
+    ),
     Entry(
         "specs/interfaces/phase3.xml",
         "The third phase of the common interfaces (Figure 103).",
@@ -123,9 +134,38 @@ def diagram(entry: Entry) -> str:
 
 def draw(entry: Entry) -> None:
     """Runs the system and writes the picture."""
+    if entry.series:
+        draw_series(entry)
+        return
     picture = str(entry.result)
     options = [option.format(picture) for option in entry.options]
-    options = [*(options or ["--plot", picture]), "--csv", "/dev/null"]
+    run(entry, *(options or ["--plot", picture]), "--csv", "/dev/null")
+
+
+def draw_series(entry: Entry) -> None:
+    """Runs the system and draws members of its samples over time."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.0, 4.0), layout="constrained")
+    axes = figure.add_subplot()
+    with TemporaryDirectory() as folder:
+        log = Path(folder) / "log.jsonl"
+        run(entry, "--log", str(log))
+        lines = [json.loads(line) for line in log.read_text("utf-8").splitlines()]
+    for instance, port, member in entry.series:
+        samples = [
+            (line["t"] * 1e-9, line["value"][member])
+            for line in lines
+            if (line["instance"], line.get("port")) == (instance, port)
+        ]
+        axes.plot(*zip(*samples, strict=True), label=f"{instance}.{port} {member}")
+    axes.set_xlabel("t [s]")
+    axes.legend()
+    figure.savefig(entry.result)
+
+
+def run(entry: Entry, *options: str) -> None:
+    """Runs the system in simulated time."""
     command = [sys.executable, "-m", "rtgen", "run", entry.system, *options]
     subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
 
