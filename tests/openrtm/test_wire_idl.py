@@ -375,6 +375,29 @@ assert new_Day().number == 0
     assert (run.returncode, run.stderr) == (0, "")
 
 
+def test_a_file_with_the_name_of_one_of_openrtms(
+    tmp_path: Path, rtm_environment: dict[str, str]
+) -> None:
+    """Both are loaded: OpenRTM has files such as `Logger.idl`, too."""
+    made = tmp_path / "made"
+    made.mkdir()
+    text = "module Harbour { struct Berth { long number; }; interface Crane { }; };"
+    (tmp_path / "SDOPackage.idl").write_text(text)
+    middleware.compile_idl(made, [tmp_path / "SDOPackage.idl"])
+    code = f"""
+from rtgen.runtime.openrtm import stubs
+stubs.load({str(made)!r}, ["SDOPackage"])
+import Harbour, Harbour__POA, SDOPackage
+assert Harbour.Berth(3).number == 3 and Harbour.Crane and Harbour__POA.Crane
+assert SDOPackage.NameValue and not hasattr(SDOPackage, "Berth")
+berth = Harbour.Berth
+stubs.load({str(made)!r}, ["SDOPackage"])
+assert Harbour.Berth is berth
+"""
+    run = python(code, rtm_environment)
+    assert (run.returncode, run.stderr) == (0, "")
+
+
 def test_text_beyond_latin_needs_the_orbs_code_set(
     reopening: Path, reference: Path, rtm_environment: dict[str, str]
 ) -> None:

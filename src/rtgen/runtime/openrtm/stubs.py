@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterable
 from importlib import import_module
-from importlib.util import find_spec
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 
 from rtgen.runtime.errors import RtcError
 
 SCRIPT = "idlcompile.sh"
 """What makes the stubs of a component, in its folder."""
+
+_REPOSITORY_ID = re.compile(r'_NP_RepositoryId = "([^"]+)"')
 
 
 class StubsMissingError(RtcError):
@@ -30,7 +33,8 @@ def load(folder: Path | str, stems: Iterable[str]) -> None:
     file may reopen the module RTC, or have interfaces outside of modules, and then there is a
     package `RTC` or `_GlobalIDL` in the folder, which must not stand for OpenRTM's. Where something
     else has the name of an IDL module, such as the component's own file, `import` will find the
-    stubs all the same. Raises StubsMissingError.
+    stubs all the same; and where OpenRTM has an IDL file of the same name, both are loaded. Raises
+    StubsMissingError.
     """
     if find_spec("OpenRTM_aist") is not None:
         import_module("OpenRTM_aist")
@@ -40,12 +44,27 @@ def load(folder: Path | str, stems: Iterable[str]) -> None:
     for stem in stems:
         name = f"{stem}_idl"
         try:
-            import_module(name)
+            found = import_module(name)
         except ModuleNotFoundError as error:
             if error.name != name:
                 raise
             raise StubsMissingError(f"{stem}.idl in {path}") from error
+        file = Path(path, f"{name}.py")
+        if found.__file__ != str(file) and file.is_file():
+            _load_beside(name, file)
     _claim(path)
+
+
+def _load_beside(name: str, file: Path) -> None:
+    """Loads stubs, unless their types are known: another file has their module's name."""
+    import omniORB
+
+    ids = _REPOSITORY_ID.findall(file.read_text(encoding="utf-8", errors="replace"))
+    if all(omniORB.findType(each) is not None for each in ids):
+        return
+    spec = spec_from_file_location(f"{name} of {file.parent}", file)
+    assert spec is not None and spec.loader is not None, "a file that is there"
+    spec.loader.exec_module(module_from_spec(spec))
 
 
 def _claim(folder: str) -> None:
