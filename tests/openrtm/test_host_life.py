@@ -36,6 +36,26 @@ def test_callbacks_come_one_to_one(relay: Relay, lab: Lab) -> None:
     lab.made.remove(relay.rtc)
 
 
+def test_a_behaviour_that_has_ended_is_not_called(relay: Relay, lab: Lab) -> None:
+    """OpenRTM finalizes a component before it stops its context, which ticks on."""
+    relay.activate()
+    relay.answer("on_execute", RTC_ERROR)
+    relay.tick()
+    relay.tick()
+    assert relay.state == "ERROR_STATE"
+    relay.behaviour.calls.clear()
+    assert str(relay.rtc.onFinalize()) == "RTC_OK"
+    assert relay.calls == ["on_shutdown", "on_finalize"]
+    relay.behaviour.calls.clear()
+    assert relay.tick() == []
+    for name in (
+        *("onStartup", "onActivated", "onExecute", "onStateUpdate", "onDeactivated"),
+        *("onAborting", "onError", "onReset", "onRateChanged", "onShutdown"),
+    ):
+        assert str(getattr(relay.rtc, name)(0)) == "RTC_OK"
+    assert relay.calls == []
+
+
 def test_the_component_has_the_instance_name_and_real_time(relay: Relay) -> None:
     assert relay.behaviour.instance_name == relay.rtc.getInstanceName()
     assert relay.behaviour.network is None

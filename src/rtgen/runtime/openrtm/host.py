@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
@@ -158,8 +159,6 @@ class Host:
 
     def on_shutdown(self, ec_id: int) -> Any:
         """`onShutdown`: of a component that has ended it was called before."""
-        if not self.behaviour.is_alive():
-            return self._codes.RTC_OK
         return self._started(ec_id, False, Request.SHUTDOWN)
 
     def on_activated(self, ec_id: int) -> Any:
@@ -168,9 +167,6 @@ class Host:
 
     def on_deactivated(self, ec_id: int) -> Any:
         """`onDeactivated`; nothing on the way to ERROR. Ends the wait for an activation."""
-        waiting = self._participant(ec_id)._requests
-        if Request.ACTIVATE in waiting:
-            waiting.remove(Request.ACTIVATE)
         return self._requested(ec_id, Request.DEACTIVATE, INACTIVE_STATE)
 
     def on_reset(self, ec_id: int) -> Any:
@@ -184,8 +180,9 @@ class Host:
 
     def on_execute(self, ec_id: int) -> Any:
         """`onExecute`."""
-        participant, behaviour = self._turn(ec_id)
-        with behaviour._turn:
+        with self._turn(ec_id) as participant:
+            if participant is None:
+                return self._codes.RTC_OK
             self._apply()
             if participant.state is not ERROR_STATE:
                 if not participant.carry_out_requests():
@@ -197,27 +194,30 @@ class Host:
 
     def on_state_update(self, ec_id: int) -> Any:
         """`onStateUpdate`, and the end of the tick."""
-        participant, behaviour = self._turn(ec_id)
-        with behaviour._turn:
+        with self._turn(ec_id) as participant:
+            if participant is None:
+                return self._codes.RTC_OK
             participant.update()
             return self._ended(ec_id, participant)
 
     def on_error(self, ec_id: int) -> Any:
         """`onError`."""
-        participant, behaviour = self._turn(ec_id)
-        with behaviour._turn:
+        with self._turn(ec_id) as participant:
+            if participant is None:
+                return self._codes.RTC_OK
             self._apply()
             participant.carry_out_requests()
             if participant.state is ERROR_STATE:
                 participant.execute()
             participant.finish()
             self._started_follower.look(ec_id)
-            return self._code(behaviour._last_code is not RTC_OK)
+            return self._code(self.behaviour._last_code is not RTC_OK)
 
     def on_rate_changed(self, ec_id: int) -> Any:
         """`onRateChanged`: called at the next tick where there is one, else at once."""
-        participant, behaviour = self._turn(ec_id)
-        with behaviour._turn:
+        with self._turn(ec_id) as participant:
+            if participant is None:
+                return self._codes.RTC_OK
             participant.request(Request.RATE_CHANGE)
             if participant.state is not INACTIVE_STATE:
                 return self._codes.RTC_OK
@@ -246,11 +246,16 @@ class Host:
         self._participants[ec_id] = participant
         return participant
 
-    def _turn(self, ec_id: int) -> tuple[Participant, Component]:
-        """Who is to be called; no callback has failed yet."""
-        participant = self._participant(ec_id)
-        participant.component._last_code = RTC_OK
-        return participant, participant.component
+    @contextmanager
+    def _turn(self, ec_id: int) -> Iterator[Participant | None]:
+        """The behaviour's turn, with who is to be called; no callback has failed yet.
+
+        Nobody of a behaviour that has ended: OpenRTM stops the context of a component later.
+        """
+        behaviour = self.behaviour
+        with behaviour._turn:
+            behaviour._last_code = RTC_OK
+            yield self._participant(ec_id) if behaviour.is_alive() else None
 
     @property
     def _started_follower(self) -> Follower:
@@ -262,19 +267,26 @@ class Host:
         return self._rtc.get_context(ec_id)
 
     def _started(self, ec_id: int, running: bool, request: Request) -> Any:
-        participant, behaviour = self._turn(ec_id)
-        with behaviour._turn:
+        with self._turn(ec_id) as participant:
+            if participant is None:
+                return self._codes.RTC_OK
             assert isinstance(participant.context, HostContext)
             participant.context.set_running(running)
             participant.carry_out(request)
             self._started_follower.look(ec_id)
-            return self._code(behaviour._last_code is not RTC_OK)
+            return self._code(self.behaviour._last_code is not RTC_OK)
 
     def _requested(self, ec_id: int, request: Request, goal: LifeCycleState) -> Any:
         """A transition that OpenRTM makes; it is waited for a while if it takes time."""
-        participant, behaviour = self._turn(ec_id)
         follower = self._started_follower
-        with behaviour._turn:
+        with self._turn(ec_id) as participant:
+            if participant is None:
+                return self._codes.RTC_OK
+            if (
+                request is Request.DEACTIVATE
+                and Request.ACTIVATE in participant._requests
+            ):
+                participant._requests.remove(Request.ACTIVATE)
             self._apply()
             follower.states[ec_id] = goal
             participant.request(request)

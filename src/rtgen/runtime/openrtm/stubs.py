@@ -63,7 +63,8 @@ def _load_beside(name: str, file: Path) -> None:
     if all(omniORB.findType(each) is not None for each in ids):
         return
     spec = spec_from_file_location(f"{name} of {file.parent}", file)
-    assert spec is not None and spec.loader is not None, "a file that is there"
+    assert spec is not None, "a file that is there"
+    assert spec.loader is not None
     spec.loader.exec_module(module_from_spec(spec))
 
 
