@@ -5,6 +5,8 @@ from __future__ import annotations
 import runpy
 import subprocess
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import black
 import pytest
@@ -14,6 +16,7 @@ from rtgen.cli import run
 from rtgen.frontends import rts_profile
 from rtgen.model import System
 from rtgen.runtime.openrtm import systems
+from rtgen.runtime.openrtm.systems import Client, StartError
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = {
@@ -184,3 +187,31 @@ def test_a_folder_s_system_has_the_folder_s_name_and_odd_names_are_quoted(
     (made / "run").mkdir()
     (made / "run" / "it.pid").write_text("1")
     assert run(["check", "demo.idl", "two words", "--target", "openrtm", "-q"]) == 0
+
+
+def component_with(*names: str) -> Any:
+    ports = [
+        SimpleNamespace(get_port_profile=lambda n=name: SimpleNamespace(name=n))
+        for name in names
+    ]
+    return SimpleNamespace(get_ports=lambda: ports)
+
+
+@pytest.mark.parametrize(
+    ("known", "end", "found"),
+    [
+        (["A0.in", "A0.out"], "A0.out", 1),
+        (["A0.out", "A0..out"], "A0..out", 1),
+        (["A0.other", "A0.positon"], "A0..positon", 1),
+        (["in", ".positon"], "A0..positon", 1),
+    ],
+)
+def test_ports_are_found_by_whatever_openrtm_calls_them(
+    known: list[str], end: str, found: int
+) -> None:
+    client = Client.__new__(Client)
+    component = component_with(*known)
+    client._components = {"A0": component}
+    assert client._port(end) is component.get_ports()[found]
+    with pytest.raises(StartError, match="A0 has the ports"):
+        client._port("A0.never")

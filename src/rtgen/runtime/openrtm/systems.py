@@ -361,9 +361,11 @@ class Client:
         )
         ports = self._components[instance].get_ports()
         names = [port.get_port_profile().name for port in ports]
-        for port, name in zip(ports, names, strict=True):
-            if name in (end, end.removeprefix(f"{instance}.")):
-                return port
+        own = end.removeprefix(f"{instance}.")
+        # OpenRTM calls a port by what is behind the last dot of the name that it was given.
+        for wanted in (end, own, f"{instance}.{own.rpartition('.')[2]}"):
+            if wanted in names:
+                return ports[names.index(wanted)]
         raise StartError(f"{instance} has the ports {', '.join(names)}")
 
     def _joined(self, one: Any, other: Any) -> bool:
