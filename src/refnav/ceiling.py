@@ -7,7 +7,7 @@ edge to the left.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from math import atan2, ceil, cos, hypot, sin, sqrt
+from math import atan2, ceil, cos, fsum, hypot, sin, sqrt
 from typing import NamedTuple
 
 from refnav.geometry import Pose
@@ -218,10 +218,10 @@ def fitted(pairs: Sequence[tuple[tuple[float, float], Lamp]]) -> Pose | None:
     count = len(pairs)
     if count < 2:
         return None
-    ahead = sum(spot[0] for spot, _ in pairs) / count
-    left = sum(spot[1] for spot, _ in pairs) / count
-    x = sum(lamp.x for _, lamp in pairs) / count
-    y = sum(lamp.y for _, lamp in pairs) / count
+    ahead = fsum(spot[0] for spot, _ in pairs) / count
+    left = fsum(spot[1] for spot, _ in pairs) / count
+    x = fsum(lamp.x for _, lamp in pairs) / count
+    y = fsum(lamp.y for _, lamp in pairs) / count
     same = turned = 0.0
     for spot, lamp in pairs:
         a, b = spot[0] - ahead, spot[1] - left
