@@ -66,7 +66,14 @@ class Picture:
                 if kind == "line":
                     axes.plot(*_columns(what), color=colour, label=label)
                 elif kind == "points":
-                    axes.plot(*_columns(what), ".", color=colour, label=label, ms=3)
+                    axes.plot(
+                        *_columns(what),
+                        ".",
+                        color=colour,
+                        label=label,
+                        ms=3,
+                        rasterized=True,
+                    )
                 elif kind == "arrow":
                     x, y, theta = what
                     axes.annotate(
