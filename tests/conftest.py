@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -20,6 +21,7 @@ for _variable in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+TESTS = Path(__file__).parent
 RANDOM = {"fuzz", "test_random_types_omniorb.py"}
 """Folders and files of tests with thousands of drawn inputs."""
 
@@ -34,7 +36,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Repetition covers nothing more: what is random or slow runs without being traced."""
+    """Repetition covers nothing more: what is random or slow runs without being traced.
+
+    OpenRTM's manager is the process's until its end, with an ORB and loggers that keep their
+    settings, so its tests come last.
+    """
+    items.sort(key=lambda item: "openrtm" in item.path.relative_to(TESTS).parts[:1])
     for item in items:
         if item.get_closest_marker("slow") or RANDOM.intersection(item.path.parts):
             item.add_marker("no_cover")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import acos, atan2, hypot, sqrt, tau
+from math import atan, copysign, inf, sqrt, tau
 
 STRAIGHT = 1e-6
 """Arcs of less curvature are straight [1/m]."""
@@ -19,31 +19,35 @@ def free_way(
     The body is a circle of `radius` [m] round the origin, heading along x; `curvature` [1/m] is
     positive to the left. A point within the circle stops only a body that drives towards it.
     """
+    if abs(curvature) < STRAIGHT:
+        curvature = 0.0
     free = horizon
-    if -STRAIGHT < curvature < STRAIGHT:
-        for x, y in points:
-            room = radius * radius - y * y
-            if x > 0.0 and room > 0.0:
-                free = min(free, max(0.0, x - sqrt(room)))
-        return free
-    side = 1.0 if curvature > 0.0 else -1.0
-    turn = 1.0 / abs(curvature)
     for x, y in points:
-        if hypot(x, y) > free + radius:
-            continue
-        # From the middle of the arc; `behind` is how far round it the point lies.
-        left = side * y - turn
-        distance = hypot(x, left)
-        if abs(distance - turn) >= radius:
-            continue
-        if x * x + y * y <= radius * radius:
-            if x > 0.0:
-                return 0.0
-            continue
-        behind = atan2(x, -left) % tau
-        near = (turn * turn + distance * distance - radius * radius) / (
-            2.0 * turn * distance
-        )
-        way = turn * ((behind - acos(min(1.0, max(-1.0, near)))) % tau)
-        free = min(free, way)
+        apart = 0.5 * (x * x + y * y - radius * radius)
+        if apart > 0.0:
+            free = min(free, _way_to(curvature, x, y, apart))
+        elif x > 0.0:
+            return 0.0
     return free
+
+
+def _way_to(curvature: float, x: float, y: float, apart: float) -> float:
+    """The way to the first touch of a point outside; inf if the arc passes it."""
+    # With s = 2 tan(way curvature / 2) / curvature touching means a s^2 - x s + apart = 0.
+    a = 0.5 * (1.0 - y * curvature + 0.5 * apart * curvature * curvature)
+    root = x * x - 4.0 * a * apart
+    if root < 0.0:
+        return inf
+    sum_ = x + copysign(sqrt(root), x)
+    ways = []
+    if sum_:
+        ways.append(_length(curvature, 2.0 * apart / sum_))
+    ways.append(_length(curvature, 0.5 * sum_ / a if a else inf))
+    return min(ways)
+
+
+def _length(curvature: float, s: float) -> float:
+    if not curvature:
+        return s if s >= 0.0 else inf
+    angle = 2.0 * atan(0.5 * s * abs(curvature))
+    return (angle % tau) / abs(curvature)
