@@ -17,7 +17,7 @@ NOTHING = 0.0
 """The range where nothing was hit."""
 
 
-class LRFCapture_URG(LRFCapture_URGBase):  # noqa: N801
+class LRFCapture_URG(LRFCapture_URGBase):
     """One scan for each execution, once it is known where the base is."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:

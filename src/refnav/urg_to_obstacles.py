@@ -9,7 +9,7 @@ from refrobots.components.urg_to_obstacles import Urg_to_ObstaclesBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
-class Urg_to_Obstacles(Urg_to_ObstaclesBase):  # noqa: N801
+class Urg_to_Obstacles(Urg_to_ObstaclesBase):
     """Every scan gives one list of points, which may be empty."""
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:

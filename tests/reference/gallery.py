@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from contextlib import chdir
@@ -139,7 +140,7 @@ def draw(entry: Entry) -> None:
         return
     picture = str(entry.result)
     options = [option.format(picture) for option in entry.options]
-    run(entry, *(options or ["--plot", picture]), "--csv", "/dev/null")
+    run(entry, *(options or ["--plot", picture]), "--csv", os.devnull)
 
 
 def draw_series(entry: Entry) -> None:

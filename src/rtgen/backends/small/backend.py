@@ -30,6 +30,11 @@ from rtgen.typemap.python_names import module_name
 TARGET = "small"
 ROOT = "small"
 """The folder of everything, below the output folder: what is copied to a board."""
+RUNTIME = (
+    *("__init__.py", "codes.py", "components.py", "ports.py", "sequences.py"),
+    *("system.py", "wire.py"),
+)
+"""The modules of the small runtime, which are copied as they are."""
 _DATA = (PortKind.INPORT, PortKind.OUTPORT)
 
 
@@ -114,12 +119,10 @@ class _Tree:
         root = f"{ROOT}/{self.options.folder}"
         forms = Forms(self.model, self.limits, classes)
         yield self._artifact(f"{ROOT}/rtgen/__init__.py", "", self.components)
-        runtime = files("rtgen.small_runtime").joinpath("__init__.py")
-        yield self._artifact(
-            f"{ROOT}/rtgen/runtime.py",
-            runtime.read_text(encoding="utf-8"),
-            self.components,
-        )
+        for name in RUNTIME:
+            source = files("rtgen.small_runtime").joinpath(name)
+            text = source.read_text(encoding="utf-8")
+            yield self._artifact(f"{ROOT}/rtgen/runtime/{name}", text, self.components)
         types = texts.types_module(self.model, self.names, used, classes, forms)
         yield self._artifact(f"{root}/_types.py", types, self.components)
         for scope, text in self._packages(used, classes):

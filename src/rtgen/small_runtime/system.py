@@ -1,0 +1,91 @@
+# mypy: allow-untyped-defs, allow-incomplete-defs, allow-untyped-calls
+"""Components on one clock."""
+
+from .codes import (
+    ACTIVATE,
+    ACTIVE_STATE,
+    CREATED_STATE,
+    DEACTIVATE,
+    INACTIVE_STATE,
+    RESET,
+    SECOND,
+)
+from .components import Component
+
+
+class System:
+    """Components on one clock. At equal instants the order in which they were added decides.
+
+    `wait` is called with the nanoseconds until the next tick; without it time is simulated.
+    """
+
+    def __init__(self, wait=None) -> None:
+        self.time = 0
+        self._wait = wait
+        self._components: list[Component] = []
+        self._periods: list[int] = []
+        self._due: list[int] = []
+
+    def add(self, component: Component, rate: "float | None" = None) -> None:
+        """Adds a component at a rate [Hz], its own unless given. Raises ValueError."""
+        hertz = component._rate if rate is None else rate
+        if not 0.0 < hertz <= SECOND:
+            raise ValueError("the rate must be a number of Hz above 0")
+        component._now = self.time
+        if not component._call("on_initialize"):
+            raise ValueError(component.instance_name + ": " + component.reason)
+        component._state = INACTIVE_STATE
+        component._call("on_startup", 0)
+        self._components.append(component)
+        self._periods.append(round(SECOND / hertz))
+        self._due.append(self.time)
+
+    def configure(self, component: Component, name: str, text: str) -> None:
+        """Sets a parameter by its name in Python. Raises ValueError."""
+        component._configure(name, text)
+
+    def state(self, component: Component) -> int:
+        """The state of a component."""
+        return component._state
+
+    def ticks(self, component: Component) -> int:
+        """How often `on_execute` was called."""
+        return component._ticks
+
+    def activate(self, component: Component) -> int:
+        """Requests ACTIVE."""
+        return component._request(ACTIVATE)
+
+    def deactivate(self, component: Component) -> int:
+        """Requests INACTIVE."""
+        return component._request(DEACTIVATE)
+
+    def reset(self, component: Component) -> int:
+        """Requests INACTIVE after an error."""
+        return component._request(RESET)
+
+    def run(self, until: int) -> None:
+        """Runs until an instant [ns since the start], which does not belong to the run."""
+        due = self._due
+        while due and min(due) < until:
+            instant = min(due)
+            if self._wait is not None:
+                self._wait(instant - self.time)
+            self.time = instant
+            for i in range(len(due)):
+                if due[i] == instant:
+                    due[i] = instant + self._periods[i]
+                    self._components[i]._cycle(instant)
+        self.time = until
+
+    def close(self) -> None:
+        """Ends the life of all components, the one added last first, deactivated if need be."""
+        while self._components:
+            component = self._components.pop()
+            self._periods.pop()
+            self._due.pop()
+            if component._state == ACTIVE_STATE:
+                component._carry_out(DEACTIVATE)
+            component._call("on_shutdown", 0)
+            component._call("on_finalize")
+            component._state = CREATED_STATE
