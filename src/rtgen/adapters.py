@@ -18,6 +18,7 @@ from rtgen.adapter_rules import (
 from rtgen.diagnostics import Diagnostic, InputError, Rule
 from rtgen.frontends import FrontendResult
 from rtgen.model import (
+    INTEGER_RANGES,
     Adapter,
     Component,
     Member,
@@ -37,20 +38,12 @@ if TYPE_CHECKING:
     from rtgen.project import AdapterEntry
 
 _NAME: Final = re.compile(r"[A-Za-z]\w*", re.ASCII)
-_INTEGERS: Final = {
-    Primitive.INT8: (True, 8),
-    Primitive.UINT8: (False, 8),
-    Primitive.OCTET: (False, 8),
-    Primitive.SHORT: (True, 16),
-    Primitive.UNSIGNED_SHORT: (False, 16),
-    Primitive.LONG: (True, 32),
-    Primitive.UNSIGNED_LONG: (False, 32),
-    Primitive.LONG_LONG: (True, 64),
-    Primitive.UNSIGNED_LONG_LONG: (False, 64),
+_HELD: Final = {
+    **INTEGER_RANGES,
+    Primitive.FLOAT: (-(2**24), 2**24),
+    Primitive.DOUBLE: (-(2**53), 2**53),
 }
-"""Whether signed, and the bits."""
-_EXACT: Final = {Primitive.FLOAT: 24, Primitive.DOUBLE: 53}
-"""The bits of an integer that a floating-point number holds."""
+"""From where to where a type holds every integer."""
 
 
 def with_adapters(
@@ -223,14 +216,8 @@ def _holds(to: Type, from_: Type) -> bool:
         return False
     if to.kind is Primitive.DOUBLE and from_.kind is Primitive.FLOAT:
         return True
-    if from_.kind not in _INTEGERS:
+    if from_.kind not in INTEGER_RANGES or to.kind not in _HELD:
         return False
-    signed, bits = _INTEGERS[from_.kind]
-    if to.kind in _EXACT:
-        return bits <= _EXACT[to.kind]
-    if to.kind not in _INTEGERS:
-        return False
-    wide_signed, wide = _INTEGERS[to.kind]
-    if signed == wide_signed:
-        return wide >= bits
-    return wide_signed and wide > bits
+    low, high = INTEGER_RANGES[from_.kind]
+    least, greatest = _HELD[to.kind]
+    return least <= low and high <= greatest

@@ -233,9 +233,8 @@ class CdrTypes:
     def _named(self, name: ScopedName) -> Node:
         declaration = self._model.find(name)
         match declaration:
-            case Enum(members=members):
-                negative = any(member.value < 0 for member in members)
-                return Atom("i" if negative else "I", 4, 4, Form.ENUMERATOR, name)
+            case Enum():
+                return enum_atom(declaration)
             case Bitmask(bound=bound):
                 return _bits(bound, Form.FLAGS, name)
             case Bitset():
@@ -307,6 +306,12 @@ class CdrTypes:
                 "a sequence of empty elements: its count cannot be checked"
             )
         return _checked(Repeat(element, least, bound, length))
+
+
+def enum_atom(declaration: Enum) -> Atom:
+    """Enumerators are their values in four octets, signed where one is negative."""
+    negative = any(member.value < 0 for member in declaration.members)
+    return Atom("i" if negative else "I", 4, 4, Form.ENUMERATOR, declaration.name)
 
 
 def _called_if_large(body: Group) -> Group | Call:

@@ -51,6 +51,7 @@ from rtgen.model.declarations import (
 )
 from rtgen.model.tecs import TecsUnit
 from rtgen.model.types import (
+    INTEGER_RANGES,
     VOID,
     ArrayType,
     FixedType,
@@ -65,6 +66,7 @@ from rtgen.model.types import (
 )
 
 __all__ = [
+    "INTEGER_RANGES",
     "VOID",
     "Activation",
     "Adapter",

@@ -39,6 +39,20 @@ class Primitive(StrEnum):
     VOID = "void"
 
 
+INTEGER_RANGES = {
+    Primitive.SHORT: (-(2**15), 2**15 - 1),
+    Primitive.UNSIGNED_SHORT: (0, 2**16 - 1),
+    Primitive.LONG: (-(2**31), 2**31 - 1),
+    Primitive.UNSIGNED_LONG: (0, 2**32 - 1),
+    Primitive.LONG_LONG: (-(2**63), 2**63 - 1),
+    Primitive.UNSIGNED_LONG_LONG: (0, 2**64 - 1),
+    Primitive.INT8: (-(2**7), 2**7 - 1),
+    Primitive.UINT8: (0, 2**8 - 1),
+    Primitive.OCTET: (0, 2**8 - 1),
+}
+"""The least and the greatest value of each integer type (OMG IDL 4.2, 7.4.1.4.4.2 and 7.4.13)."""
+
+
 @dataclass(frozen=True, slots=True)
 class PrimitiveType:
     """A basic type."""

@@ -9,12 +9,15 @@ class SizeError(ValueError):
 
 
 class Numbers:
-    """A sequence of numbers of one `array` type code, in an array that never grows."""
+    """A sequence of numbers of one `array` type code, in an array that never grows.
+
+    `first` is what the items are at first.
+    """
 
     __slots__ = ("_items", "_length")
 
-    def __init__(self, code: str, room: int, length: int = 0) -> None:
-        self._items: array[float] = array(code, [0] * room)
+    def __init__(self, code: str, room: int, length: int = 0, first: int = 0) -> None:
+        self._items: array[float] = array(code, [first] * room)
         self._length = length
 
     def __len__(self) -> int:

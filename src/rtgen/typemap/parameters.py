@@ -6,6 +6,7 @@ from decimal import Decimal
 from math import inf, isfinite
 
 from rtgen.model import (
+    INTEGER_RANGES,
     ConfigurationParameter,
     ConstantValue,
     Enum,
@@ -30,17 +31,6 @@ from rtgen.model.constraints import (
 )
 from rtgen.typemap.parameter_words import WORDS
 
-_INTEGERS = {
-    Primitive.OCTET: (0, 2**8 - 1),
-    Primitive.INT8: (-(2**7), 2**7 - 1),
-    Primitive.UINT8: (0, 2**8 - 1),
-    Primitive.SHORT: (-(2**15), 2**15 - 1),
-    Primitive.UNSIGNED_SHORT: (0, 2**16 - 1),
-    Primitive.LONG: (-(2**31), 2**31 - 1),
-    Primitive.UNSIGNED_LONG: (0, 2**32 - 1),
-    Primitive.LONG_LONG: (-(2**63), 2**63 - 1),
-    Primitive.UNSIGNED_LONG_LONG: (0, 2**64 - 1),
-}
 _FLOATS = {Primitive.FLOAT: (2 - 2.0**-23) * 2.0**127, Primitive.DOUBLE: inf}
 
 
@@ -157,7 +147,7 @@ class Parameters:
         """Whether a value, or an item of it, is a number (and not a truth value)."""
         item = self.item_type(type_)
         return isinstance(item, PrimitiveType) and (
-            item.kind in _INTEGERS or item.kind in _FLOATS
+            item.kind in INTEGER_RANGES or item.kind in _FLOATS
         )
 
     def check_value(self, type_: Type, value: ConstantValue) -> None:
@@ -169,7 +159,7 @@ class Parameters:
                     raise ValueMismatchError(
                         f"{_shown(value)} is neither TRUE nor FALSE"
                     )
-            case PrimitiveType(kind) if kind in _INTEGERS:
+            case PrimitiveType(kind) if kind in INTEGER_RANGES:
                 _check_integer(kind, value)
             case PrimitiveType(kind):
                 _check_float(kind, value)
@@ -197,7 +187,7 @@ class Parameters:
                 case PrimitiveType(Primitive.BOOLEAN):
                     return _TRUTH[text.lower()]
                 case PrimitiveType(kind):
-                    return int(text, 10) if kind in _INTEGERS else float(text)
+                    return int(text, 10) if kind in INTEGER_RANGES else float(text)
                 case StringType():
                     return text
                 case NamedType(name):
@@ -264,7 +254,7 @@ def _shown(value: ConstantValue) -> str:
 
 
 def _check_integer(kind: Primitive, value: ConstantValue) -> None:
-    low, high = _INTEGERS[kind]
+    low, high = INTEGER_RANGES[kind]
     if isinstance(value, bool) or not isinstance(value, int):
         raise ValueMismatchError(f"{_shown(value)} is not a whole number")
     if not low <= value <= high:

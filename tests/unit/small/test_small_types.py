@@ -34,9 +34,13 @@ def item():
 def some(make, most):
     return [make() for _ in range(chance.randint(0, most))]
 
+def level():
+    return chance.choice(list(m.Level))
+
 def truth():
     return chance.random() < 0.5
 
+print(m.All().to_cdr(little_endian=True).hex())
 for _ in range(200):
     value = m.All(
         flag=truth(),
@@ -56,6 +60,9 @@ for _ in range(200):
         corners=[m.Point(1.0, chance.random()), m.Point(chance.random(), 2.0)],
         choices=some(truth, 16),
         modes=some(lambda: m.Mode(chance.randint(0, 1)), 16),
+        step=level(),
+        ends=[level(), level()],
+        levels=some(level, 4),
     )
     print(value.to_cdr(little_endian=True).hex())
 """
@@ -66,8 +73,11 @@ from rtgen.runtime import CodecError, SizeError, from_cdr, to_cdr
 from robots import m
 
 buffer = bytearray(2048)
+fresh = bytes(buffer[: to_cdr(m.All(), buffer)]).hex()
 value, copied = m.All(), m.All()
-for line in sys.stdin:
+for place, line in enumerate(sys.stdin):
+    if place == 0 and line.strip() != fresh:
+        raise AssertionError(fresh)
     octets = bytes.fromhex(line.strip())
     buffer[: len(octets)] = octets
     from_cdr(value, buffer, len(octets))
@@ -124,5 +134,5 @@ def printed(code: str, folder: Path, given: str = "") -> str:
 
 def test_octets_are_those_of_the_embedded_types(generated: Path) -> None:
     octets = printed(EMBEDDED, generated)
-    assert len(octets.splitlines()) == 200
+    assert len(octets.splitlines()) == 201
     assert printed(SMALL, generated / "small", octets) == octets

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from rtgen.layouts.cdr import Form as AtomForm
+from rtgen.layouts.cdr_types import ATOMS, enum_atom
 from rtgen.model import (
     ArrayType,
     Enum,
@@ -21,20 +23,11 @@ from rtgen.model import (
 )
 
 _NUMBERS = {
-    Primitive.OCTET: ("B", 1),
-    Primitive.UINT8: ("B", 1),
-    Primitive.INT8: ("b", 1),
-    Primitive.SHORT: ("h", 2),
-    Primitive.UNSIGNED_SHORT: ("H", 2),
-    Primitive.LONG: ("i", 4),
-    Primitive.UNSIGNED_LONG: ("I", 4),
-    Primitive.LONG_LONG: ("q", 8),
-    Primitive.UNSIGNED_LONG_LONG: ("Q", 8),
-    Primitive.FLOAT: ("f", 4),
-    Primitive.DOUBLE: ("d", 8),
+    kind: (atom.code, atom.size)
+    for kind, atom in ATOMS.items()
+    if atom.form is AtomForm.NUMBER
 }
-"""`struct` and `array` code, and size."""
-_ENUM = ("I", 4)
+"""`struct` code, which is that of `array` too, and size."""
 _OCTETS = (PrimitiveType(Primitive.OCTET), PrimitiveType(Primitive.UINT8))
 
 
@@ -115,8 +108,10 @@ class Forms:
 
     def _named(self, name: ScopedName) -> Form:
         match self._model.find(name):
-            case Enum():
-                return _plain("0", *_number(*_ENUM))
+            case Enum() as enum:
+                atom = enum_atom(enum)
+                first = str(enum.members[0].value)
+                return _plain(first, *_number(atom.code, atom.size))
             case Struct():
                 return Form(
                     f"{self._classes[name]}()",
@@ -183,6 +178,7 @@ class Forms:
         )
 
     def _items(self, element: Type, room: int, length: str) -> tuple[str, str, str]:
+        first = ""
         match element:
             case PrimitiveType(Primitive.BOOLEAN):
                 return (
@@ -192,8 +188,11 @@ class Forms:
                 )
             case PrimitiveType(kind) if kind in _NUMBERS:
                 code, size = _NUMBERS[kind]
-            case NamedType(name) if isinstance(self._model.find(name), Enum):
-                code, size = _ENUM
+            case NamedType(name) if isinstance(enum := self._model.find(name), Enum):
+                atom = enum_atom(enum)
+                code, size = atom.code, atom.size
+                if length and enum.members[0].value:
+                    first = f", {enum.members[0].value}"
             case NamedType(name) if isinstance(self._model.find(name), Struct):
                 return (
                     f"_Values({self._classes[name]}, {room}{length})",
@@ -210,7 +209,7 @@ class Forms:
             case _:
                 raise NoFormError(f"items of {element}")
         return (
-            f'_Numbers("{code}", {room}{length})',
+            f'_Numbers("{code}", {room}{length}{first})',
             f'wire.put("<{code}", {size}, {{0}}[i])',
             f'{{0}}.append(wire.take("<{code}", {size}))',
         )

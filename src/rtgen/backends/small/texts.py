@@ -86,9 +86,10 @@ def types_module(
 
 
 def _enum(names: PythonNames, declaration: Enum, class_name: str) -> str:
-    members = names.enumerators(declaration).values()
+    python_names = names.enumerators(declaration)
     lines = [f"class {class_name}:", *_doc(declaration.doc or "An enumeration.", 4)]
-    lines += ["", *(f"    {name} = {value}" for value, name in enumerate(members))]
+    lines.append("")
+    lines += [f"    {python_names[m.name]} = {m.value}" for m in declaration.members]
     return "\n".join(lines) + "\n"
 
 
@@ -264,15 +265,23 @@ def _default(
     type_ = model.unalias(parameter.type)
     match parameter.default:
         case EnumeratorName(name):
-            enum, member = names.enumerator(name)
-            declaration = model.find(enum)
+            of, member = names.enumerator(name)
+            declaration = model.find(of)
             assert isinstance(declaration, Enum)
-            return str(list(names.enumerators(declaration).values()).index(member))
+            python_names = names.enumerators(declaration)
+            found = (
+                m.value for m in declaration.members if python_names[m.name] == member
+            )
+            return str(next(found))
         case None:
             if type_ == PrimitiveType(Primitive.BOOLEAN):
                 return "False"
             if isinstance(type_, StringType):
                 return '""'
+            if isinstance(type_, NamedType):
+                enum = model.find(type_.name)
+                assert isinstance(enum, Enum), "checked before"
+                return str(enum.members[0].value)
             return "0.0" if type_ in _FLOATING else "0"
         case str() as text:
             return string_literal(text)

@@ -20,6 +20,7 @@ from rtgen.frontends.idl.scopes import Entity, Kind
 from rtgen.frontends.idl.tables import MAX_DEPTH
 from rtgen.frontends.idl.unit import Unit
 from rtgen.model import (
+    INTEGER_RANGES,
     ConstantValue,
     EnumeratorName,
     FixedType,
@@ -33,19 +34,6 @@ from rtgen.model import (
 
 if TYPE_CHECKING:
     from rtgen.frontends.idl.typetable import Types
-
-RANGES = {
-    Primitive.SHORT: (-(2**15), 2**15 - 1),
-    Primitive.UNSIGNED_SHORT: (0, 2**16 - 1),
-    Primitive.LONG: (-(2**31), 2**31 - 1),
-    Primitive.UNSIGNED_LONG: (0, 2**32 - 1),
-    Primitive.LONG_LONG: (-(2**63), 2**63 - 1),
-    Primitive.UNSIGNED_LONG_LONG: (0, 2**64 - 1),
-    Primitive.INT8: (-(2**7), 2**7 - 1),
-    Primitive.UINT8: (0, 2**8 - 1),
-    Primitive.OCTET: (0, 2**8 - 1),
-}
-"""The values of the integer types."""
 
 FLOATS = frozenset((Primitive.FLOAT, Primitive.DOUBLE, Primitive.LONG_DOUBLE))
 _CHARACTERS = {Primitive.CHAR: False, Primitive.WCHAR: True}
@@ -116,7 +104,7 @@ def sort_of(type_: Type | None, is_enum: Callable[[ScopedName], bool]) -> Sort |
     """The sort of the constants of a type without aliases; None if it has none."""
     match type_:
         case PrimitiveType(kind):
-            if kind in RANGES:
+            if kind in INTEGER_RANGES:
                 return Sort.INTEGER
             if kind in FLOATS:
                 return Sort.FLOAT
@@ -176,7 +164,7 @@ class Constants:
         self._bits = self._complement = 64 if wide else 32
         self._signed = (
             not isinstance(plain, PrimitiveType)
-            or RANGES.get(plain.kind, (-1, 0))[0] < 0
+            or INTEGER_RANGES.get(plain.kind, (-1, 0))[0] < 0
         )
         try:
             if sort is None:
@@ -506,8 +494,8 @@ class Constants:
     ) -> ConstantValue:
         """The value as its type holds it."""
         match type_:
-            case PrimitiveType(kind) if kind in RANGES:
-                low, high = RANGES[kind]
+            case PrimitiveType(kind) if kind in INTEGER_RANGES:
+                low, high = INTEGER_RANGES[kind]
                 assert isinstance(value, int)
                 if not low <= value <= high:
                     message = f"{value} is no {kind}: {low} to {high}"
@@ -606,7 +594,7 @@ def _without_zeros(value: Decimal) -> Decimal:
 def _wider(value: int) -> str:
     """A hint that names the smallest type that holds a value."""
     for kind in _BY_SIZE:
-        low, high = RANGES[kind]
+        low, high = INTEGER_RANGES[kind]
         if low <= value <= high:
             return f"{kind} holds it"
     return "no integer type holds it; write a smaller number"

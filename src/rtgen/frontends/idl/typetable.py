@@ -6,12 +6,13 @@ from collections.abc import Callable
 
 from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.idl import tree
-from rtgen.frontends.idl.constants import RANGES, Constants
+from rtgen.frontends.idl.constants import Constants
 from rtgen.frontends.idl.rules import types as rules
 from rtgen.frontends.idl.scopes import Entity, Kind
 from rtgen.frontends.idl.tables import MAX_DEPTH, Tables
 from rtgen.frontends.idl.unit import Unit
 from rtgen.model import (
+    INTEGER_RANGES,
     ArrayType,
     FixedType,
     MapType,
@@ -126,7 +127,7 @@ class Types:
         """Whether a union can switch on the type."""
         match self.unaliased(type_):
             case PrimitiveType(kind):
-                return kind in RANGES or kind in _OTHER_SWITCHES
+                return kind in INTEGER_RANGES or kind in _OTHER_SWITCHES
             case NamedType(name):
                 return self.is_enum(name)
         return False

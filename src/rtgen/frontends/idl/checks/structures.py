@@ -6,12 +6,12 @@ from rtgen.diagnostics import Related
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.annotations import contradictions
 from rtgen.frontends.idl.checks.context import Context
-from rtgen.frontends.idl.constants import RANGES
 from rtgen.frontends.idl.rules import annotations as annotation_rules
 from rtgen.frontends.idl.rules import repository as repository_rules
 from rtgen.frontends.idl.rules import types as rules
 from rtgen.frontends.idl.scopes import Entity
 from rtgen.model import (
+    INTEGER_RANGES,
     Bitset,
     Case,
     Declaration,
@@ -24,7 +24,7 @@ from rtgen.model import (
 
 _WIDTH = {
     kind: max(high.bit_length(), (-low - 1).bit_length() + 1 if low else 0)
-    for kind, (low, high) in RANGES.items()
+    for kind, (low, high) in INTEGER_RANGES.items()
 }
 _EXTENSIBILITIES = ("final", "appendable", "mutable")
 _MOST_BITS = 64
