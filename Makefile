@@ -8,7 +8,25 @@ PIP := --quiet --disable-pip-version-check --no-compile
 # Tests start many processes: bytecode is written once, by the first that imports something.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo gallery test check format lint types pyright imports drift pytest interpreters bench clean
+IS_NEW_ENOUGH := import sys; sys.exit(sys.version_info < (3, 11))
+VERSION := import sys; print("%d.%d" % sys.version_info[:2])
+
+# An environment that is too old, or broken, is of no use; one of another Python than that which was
+# asked for is the user's to remove.
+ifneq ($(wildcard $(VENV)),)
+ifneq ($(shell $(BIN)/python -c '$(IS_NEW_ENOUGH)' 2>/dev/null && echo yes),yes)
+$(info $(VENV) has no Python 3.11 or later and is made anew)
+$(shell rm -rf $(VENV))
+else ifneq ($(filter command environment,$(firstword $(origin PYTHON))),)
+ifneq ($(shell $(BIN)/python -c '$(VERSION)'),$(shell $(PYTHON) -c '$(VERSION)' 2>/dev/null))
+ifeq ($(filter clean,$(MAKECMDGOALS)),)
+$(error $(VENV) has another Python than $(PYTHON): run `make clean` first)
+endif
+endif
+endif
+endif
+
+.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -49,8 +67,15 @@ drift: $(VENV)/test.stamp
 pytest: $(VENV)/test.stamp
 	$(BIN)/pytest -n 2 --dist worksteal
 
-# The fast tests again on each other interpreter that this machine has, those with peers left out;
-# the newest one measures the coverage.
+# The tests of OpenRTM on an installed OpenRTM-aist-Python: SITE is the folder that has its package
+# OpenRTM_aist and its .pth file. One process: OpenRTM has one manager and one ORB in each.
+test-openrtm: $(VENV)/test.stamp
+	@test -d "$(SITE)/OpenRTM_aist" || \
+	    { echo "make test-openrtm SITE=FOLDER: there is no $(SITE)/OpenRTM_aist" >&2; exit 2; }
+	PYTHONPATH=$$($(BIN)/python tests/openrtm/site_path.py "$(SITE)") $(BIN)/pytest tests/openrtm
+
+# The fast tests again on another interpreter, those with peers left out, with the coverage of lines.
+# Each commit tries one; `tests/interpreters.py --all` tries all that this machine has.
 interpreters: $(VENV)/test.stamp
 	$(BIN)/python tests/interpreters.py
 
@@ -65,6 +90,8 @@ clean:
 	rm -rf build dist $(VENV)
 
 $(VENV)/bin/python:
+	@$(PYTHON) -c '$(IS_NEW_ENOUGH)' 2>/dev/null || { \
+	  echo "rtgen needs Python 3.11 or later, and '$(PYTHON)' is none: make PYTHON=python3.11" >&2; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/demo.stamp: pyproject.toml $(wildcard grammars/*.lark) | $(VENV)/bin/python

@@ -1,4 +1,7 @@
-"""Builds the wheel and runs the fast tests on it with every other interpreter found."""
+"""Builds the wheel and runs the fast tests on it with another interpreter.
+
+One of those found, chosen by the commit, so that commits try them in turn; `--all` tries each.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from pathlib import Path
 
 SUPPORTED = ("3.11", "3.12", "3.13")
@@ -15,6 +18,9 @@ ROOT = Path(__file__).resolve().parent.parent
 
 MONITORED = ("3.12", "3.13")
 """Those that can measure the coverage of lines at hardly any cost."""
+
+PROCESSES = "2"
+"""So many run the tests."""
 
 TRIED_ONCE = ("tests/interop", "tests/fuzz")
 """Comparisons with peers and random inputs are the same on each interpreter.
@@ -62,6 +68,7 @@ def try_on(
     subprocess.run(install, check=True)
     tests = [python, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
     tests += ["-m", "not slow and not peer"]
+    tests += ["-n", PROCESSES, "--dist", "worksteal"]
     tests += [f"--ignore={name}" for name in TRIED_ONCE]
     tests += ["--cov", "--cov-report=term:skip-covered"] * measured
     environment = {
@@ -81,39 +88,49 @@ def try_on(
     return result.returncode, result.stdout
 
 
+def chosen(found: Sequence[str], commit: str) -> str:
+    """The version that this commit is tried on."""
+    return found[int(commit[:8], 16) % len(found)]
+
+
+def commit() -> str:
+    """The commit of the working tree, zeros outside of a repository."""
+    command = ["git", "rev-parse", "HEAD"]
+    answer = subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    return answer.stdout.strip() or "0" * 40
+
+
 def main() -> int:
-    """Exit code 0 if the tests pass on each interpreter found, two of them at a time.
+    """Exit code 0 if the tests pass on the interpreter of this commit, with `--all` on each.
 
     The one that runs this has had them already, so the wheel is tried on it only if there is no
     other.
     """
     own = f"{sys.version_info.major}.{sys.version_info.minor}"
-    found = {version: find(version) for version in SUPPORTED if version != own}
-    if not any(found.values()):
-        found[own] = sys.executable
-    measuring = max((v for v in found if found[v] and v in MONITORED), default=None)
+    found = {
+        version: path
+        for version in SUPPORTED
+        if version != own and (path := find(version)) is not None
+    }
+    for version in SUPPORTED:
+        if version != own and version not in found:
+            print(f"Python {version}: not found, not tested", flush=True)
+    found = found or {own: sys.executable}
+    tried = list(found) if "--all" in sys.argv[1:] else [chosen([*found], commit())]
     failed = []
-    with tempfile.TemporaryDirectory() as temporary, ThreadPoolExecutor(2) as pool:
+    with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         wheel = build(folder)
-        runs = {
-            version: pool.submit(
-                try_on,
-                interpreter,
-                wheel,
-                folder / version,
-                measured=version == measuring,
+        for version in tried:
+            code, output = try_on(
+                found[version], wheel, folder / version, measured=version in MONITORED
             )
-            for version, interpreter in found.items()
-            if interpreter is not None
-        }
-        for version in found:
-            if version not in runs:
-                print(f"Python {version}: not found, not tested", flush=True)
-                continue
-            code, output = runs[version].result()
-            name = wheel.name
-            print(f"Python {version}: the fast tests on {name}\n{output}", flush=True)
+            print(
+                f"Python {version}: the fast tests on {wheel.name}\n{output}",
+                flush=True,
+            )
             if code != 0:
                 failed.append(version)
     for version in failed:

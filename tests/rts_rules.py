@@ -156,6 +156,7 @@ CHILDREN: dict[str, tuple[tuple[str, tuple[int, int]], ...]] = {
 }
 
 TYPES = {
+    "rts:RtsProfile": "rts_profile_ext",
     "rts:Components": "component_ext",
     "rts:DataPorts": "dataport_ext",
     "rts:ServicePorts": "serviceport_ext",

@@ -2,10 +2,15 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """What stands in the global scope of IDL."""
 
-from ._idl.opaque_rpc import (
-    OpaqueRpc as OpaqueRpc,
-    OpaqueRpcSkeleton as OpaqueRpcSkeleton,
-    OpaqueRpcStub as OpaqueRpcStub,
-)
+from typing import TYPE_CHECKING
+
+from rtgen.runtime.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from ._idl.opaque_rpc import OpaqueRpc, OpaqueRpcSkeleton, OpaqueRpcStub
 
 __all__ = ["OpaqueRpc", "OpaqueRpcSkeleton", "OpaqueRpcStub"]
+__getattr__ = lazy_names(
+    __name__,
+    {"._idl.opaque_rpc": ("OpaqueRpc", "OpaqueRpcSkeleton", "OpaqueRpcStub")},
+)

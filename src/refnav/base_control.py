@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Protocol
 
 from refnav.geometry import Pose
 from refnav.kinematics import TwoWheels
+from refnav.map_text import text_of
+from refnav.newest import Newest
+from refnav.plant import Plant
+from refnav.room import Room, parse
 from refrobots import RefHard, iis
 from rtgen.runtime import InPort
 
@@ -74,6 +79,25 @@ class PlantStart(Protocol):
     PlantStart_theta: float
 
 
+class PlantRoom(Protocol):
+    """The parameters that say what a simulated base can touch [m]."""
+
+    PlantRoom: str
+    PlantRadius: float
+
+
+def furnish(plant: Plant, parameters: PlantRoom, folder: Path) -> None:
+    """Put what stands in the room round the simulated base. Raises MapError."""
+    plant.radius = parameters.PlantRadius
+    name = parameters.PlantRoom
+    plant.room = parse(text_of(folder, name), name) if name else Room(())
+
+
+def contact(plant: Plant) -> str:
+    """What to report of a base that touches something."""
+    return f"contact with an obstacle at ({plant.x:.3f}, {plant.y:.3f})"
+
+
 def start_of(parameters: PlantStart) -> Pose:
     """Where the simulated base stands when it is first activated."""
     return Pose(
@@ -99,7 +123,9 @@ class BaseControl:
         parameters: BaseParameters,
         switch: TravelSwitch,
     ) -> None:
-        self._port = port
+        self._command = Newest[iis.TimedVelocity2D](
+            port, lambda: parameters.CommandTimeout
+        )
         self._parameters = parameters
         self._switch = switch
         self.start(0)
@@ -109,17 +135,15 @@ class BaseControl:
         self._switch.Go()
         self._vx = 0.0
         self._va = 0.0
-        self._heard = now
+        self._command.start(now)
 
     def wheel_speeds(self, now: int) -> tuple[float, float]:
         """The speeds that the left and the right wheel are to have now [ns]; in rad/s."""
         parameters = self._parameters
-        port = self._port
-        if port.is_new() and (command := port.read_newest()) is not None:
+        if (command := self._command.read_newest(now)) is not None:
             self._vx = command.data.vx
             self._va = command.data.va
-            self._heard = now
-        elif 0.0 < parameters.CommandTimeout * 1e9 < now - self._heard:
+        elif self._command.is_late(now):
             self._vx = self._va = 0.0
         if self._switch.stopped:
             return 0.0, 0.0

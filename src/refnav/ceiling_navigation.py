@@ -5,8 +5,9 @@ from __future__ import annotations
 from refnav.ceiling import View, blobs, fitted, in_body, parse, recognised
 from refnav.map_text import MapError, text_of
 from refnav.messages import pose_message
+from refnav.newest import Newest, all_in_time
 from refnav.pose_history import PoseHistory
-from refrobots import iis
+from refrobots import iis, rtc
 from refrobots.components.ceiling_navigation import CeilingNavigationBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
@@ -18,6 +19,17 @@ SPECK = 4
 class CeilingNavigation(CeilingNavigationBase):
     """Tells where the base was when a picture was taken, if two lamps or more are recognised."""
 
+    def on_initialize(self) -> ReturnCode_t:
+        """Watch the age of both inputs."""
+        config = self.config
+        self._position = Newest[iis.TimedPose2D](
+            self.LocalizedPosition, lambda: config.PositionTimeout
+        )
+        self._picture = Newest[rtc.TimedOctetSeq](
+            self.CameraData, lambda: config.CameraTimeout
+        )
+        return RTC_OK
+
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Load the map of the ceiling."""
         name = self.config.NavigationMap
@@ -25,16 +37,20 @@ class CeilingNavigation(CeilingNavigationBase):
             self._lamps = parse(text_of(self.folder, name), name)
         except MapError as error:
             return self.fail(f"NavigationMap: {error}")
+        self._position.start(self.now())
+        self._picture.start(self.now())
         self._about = PoseHistory()
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
         """Look at the newest picture."""
-        port = self.LocalizedPosition
-        while port.is_new() and (about := port.read()) is not None:
-            self._about.add(about)
-        sample = self.CameraData.read_newest()
-        if sample is None or not self._about:
+        now = self.now()
+        while self.LocalizedPosition.is_new():
+            if (about := self._position.read(now)) is not None:
+                self._about.add(about)
+        sample = self._picture.read_newest(now)
+        in_time = all_in_time(self, now, self._position, self._picture)
+        if sample is None or not self._about or not in_time:
             return RTC_OK
         config = self.config
         if len(sample.data) % config.ImageWidth:

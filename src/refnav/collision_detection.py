@@ -1,72 +1,87 @@
-"""CollisionDetection: stops the base before it hits something."""
+"""CollisionDetection: stops the base before it hits something, and when nobody looks."""
 
 from __future__ import annotations
 
 from math import inf
 
-from refnav.free_way import Point, free_way
+from refnav.free_way import free_way
+from refnav.newest import Newest, complaints
+from refnav.surroundings import Surroundings
+from refrobots import iis
 from refrobots.components.collision_detection import CollisionDetectionBase
 from rtgen.runtime import RTC_OK, ReturnCode_t, ServiceError
 
 
 class CollisionDetection(CollisionDetectionBase):
-    """Its observable `stopped` is 1 while it holds the base."""
+    """Holds the base while its way is too short, or its surroundings or velocity are not known.
+
+    Its own end does not release the base: deactivated while it holds the base, the base stays held
+    until this component, or a hand, says Go. Its observable `stopped` is 1 while it holds the base.
+    """
 
     def on_initialize(self) -> ReturnCode_t:
         """Show whether the base is held."""
+        config = self.config
+        self._around = Surroundings(self.obstacles, lambda: config.ObstaclesTimeout)
+        self._asked = Newest[iis.TimedVelocity2D](
+            self.velocity, lambda: config.VelocityTimeout
+        )
         self._stopped = False
         self.observables["stopped"] = lambda: (float(self._stopped),)
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Start without knowledge."""
-        self._points: list[Point] = []
+        """Start without knowledge; a base that was held before is still held."""
+        now = self.now()
+        self._around.start(now)
+        self._asked.start(now)
         self._velocity = (0.0, 0.0)
-        self._stopped = False
         return RTC_OK
 
-    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Let go of the base."""
-        return self._let_go()
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Hold the base: nobody looks any more."""
+        self._call(stop=True)
+        return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Stop the base when its way is too short, release it when it is not any more."""
-        scan = self.obstacles.read_newest()
-        if scan is not None:
-            self._points = [(point.x, point.y) for point in scan.data]
-        asked = self.velocity.read_newest()
+        """Stop the base when it must not go on, release it when it may again."""
+        now = self.now()
+        v, w = (0.0, 0.0) if self._stopped else self._velocity
+        fresh = self._around.look(now, v, w)
+        asked = self._asked.read_newest(now)
         if asked is not None:
             self._velocity = (asked.data.vx, asked.data.va)
-        if scan is None and asked is None:
-            return RTC_OK
-        if not self._too_near():
-            return self._let_go()
-        # With each scan anew: somebody else may have said Go.
-        return self._stop() if scan is not None or not self._stopped else RTC_OK
+        late = complaints(now, self._around.scan, self._asked)
+        hold = bool(late) or self._is_too_near()
+        failure = ""
+        # With each scan anew, and always without one: somebody else may have said Go.
+        if hold and (fresh or late or not self._stopped):
+            failure = self._call(stop=True)
+        elif self._stopped and not hold:
+            failure = self._call(stop=False)
+        self.report("; ".join(filter(None, (late, failure))))
+        return RTC_OK
 
-    def _too_near(self) -> bool:
+    def _is_too_near(self) -> bool:
         config = self.config
         v, w = self._velocity
         if v <= 0.0:
             return False
+        if not self._around.seen:
+            return True
         way = v * config.reaction + 0.5 * v * v / config.deceleration
         body = config.radiusOfBodyArea + config.margin
-        return free_way(w / v, self._points, body, inf) < way
+        return free_way(w / v, self._around.points, body, inf) < way
 
-    def _stop(self) -> ReturnCode_t:
+    def _call(self, *, stop: bool) -> str:
+        """Stop or release the base; why that did not reach it, to be tried again."""
+        bumper = self.BumpRefHard
         try:
-            self.BumpRefHard.object.Stop()
+            if stop:
+                bumper.object.Stop()
+            else:
+                bumper.object.Go()
         except ServiceError as error:
-            return self.fail(f"BumpRefHard: {error}")
-        self._stopped = True
-        return RTC_OK
-
-    def _let_go(self) -> ReturnCode_t:
-        if not self._stopped:
-            return RTC_OK
-        try:
-            self.BumpRefHard.object.Go()
-        except ServiceError as error:
-            return self.fail(f"BumpRefHard: {error}")
-        self._stopped = False
-        return RTC_OK
+            return f"BumpRefHard: {error}"
+        self._stopped = stop
+        return ""

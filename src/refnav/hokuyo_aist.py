@@ -1,9 +1,8 @@
 """HokuyoAist: a range finder on a small board. It runs on the small runtime, too."""
 
-from math import cos, inf, sin
+from math import cos, sin
 
-from refnav.rays import hit_wall
-from refnav.recent import entries
+from refnav.rays import nearest_wall, walls_of
 from refrobots import rtc
 from refrobots.components.hokuyo_aist import HokuyoAistBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
@@ -20,13 +19,10 @@ class HokuyoAist(HokuyoAistBase):
         config = self.config
         if config.end_angle <= config.start_angle:
             return self.fail("end_angle is not above start_angle")
-        walls = []
-        for words in entries(config.walls):
-            if len(words) != 4:
-                return self.fail("walls: " + " ".join(words) + " is no wall")
-            x1, y1, x2, y2 = [float(word) for word in words]
-            walls.append((x1, y1, x2, y2))
-        self._walls = walls
+        try:
+            self._walls = walls_of(config.walls)
+        except ValueError as error:
+            return self.fail("walls: " + str(error))
         self._scan = rtc.RangeData()
         settings = self._scan.config
         settings.minAngle = config.start_angle
@@ -34,6 +30,7 @@ class HokuyoAist(HokuyoAistBase):
         settings.angularRes = (config.end_angle - config.start_angle) / (
             config.rays - 1
         )
+        settings.minRange = config.min_range
         settings.maxRange = config.max_range
         settings.rangeRes = 0.001
         settings.frequency = 10.0
@@ -59,9 +56,6 @@ class HokuyoAist(HokuyoAistBase):
         return RTC_OK
 
     def _reach(self, x: float, y: float, dx: float, dy: float) -> float:
-        nearest = inf
-        for wall in self._walls:
-            reach = hit_wall(wall, x, y, dx, dy)
-            if reach < nearest:
-                nearest = reach
-        return nearest if nearest <= self.config.max_range else NOTHING
+        nearest = nearest_wall(self._walls, x, y, dx, dy)
+        config = self.config
+        return nearest if config.min_range <= nearest <= config.max_range else NOTHING

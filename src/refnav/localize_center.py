@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from refnav.geometry import Pose, wrap
 from refnav.messages import pose_message, pose_of
+from refnav.newest import Newest, all_in_time
 from refnav.pose_history import PoseHistory
 from refrobots import iis
 from refrobots.components.localize_center import LocalizeCenterBase
@@ -16,10 +17,27 @@ CEILING = 1.0 / 20.0
 
 
 class LocalizeCenter(LocalizeCenterBase):
-    """Moves the pose of odometry a twentieth of the way to that of the ceiling."""
+    """Moves the pose of odometry a twentieth of the way to that of the ceiling.
+
+    Activated again, it does not bring back an odometry that goes on to the start pose.
+    """
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Nothing was sent so far."""
+        config = self.config
+        self._odometry = Newest[iis.TimedPose2D](
+            self.dp_odmIn, lambda: config.PositionTimeout
+        )
+        self._ceiling = Newest[iis.TimedPose2D](
+            self.dp_ceilIn, lambda: config.CeilingTimeout
+        )
+        self._announced = False
+        return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Start at the start pose."""
+        self._odometry.start(self.now())
+        self._ceiling.start(self.now())
         self._executions = 0
         self._silent = 0
         self._history = PoseHistory()
@@ -27,18 +45,22 @@ class LocalizeCenter(LocalizeCenterBase):
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
         """Send the start pose at first, later the mean for a pose of the ceiling."""
-        self._remember()
+        now = self.now()
+        self._remember(now)
+        ceiling = self._ceiling.read_newest(now)
+        in_time = all_in_time(self, now, self._odometry, self._ceiling)
+        if self._announced and self._executions == 0 and self._history:
+            self._executions = ANNOUNCEMENTS
         self._executions += 1
         if self._executions <= ANNOUNCEMENTS:
+            self._announced = True
             config = self.config
             self._send(Pose(config.startX, config.startY, config.startTheta))
             self._history.clear()
-            self.dp_ceilIn.read_newest()
             return RTC_OK
         if not self._history:
             return RTC_OK
-        ceiling = self.dp_ceilIn.read_newest()
-        if ceiling is not None:
+        if ceiling is not None and in_time:
             self._correct(ceiling)
         else:
             self._silent += 1
@@ -48,10 +70,11 @@ class LocalizeCenter(LocalizeCenterBase):
         self._send(self._history.newest)
         return RTC_OK
 
-    def _remember(self) -> None:
-        port = self.dp_odmIn
-        while port.is_new() and (sample := port.read()) is not None:
-            self._history.add(sample)
+    def _remember(self, now: int) -> None:
+        while self.dp_odmIn.is_new():
+            sample = self._odometry.read(now)
+            if sample is not None:
+                self._history.add(sample)
 
     def _correct(self, ceiling: iis.TimedPose2D) -> None:
         seen = pose_of(ceiling.data)

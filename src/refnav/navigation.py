@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from math import cos, hypot, pi, sin
+from math import atan2, cos, hypot, pi, sin
 
 from refnav.geometry import Pose, wrap
+from refnav.messages import pose_of
+from refnav.newest import Newest, complaints
+from refnav.pose_history import jumped
 from refrobots import iis
 from refrobots.components.navigation import NavigationBase
-from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime import RTC_ERROR, RTC_OK, SECOND, ReturnCode_t
 
 TURN_FIRST = pi / 6
 """A heading farther off than this is turned to before the base drives [rad]."""
@@ -21,70 +24,134 @@ CRAWL = 0.1
 """Speed just before a waypoint [m/s]."""
 SPIN_SPEED = 1.0
 """Turning speed asked for; PathFollower limits it [rad/s]."""
+REPEAT = SECOND // 10
+"""A waypoint is sent again after so long, for a follower that was restarted [ns]."""
+PROGRESS = 0.05
+"""What counts as nearer to a waypoint [m, rad]."""
+APPROACHES = 10
+"""So often the base is turned and driven to a goal that it has missed."""
+STOP = iis.Path(type=iis.TravelMode.RUN_STOP)
 
 
 class Navigation(NavigationBase):
-    """Decides the state of the travel, one step for each new pose."""
+    """Decides the state of the travel, one step for each new pose.
+
+    Without a path it has no state to tell: FINISH follows upon a path that was run, and a planner
+    that hears nothing knows that its path is not there.
+    """
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Watch the age of the position."""
+        config = self.config
+        self._position = Newest[iis.TimedPose2D](
+            self.position, lambda: config.PositionTimeout
+        )
+        self._clear()
+        return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Start without path."""
+        self._position.start(self.now())
         self._clear()
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Forget the path."""
-        self._clear()
+        """Stop the base and forget the path."""
+        self._halt()
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Stop the base and forget the path."""
+        self._halt()
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Take a new path, or one step along the path; send the state in any case."""
-        sample = self.position.read_newest()
+        """Take a new path, or one step along the path; send the state of the travel."""
+        now = self.now()
+        sample = self._position.read_newest(now)
         new_path = self.min_path.read_newest()
         if new_path is not None:
-            self._start(
-                [Pose(p.position.x, p.position.y, p.heading) for p in new_path.pose]
-            )
-        elif sample is not None and self._state is not iis.State.FINISH:
-            data = sample.data
-            self._step(Pose(data.position.x, data.position.y, data.heading))
-        status = iis.TimedState(data=self._state)
-        self.stamp(status)
-        self.status.write(status)
+            self._start([pose_of(pose) for pose in new_path.pose])
+        elif self._state is not iis.State.FINISH:
+            if sample is not None and not self._step(pose_of(sample.data)):
+                return RTC_ERROR
+            late = complaints(now, self._position)
+            self.report(late or self._stuck(now))
+            if self._waypoint is not None and now - self._sent >= REPEAT:
+                # Without a position nobody would see that the waypoint is reached.
+                self._write(STOP if late else self._waypoint)
+        if self._path:
+            status = iis.TimedState(data=self._state)
+            self.stamp(status)
+            self.status.write(status)
         return RTC_OK
 
     def _clear(self) -> None:
         self._path: list[Pose] = []
         self._index = 0
-        self._begun = False
+        self._here: Pose | None = None
+        self._approaches = 0
+        self._still_since: int | None = None
+        self._stage: tuple[iis.State, int] | None = None
+        self._least = 0.0
+        self._nearer = 0
+        self._waypoint: iis.Path | None = None
         self._state = iis.State.FINISH
 
     def _start(self, path: list[Pose]) -> None:
         self._clear()
         if path:
-            self._path = path
+            # The path starts where the base is, which the first step finds out.
+            self._path = path if len(path) > 1 else [path[0], *path]
             self._state = iis.State.ANGLE_CHECK
         else:
             self._send(iis.TravelMode.RUN_STOP, Pose(0.0, 0.0, 0.0))
 
-    def _step(self, here: Pose) -> None:
-        if not self._begun:
-            # The path starts where the base is by now, not where it was planned from.
+    def _halt(self) -> None:
+        if self._path:
+            self._send(iis.TravelMode.RUN_STOP, self._path[-1])
+        self._clear()
+
+    def _stuck(self, now: int) -> str:
+        """What to report of a base that gets no nearer to its waypoint."""
+        here, target = self._here, self._path[self._index]
+        if here is None:
+            return ""
+        turning = self._state in (iis.State.TURNING, iis.State.TURNING2)
+        left = (
+            _turn(here, target)
+            if turning
+            else hypot(target.x - here.x, target.y - here.y)
+        )
+        if (self._state, self._index) != self._stage or left < self._least - PROGRESS:
+            self._stage = (self._state, self._index)
+            self._least = left
+            self._nearer = now
+        if 0.0 < self.config.ProgressTimeout * SECOND < now - self._nearer:
+            seconds = f"{self.config.ProgressTimeout:g} s"
+            return f"no nearer to ({target.x:g}, {target.y:g}) for {seconds}"
+        return ""
+
+    def _step(self, here: Pose) -> bool:
+        """Go on from a new pose; False if the travel cannot go on."""
+        before, self._here = self._here, here
+        if before is None:
             self._path[0] = here
-            self._begun = True
+        elif jump := jumped(before, here, self.config.MaxJump):
+            self.fail(f"position: {jump}")
+            return False
         target = self._path[self._index]
         last = self._index == len(self._path) - 1
         match self._state:
             case iis.State.ANGLE_CHECK:
-                self._check_angle(here, target, last)
+                return self._check_angle(here, target, last)
             case iis.State.TURNING:
                 if _turn(here, target) < TURNED:
                     self._state = iis.State.GOAL_CHECK
             case iis.State.TURNING2:
-                if _turn(here, target) < TURNED_AT_GOAL:
-                    self._send(iis.TravelMode.RUN_STOP, target)
-                    self._state = iis.State.FINISH
+                return self._end(here, target)
             case iis.State.GOAL_CHECK:
-                if hypot(target.x - here.x, target.y - here.y) > THERE:
+                if self._has_missed(here, target):
                     self._send(
                         iis.TravelMode.RUN_LINEFOLLOW, target, v=self.config.max_vel
                     )
@@ -101,16 +168,63 @@ class Navigation(NavigationBase):
                     self._pass(target)
             case iis.State.FINISH:
                 pass
+        return True
 
-    def _check_angle(self, here: Pose, target: Pose, last: bool) -> None:
+    def _end(self, here: Pose, goal: Pose) -> bool:
+        """Turn to the heading of the goal, and finish once the pose has settled there."""
+        if _turn(here, goal) >= TURNED_AT_GOAL:
+            if self._still_since is not None:
+                self._spin(goal)
+            return True
+        now = self.now()
+        if self._still_since is None:
+            self._still_since = now
+            self._send(iis.TravelMode.RUN_STOP, goal)
+        if now - self._still_since < self.config.SettleTime * SECOND:
+            return True
+        if self._has_missed(here, goal):
+            return self._approach(here, goal)
+        self._state = iis.State.FINISH
+        return True
+
+    def _spin(self, target: Pose) -> None:
+        self._still_since = None
+        self._send(iis.TravelMode.RUN_SPIN, target, w=SPIN_SPEED)
+
+    def _has_missed(self, here: Pose, target: Pose) -> bool:
+        """Whether a target has to be driven to; the goal is judged more strictly."""
+        goal = self._path[-1]
+        is_goal = target[:2] == goal[:2]
+        near = min(THERE, self.config.GoalTolerance) if is_goal else THERE
+        return hypot(target.x - here.x, target.y - here.y) > near
+
+    def _approach(self, here: Pose, goal: Pose) -> bool:
+        """Put a turn and a straight to the goal before its last turn; False after too many."""
+        if self._approaches == APPROACHES:
+            off = hypot(goal.x - here.x, goal.y - here.y)
+            self.fail(f"the goal is {off:.3f} m away after {APPROACHES} approaches")
+            return False
+        self._approaches += 1
+        heading = atan2(goal.y - here.y, goal.x - here.x)
+        self._path[-1:-1] = [
+            Pose(here.x, here.y, heading),
+            Pose(goal.x, goal.y, heading),
+        ]
+        self._state = iis.State.ANGLE_CHECK
+        return True
+
+    def _check_angle(self, here: Pose, target: Pose, last: bool) -> bool:
+        if last and self._has_missed(here, target):
+            return self._approach(here, target)
         if last:
-            self._send(iis.TravelMode.RUN_SPIN, target, w=SPIN_SPEED)
+            self._spin(target)
             self._state = iis.State.TURNING2
         elif _turn(here, target) > TURN_FIRST:
-            self._send(iis.TravelMode.RUN_SPIN, target, w=SPIN_SPEED)
+            self._spin(target)
             self._state = iis.State.TURNING
         else:
             self._state = iis.State.GOAL_CHECK
+        return True
 
     def _pass(self, target: Pose) -> None:
         self._send(iis.TravelMode.RUN_STOP, target)
@@ -120,7 +234,13 @@ class Navigation(NavigationBase):
     def _send(
         self, mode: iis.TravelMode, target: Pose, *, v: float = 0.0, w: float = 0.0
     ) -> None:
-        path = iis.Path(type=mode, x=target.x, y=target.y, theta=target.theta, v=v, w=w)
+        self._waypoint = iis.Path(
+            type=mode, x=target.x, y=target.y, theta=target.theta, v=v, w=w
+        )
+        self._write(self._waypoint)
+
+    def _write(self, path: iis.Path) -> None:
+        self._sent = self.now()
         self.stamp(path)
         self.path.write(path)
 

@@ -7,6 +7,7 @@ from math import cos, hypot, sin
 
 from refnav.geometry import Pose
 from refnav.messages import pose_of
+from refnav.newest import Newest, all_in_time
 from refnav.picture import TRAIL, Picture, PictureError
 from refnav.pose_history import PoseHistory
 from refrobots import iis, rtc
@@ -23,6 +24,13 @@ class ObstacleMonitor(ObstacleMonitorBase):
 
     def on_initialize(self) -> ReturnCode_t:
         """Show how near the nearest obstacle is."""
+        config = self.config
+        self._position = Newest[iis.TimedPose2D](
+            self.position, lambda: config.PositionTimeout
+        )
+        self._scan = Newest[iis.TimedPoint2DSeq](
+            self.obstacles, lambda: config.ObstaclesTimeout
+        )
         self._nearest: tuple[float, ...] = ()
         self.observables["nearest"] = lambda: self._nearest
         return RTC_OK
@@ -30,6 +38,8 @@ class ObstacleMonitor(ObstacleMonitorBase):
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Start anew."""
         config = self.config
+        self._position.start(self.now())
+        self._scan.start(self.now())
         self._nearest = ()
         self._poses = PoseHistory()
         self._trail: deque[Pose] = deque(maxlen=TRAIL)
@@ -43,25 +53,31 @@ class ObstacleMonitor(ObstacleMonitorBase):
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
         """Look at the scans that have come."""
-        while self.position.is_new() and (pose := self.position.read()) is not None:
-            self._poses.add(pose)
-            self._trail.append(pose_of(pose.data))
-        while self.obstacles.is_new() and (scan := self.obstacles.read()) is not None:
-            self._look(scan)
+        now = self.now()
+        while self.position.is_new():
+            if (pose := self._position.read(now)) is not None:
+                self._poses.add(pose)
+                self._trail.append(pose_of(pose.data))
+        all_in_time(self, now, self._position, self._scan)
+        placed = not self._poses or not self._position.is_late(now)
+        while self.obstacles.is_new():
+            if (scan := self._scan.read(now)) is not None:
+                self._look(scan, draw=placed)
         return RTC_OK
 
-    def _look(self, scan: iis.TimedPoint2DSeq) -> None:
-        pose = self._poses.at(scan.tm) if self._poses else Pose(0.0, 0.0, 0.0)
-        along, across = cos(pose.theta), sin(pose.theta)
-        self._seen.append(
-            [
-                (
-                    pose.x + point.x * along - point.y * across,
-                    pose.y + point.x * across + point.y * along,
-                )
-                for point in scan.data
-            ]
-        )
+    def _look(self, scan: iis.TimedPoint2DSeq, *, draw: bool) -> None:
+        if draw:
+            pose = self._poses.at(scan.tm) if self._poses else Pose(0.0, 0.0, 0.0)
+            along, across = cos(pose.theta), sin(pose.theta)
+            self._seen.append(
+                [
+                    (
+                        pose.x + point.x * along - point.y * across,
+                        pose.y + point.x * across + point.y * along,
+                    )
+                    for point in scan.data
+                ]
+            )
         if scan.data:
             distance = min(hypot(point.x, point.y) for point in scan.data)
             self._nearest = (distance,)

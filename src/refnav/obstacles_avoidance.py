@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from math import cos, hypot, pi, sin, sqrt
+from math import copysign, cos, pi, sin, sqrt
 
-from refnav.free_way import STRAIGHT, Point, free_way
-from refnav.geometry import advance
+from refnav.free_way import STRAIGHT, free_way
+from refnav.newest import complaints
+from refnav.surroundings import Surroundings
 from refrobots import iis, rtc
 from refrobots.components.obstacles_avoidance import ObstaclesAvoidanceBase
-from rtgen.runtime import RTC_OK, SECOND, ReturnCode_t
+from rtgen.runtime import RTC_OK, ReturnCode_t
 
 SIDE_STEPS = 10
 """So many arcs are tried to either side."""
@@ -16,98 +17,108 @@ DETOUR = 0.1
 """What it costs to leave the arc asked for, per 1/m, where getting on by the horizon is worth 1."""
 CHANGE = 0.05
 """What it costs to leave the arc driven so far, per 1/m."""
+ENOUGH = 0.3
+"""A way shorter than this is not worth driving while there is a better one to turn to [m]."""
+TURN_STEP = pi / 12
+"""Directions this far apart are looked at for a way [rad]."""
+MOST_TURNED = 8
+"""So many of them to either side: what lies behind the base no scan has seen."""
 
 
 class ObstaclesAvoidance(ObstaclesAvoidanceBase):
     """Plans with each scan; between two scans the points move as the base was told to.
 
-    Its observable `free` is the free way ahead [m].
+    Where no arc gets on, the base turns on the spot to where one does. Its observable `free` is
+    the free way ahead [m].
     """
 
     def on_initialize(self) -> ReturnCode_t:
         """Show the free way."""
+        config = self.config
+        self._around = Surroundings(self.obstacles, lambda: config.ObstaclesTimeout)
         self._free: tuple[float, ...] = ()
         self.observables["free"] = lambda: self._free
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Wait for a scan: nothing is known to be free before."""
-        self._points: list[Point] = []
-        self._heard: int | None = None
-        self._now = self.now()
+        now = self.now()
+        self._around.start(now)
         self._driven = (0.0, 0.0)
-        self._detour: float | None = None
+        self._follow()
         self._free = ()
+        return RTC_OK
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Do not leave the base running."""
+        self._send(iis.TimedVelocity2D())
+        return RTC_OK
+
+    def on_aborting(self, ec_id: int) -> ReturnCode_t:
+        """Do not leave the base running."""
+        self._send(iis.TimedVelocity2D())
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
         """Send what is to be driven, for a new velocity."""
+        config = self.config
         now = self.now()
-        self._move((now - self._now) / SECOND)
-        self._now = now
-        fresh = self._look(now)
+        reach = config.horizon + config.radiusOfBodyArea + config.clearance
+        fresh = self._around.look(now, *self._driven, reach)
         asked = self.velocity_in.read_newest()
         if asked is None:
             return RTC_OK
-        v, w = self._allowed(asked.data.vx, asked.data.va, fresh)
         sideways = asked.data.vy
-        if not self._known(now):
+        if self._around.is_known(now):
+            v, w = self._allowed(asked.data.vx, asked.data.va, fresh=fresh)
+        else:
             v, sideways, w = 0.0, 0.0, 0.0
+            self.report(complaints(now, self._around.scan))
         self._driven = (v, w)
-        sample = iis.TimedVelocity2D(
-            id=asked.id, data=rtc.Velocity2D(v, sideways, w), error=asked.error
+        self._send(
+            iis.TimedVelocity2D(
+                id=asked.id, data=rtc.Velocity2D(v, sideways, w), error=asked.error
+            )
         )
-        self.stamp(sample)
-        self.velocity_out.write(sample)
         return RTC_OK
 
-    def _known(self, now: int) -> bool:
-        limit = self.config.ObstaclesTimeout
-        return self._heard is not None and (
-            limit <= 0.0 or now - self._heard <= limit * SECOND
-        )
+    def _send(self, sample: iis.TimedVelocity2D) -> None:
+        self.stamp(sample)
+        self.velocity_out.write(sample)
 
-    def _look(self, now: int) -> bool:
-        scan = self.obstacles.read_newest()
-        if scan is None:
-            return False
-        config = self.config
-        reach = config.horizon + config.radiusOfBodyArea + config.clearance
-        self._points = [(p.x, p.y) for p in scan.data if hypot(p.x, p.y) <= reach]
-        self._heard = now
-        return True
+    def _follow(self) -> None:
+        """The velocity asked for can be driven, so nothing is planned."""
+        self._detour: float | None = None
+        self._turning = 0.0
+        self.report("")
 
-    def _move(self, dt: float) -> None:
-        v, w = self._driven
-        if not self._points or (v, w) == (0.0, 0.0):
-            return
-        x, y, theta = advance(0.0, 0.0, 0.0, v * dt, w * dt)
-        along, across = cos(theta), sin(theta)
-        self._points = [
-            (
-                (px - x) * along + (py - y) * across,
-                (py - y) * along - (px - x) * across,
-            )
-            for px, py in self._points
-        ]
-
-    def _allowed(self, v: float, w: float, fresh: bool) -> tuple[float, float]:
+    def _allowed(self, v: float, w: float, *, fresh: bool) -> tuple[float, float]:
         config = self.config
         if v <= 0.0:
             # Turning does not move a circle, and backwards nothing is seen.
-            self._detour = None
+            self._follow()
             return v, w
         asked = w / v
         free = self._way(asked)
         if free >= config.horizon:
-            self._detour = None
+            self._follow()
             self._free = (free,)
             return v, w
         if fresh or self._detour is None:
             self._detour = self._plan(asked)
+            free = self._way(self._detour)
+            # Once it turns it turns on, until there is a way again that is worth it.
+            if free < ENOUGH and (self._turning or free == 0.0):
+                self._turning = self._direction(self._turning)
+            else:
+                self._turning = 0.0
         curvature = self._detour
         free = self._way(curvature)
         self._free = (free,)
+        stuck = free == 0.0 and not self._turning
+        self.report("no way ahead, and none to turn to" if stuck else "")
+        if self._turning:
+            return 0.0, self._turning
         speed = min(v, sqrt(2.0 * config.deceleration * free))
         if abs(curvature) > STRAIGHT:
             speed = min(speed, config.max_w / abs(curvature))
@@ -130,10 +141,32 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
 
         return max(tried, key=worth)
 
+    def _direction(self, turn: float) -> float:
+        """The angular speed that turns to the nearest way; 0 if there is none to turn to.
+
+        A turn that is under way is not turned back, or the base would swing to and fro.
+        """
+        radius, points = self._radius, self._around.points
+        for step in range(1, MOST_TURNED + 1):
+            for side in (1.0, -1.0) if turn >= 0.0 else (-1.0, 1.0):
+                if turn and side != copysign(1.0, turn):
+                    continue
+                along, across = cos(step * TURN_STEP), side * sin(step * TURN_STEP)
+                turned = [
+                    (x * along + y * across, y * along - x * across) for x, y in points
+                ]
+                if free_way(0.0, turned, radius, self.config.horizon) >= ENOUGH:
+                    return side * self.config.max_w
+        return 0.0
+
+    @property
+    def _radius(self) -> float:
+        return self.config.radiusOfBodyArea + self.config.clearance
+
     def _way(self, curvature: float) -> float:
-        config = self.config
-        radius = config.radiusOfBodyArea + config.clearance
-        return free_way(curvature, self._points, radius, config.horizon)
+        return free_way(
+            curvature, self._around.points, self._radius, self.config.horizon
+        )
 
 
 def _ahead(way: float, curvature: float) -> float:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from refnav.geometry import Pose, advance, wrap
 from refnav.messages import pose_message
+from refnav.newest import Newest, all_in_time
 from refrobots import iis, rtc
 from refrobots.components.odometry import OdometryBase, OdometryConfiguration
 from rtgen.runtime import RTC_OK, Component, InPort, OutPort, ReturnCode_t
@@ -54,6 +55,7 @@ class OdometryParameters(Protocol):
     radiusOfLeftWheel: float
     radiusOfRightWheel: float
     lengthOfAxle: float
+    WheelAngleTimeout: float
 
 
 P = TypeVar("P", bound=OdometryParameters)
@@ -69,9 +71,18 @@ class Odometer(Component, Generic[P]):
     def _initial_pose(self) -> Pose:
         return Pose(0.0, 0.0, 0.0)
 
+    def on_initialize(self) -> ReturnCode_t:
+        """Watch the age of the wheel angles."""
+        config = self.config
+        self._wheels = Newest[rtc.TimedDoubleSeq](
+            self.CurrentWheelAngle, lambda: config.WheelAngleTimeout
+        )
+        return RTC_OK
+
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Take the parameters, and start from the initial pose."""
         config = self.config
+        self._wheels.start(self.now())
         self._reckoning = DeadReckoning(
             self._initial_pose(),
             (config.radiusOfLeftWheel, config.radiusOfRightWheel),
@@ -82,8 +93,13 @@ class Odometer(Component, Generic[P]):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Send the pose for new wheel angles; angles that are not newer are refused."""
-        sample = self.CurrentWheelAngle.read_newest()
+        """Send the pose for new wheel angles; angles that are not newer are refused.
+
+        Without wheel angles there is no pose, and those who need one stop.
+        """
+        now = self.now()
+        sample = self._wheels.read_newest(now)
+        all_in_time(self, now, *self._inputs)
         if sample is None or (sample.tm.sec, sample.tm.nsec) <= self._stamp:
             return RTC_OK
         self._stamp = (sample.tm.sec, sample.tm.nsec)
@@ -93,9 +109,20 @@ class Odometer(Component, Generic[P]):
             return self.fail(
                 f"CurrentWheelAngle: {len(sample.data)} angles, a wheel is missing"
             )
-        found = iis.TimedPose2D(sample.tm, [], pose_message(pose), [])
-        self.OdometryPosition.write(found)
+        if self._is_localized:
+            found = iis.TimedPose2D(sample.tm, [], pose_message(pose), [])
+            self.OdometryPosition.write(found)
         return RTC_OK
+
+    @property
+    def _inputs(self) -> tuple[Newest[Any], ...]:
+        """Whose age is watched."""
+        return (self._wheels,)
+
+    @property
+    def _is_localized(self) -> bool:
+        """Whether the pose has a beginning."""
+        return True
 
 
 class Odometry(Odometer[OdometryConfiguration], OdometryBase):

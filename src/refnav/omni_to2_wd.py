@@ -8,10 +8,10 @@ from refnav.geometry import Pose
 from refnav.planner import Planner, poses
 from refnav.planning import turn_straight_turn
 from refrobots import iis
-from refrobots.components.omni_to2_wd import OmniTo2WDBase
+from refrobots.components.omni_to2_wd import OmniTo2WDBase, OmniTo2WDConfiguration
 
 
-class OmniTo2WD(Planner, OmniTo2WDBase):
+class OmniTo2WD(Planner[OmniTo2WDConfiguration], OmniTo2WDBase):
     """Plans turn, straight, turn; passes on one FINISH for each path."""
 
     def _plan(self, start: Pose, waypoints: Sequence[Pose]) -> iis.TimedPath2DSeq:

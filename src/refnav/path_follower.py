@@ -12,6 +12,8 @@ from refnav.line_following import (
     Spin,
     ToPoint,
 )
+from refnav.messages import pose_of
+from refnav.newest import Newest, all_in_time
 from refrobots import iis
 from refrobots.components.path_follower import PathFollowerBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
@@ -43,7 +45,10 @@ def motion(path: iis.Path) -> Motion:
 
 
 class PathFollower(PathFollowerBase):
-    """Follows one waypoint after the other, and rests until the first one comes."""
+    """Follows one waypoint after the other, and rests until the first one comes.
+
+    It stops, and says so, while position or waypoint are older than their limits.
+    """
 
     _v: float
     _w: float
@@ -54,11 +59,21 @@ class PathFollower(PathFollowerBase):
     def on_initialize(self) -> ReturnCode_t:
         """Make the message that is sent again and again."""
         self._command = iis.TimedVelocity2D()
+        config = self.config
+        self._position = Newest[iis.TimedPose2D](
+            self.position, lambda: config.PositionTimeout
+        )
+        self._waypoint = Newest[iis.Path](
+            self.target_path, lambda: config.TargetTimeout
+        )
         self._rest()
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Start at rest, with neither pose nor waypoint."""
+        now = self.now()
+        self._position.start(now)
+        self._waypoint.start(now)
         self._rest()
         return RTC_OK
 
@@ -75,7 +90,8 @@ class PathFollower(PathFollowerBase):
     def on_execute(self, ec_id: int) -> ReturnCode_t:
         """Take one waypoint and the newest pose, and send the next velocity."""
         config = self.config
-        if self.target_path.is_new() and (path := self.target_path.read()) is not None:
+        now = self.now()
+        if (path := self._waypoint.read(now)) is not None:
             try:
                 self._target = motion(path)
             except ValueError as error:
@@ -83,19 +99,29 @@ class PathFollower(PathFollowerBase):
             if self._pose is not None:
                 self._target.observe(self._pose)
                 self._motion = self._target
-        if (
-            self.position.is_new()
-            and (sample := self.position.read_newest()) is not None
-        ):
-            data = sample.data
-            self._pose = Pose(data.position.x, data.position.y, data.heading)
+        if (sample := self._position.read_newest(now)) is not None:
+            self._pose = pose_of(sample.data)
             self._target.observe(self._pose)
             self._motion = self._target
+        if not self._sees(now):
+            self._v = self._w = 0.0
+            self._send(0.0, 0.0)
+            return RTC_OK
         v, w = self._motion.reference(self._v, self._w, config)
         self._v = v = limited(self._v, v, config.max_v, config.max_acc_v)
         self._w = w = limited(self._w, w, config.max_w, config.max_acc_w)
         self._send(v, w)
         return RTC_OK
+
+    def _sees(self, now: int) -> bool:
+        """Whether what the base moves by is young enough; at rest nothing is needed."""
+        if self._target is not STOP:
+            return all_in_time(self, now, self._position, self._waypoint)
+        # A stop is sent once, and carried out with an eye on the position.
+        if self._v or self._w:
+            return all_in_time(self, now, self._position)
+        self.report("")
+        return True
 
     def _send(self, v: float, w: float) -> None:
         command = self._command

@@ -7,18 +7,23 @@ from math import atan2, hypot
 
 from refnav.geometry import Pose
 from refnav.map_text import MapError, text_of
-from refnav.planner import Planner, poses
+from refnav.planner import Planner, UnreachableError, poses
 from refnav.planning import SAME_PLACE
 from refnav.route_map import RouteMap, parse
 from refrobots import iis, rtc
-from refrobots.components.path_planning import PathPlanningBase
+from refrobots.components.path_planning import (
+    PathPlanningBase,
+    PathPlanningConfiguration,
+)
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 SPEED = 1.0
 """Forward speed asked for at every element of a path; the navigation has its own [m/s]."""
+OFF_THE_MAP = 0.3
+"""A base farther than this from its first node drives there first [m]."""
 
 
-class PathPlanning(Planner, PathPlanningBase):
+class PathPlanning(Planner[PathPlanningConfiguration], PathPlanningBase):
     """The cheapest path from the node nearest to the base to that nearest to the goal."""
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
@@ -49,18 +54,20 @@ class PathPlanning(Planner, PathPlanningBase):
                 )
             numbers += way[1:]
             here = there
-        path = [*along(route, numbers), waypoints[-1]]
+        path = [*along(route, numbers, start), waypoints[-1]]
         ahead = [rtc.Velocity2D(SPEED, 0.0, 0.0) for _ in path]
         return iis.TimedPath2DSeq(pose=poses(path), velocity=ahead)
 
 
-class UnreachableError(Exception):
-    """No way of the map leads to the goal."""
+def along(route: RouteMap, numbers: Sequence[int], start: Pose) -> list[Pose]:
+    """Nodes with the direction of travel that arrives there as heading.
 
-
-def along(route: RouteMap, numbers: Sequence[int]) -> list[Pose]:
-    """Nodes with the direction of travel that arrives there as heading; 0 at the first."""
+    That of the first is 0, unless `start` is away from it: then the path begins there.
+    """
+    first = route.nodes[numbers[0]]
     path: list[Pose] = []
+    if hypot(first.x - start.x, first.y - start.y) > OFF_THE_MAP:
+        path.append(start)
     for number in numbers:
         x, y, _ = route.nodes[number]
         heading = 0.0

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from refnav.geometry import Pose
 from refnav.messages import pose_2d, pose_of
+from refnav.newest import Newest, all_in_time
+from refnav.pose_history import jumped
 from refnav.tracking import Progress, Tracker
 from refrobots import iis
 from refrobots.components.path_tracking import PathTrackingBase
@@ -11,22 +13,31 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class PathTracking(PathTrackingBase):
-    """Follows the newest path, and rests without one."""
+    """Follows the newest path, and rests without one, and while the position is too old."""
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Watch the age of the position."""
+        config = self.config
+        self._position = Newest[iis.TimedPose2D](
+            self.position, lambda: config.PositionTimeout
+        )
+        return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
         """Start without path."""
+        self._position.start(self.now())
         self._tracker = Tracker([], [])
         self._here: Pose | None = None
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
         """Do not leave the robot running."""
-        self._send(0.0, 0.0)
+        self._halt()
         return RTC_OK
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
         """Do not leave the robot running."""
-        self._send(0.0, 0.0)
+        self._halt()
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
@@ -39,16 +50,27 @@ class PathTracking(PathTrackingBase):
                     " waypoints"
                 )
             self._take(path)
-        sample = self.position.read_newest()
+        now = self.now()
+        sample = self._position.read_newest(now)
+        in_time = all_in_time(self, now, self._position)
         if sample is not None:
-            self._here = pose_of(sample.data)
+            before, self._here = self._here, pose_of(sample.data)
+            if before and self._tracker.is_under_way:
+                jump = jumped(before, self._here, self.config.MaxJump)
+                if jump:
+                    return self.fail(f"position: {jump}")
             for progress in self._tracker.step(self._here, self.config):
                 self._tell(progress)
-        if self._here is not None:
+        if self._here is not None and in_time:
             self._send(*self._tracker.command(self._here, self.config))
         else:
             self._send(0.0, 0.0)
         return RTC_OK
+
+    def _halt(self) -> None:
+        self._send(0.0, 0.0)
+        if self._tracker.is_under_way:
+            self._tell(self._tracker.interrupted())
 
     def _take(self, path: iis.TimedPath2DSeq) -> None:
         if path.pose:

@@ -59,7 +59,7 @@ class Picture:
         from matplotlib.figure import Figure
 
         with rc_context({"svg.hashsalt": "rtgen", "font.family": "DejaVu Sans"}):
-            figure = Figure(figsize=(7.0, 7.0), layout="constrained")
+            figure = Figure(figsize=(7.0, 7.6), layout="constrained")
             axes = figure.add_subplot()
             for kind, what, colour, name in self._items:
                 label = name or None
@@ -84,14 +84,21 @@ class Picture:
                     )
                     axes.plot([x], [y], "o", color=colour, label=label)
                 else:
-                    axes.text(what[0], what[1], what[2], color=colour)
+                    axes.annotate(
+                        what[2],
+                        what[:2],
+                        xytext=(5, 5),
+                        textcoords="offset points",
+                        color=colour,
+                        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1},
+                    )
             axes.set_aspect("equal", adjustable="datalim")
             axes.set_xlabel("x [m]")
             axes.set_ylabel("y [m]")
             axes.set_title(title)
             axes.grid(visible=True, alpha=0.3)
             if any(name for *_, name in self._items):
-                axes.legend(loc="best")
+                figure.legend(loc="outside lower center", ncols=4)
             kind = self._path.suffix.lower()[1:]
             undated: dict[str, Any] = {
                 "pdf": {"CreationDate": None},

@@ -1,19 +1,44 @@
-"""What planners have in common: goals and paths of the operator, and one FINISH for each path."""
+"""What planners have in common: goals and paths of the operator, and one FINISH for each path.
+
+A path that the navigation shows no state of is not there (any more), and is planned and sent again.
+"""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
+from math import hypot
+from typing import Generic, Protocol, TypeVar
 
 from refnav.geometry import Pose
 from refnav.messages import pose_message, pose_of
+from refnav.newest import Newest, complaints
 from refrobots import iis, rtc
 from rtgen.runtime import RTC_OK, Component, InPort, OutPort, ReturnCode_t
 
 
-class Planner(Component):
-    """Plans for each goal, and for each path once its last waypoint has come."""
+class PlannerParameters(Protocol):
+    """The parameters that all planners have [s, m]."""
 
+    PositionTimeout: float
+    StatusTimeout: float
+    ArrivalRadius: float
+
+
+P = TypeVar("P", bound=PlannerParameters)
+
+
+class UnreachableError(Exception):
+    """No way leads to the goal; the message says why."""
+
+
+class Planner(Component, Generic[P]):
+    """Plans for each goal, and for each path once its last waypoint has come.
+
+    A goal is kept until its FINISH, also while the component is INACTIVE.
+    """
+
+    config: P
     current_position: InPort[iis.TimedPose2D]
     goal: InPort[iis.TimedPose2D]
     status_in: InPort[iis.TimedState]
@@ -22,61 +47,117 @@ class Planner(Component):
 
     @abstractmethod
     def _plan(self, start: Pose, waypoints: Sequence[Pose]) -> iis.TimedPath2DSeq:
-        """The path from where the base is through one or more waypoints."""
+        """The path from where the base is through one or more waypoints.
+
+        Raises UnreachableError.
+        """
+
+    def on_initialize(self) -> ReturnCode_t:
+        """No goal so far."""
+        config = self.config
+        self._position = Newest[iis.TimedPose2D](
+            self.current_position, lambda: config.PositionTimeout
+        )
+        self._status = Newest[iis.TimedState](
+            self.status_in, lambda: config.StatusTimeout
+        )
+        self._wanted: list[Pose] = []
+        return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Start without pose, goal and path."""
+        """Start without pose; a goal that was not reached is planned for again."""
+        self._position.start(self.now())
         self._pose: Pose | None = None
         self._collected: list[Pose] = []
-        self._wanted: list[Pose] = []
-        self._waiting_for_finish = False
-        self._under_way = False
+        self._silence = ""
+        self._sent = self._under_way = False
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Pass on FINISH, take the pose and the goals, and send the path for them."""
+        """Take the pose and the goals, send the path for them, pass on its FINISH."""
+        now = self.now()
         # What has come until now belongs to the path before the one that this execution sends.
-        self._follow_state()
-        sample = self.current_position.read_newest()
+        finish = self._follow_state(now)
+        sample = self._position.read_newest(now)
         if sample is not None:
             self._pose = pose_of(sample.data)
         while self.goal.is_new() and (goal := self.goal.read()) is not None:
             if not self._collect(goal):
                 return self.fail(f"goal: id {list(goal.id)} has no place in a path")
-        if self._wanted and self._pose is not None:
-            path = self._plan(self._pose, self._wanted)
-            self.stamp(path)
-            self.min_path.write(path)
-            self._waiting_for_finish = True
-            self._under_way = False
+        if finish is not None and self._sent and self._has_arrived:
             self._wanted = []
+            self.status_out.write(finish)
+        if not self._wanted:
+            self.report("")
+            return RTC_OK
+        if self._under_way:
+            self._silence = ""
+        silent = self._sent and self._status.is_late(now)
+        if silent:
+            # The path is not there, perhaps since the navigation was restarted.
+            self._silence = self._status.complaint
+        if self._sent and not silent and finish is None:
+            self.report(self._silence)
+            return RTC_OK
+        self._sent = False
+        late = complaints(now, self._position)
+        self.report(late or self._silence)
+        if late or self._pose is None:
+            return RTC_OK
+        return self._send(self._pose, now)
+
+    @property
+    def _has_arrived(self) -> bool:
+        """Whether a FINISH can be true."""
+        here, goal = self._pose, self._wanted[-1]
+        most = self.config.ArrivalRadius
+        return here is not None and hypot(goal.x - here.x, goal.y - here.y) <= most
+
+    def _send(self, here: Pose, now: int) -> ReturnCode_t:
+        try:
+            path = self._plan(here, self._wanted)
+        except UnreachableError as error:
+            self._wanted = []
+            return self.fail(str(error))
+        self.stamp(path)
+        self.min_path.write(path)
+        self._status.start(now)
+        self._sent = True
+        self._under_way = False
         return RTC_OK
 
-    def _follow_state(self) -> None:
-        while self.status_in.is_new() and (state := self.status_in.read()) is not None:
+    def _follow_state(self, now: int) -> iis.TimedState | None:
+        """The FINISH of the path that was sent, if it has come."""
+        finish = None
+        while (state := self._status.read(now)) is not None:
             if state.data != iis.State.FINISH:
-                self._under_way = self._waiting_for_finish
-            elif self._under_way:
+                self._under_way = self._sent
+            elif self._sent and self._under_way:
                 # A FINISH before any motion is left over from an earlier path.
-                self._waiting_for_finish = self._under_way = False
-                self.status_out.write(state)
+                self._under_way = False
+                finish = state
+        return finish
 
     def _collect(self, goal: iis.TimedPose2D) -> bool:
         point = pose_of(goal.data)
         match list(goal.id):
             case []:
-                self._wanted = [point]
-                self._collected = []
+                self._want([point])
             case [iis.PATH_FIRST, *_]:
                 self._collected = [point]
             case [iis.PATH_MIDDLE, *_] if self._collected:
                 self._collected.append(point)
             case [iis.PATH_LAST, *_] if self._collected:
-                self._wanted = [*self._collected, point]
-                self._collected = []
+                self._want([*self._collected, point])
             case _:
                 return False
         return True
+
+    def _want(self, points: list[Pose]) -> None:
+        self._wanted = points
+        self._collected = []
+        self._sent = False
+        self._silence = ""
 
 
 def poses(path: Sequence[Pose]) -> list[rtc.Pose2D]:

@@ -7,20 +7,37 @@ from collections.abc import Sequence
 from refnav.geometry import Pose, advance
 from refnav.kinematics import Kinematics
 from refnav.limiter import limited
+from refnav.room import Room
 
 
 class Plant:
     """A base on driven wheels; its pose is that of the centre of the drive.
 
     `speeds` are those of the wheels [rad/s], `angles` what they have turned since the start [rad];
-    (x, y, theta) is the true pose [m, rad]. `kinematics` has the true sizes.
+    (x, y, theta) is the true pose [m, rad]. `kinematics` has the true sizes. A body of `radius` [m]
+    that comes up to something of the `room` stops there, and `touches` it.
     """
 
-    __slots__ = ("_placed", "angles", "kinematics", "speeds", "theta", "x", "y")
+    __slots__ = (
+        "_placed",
+        "_space",
+        "angles",
+        "kinematics",
+        "radius",
+        "room",
+        "speeds",
+        "theta",
+        "touches",
+        "x",
+        "y",
+    )
 
     def __init__(self, kinematics: Kinematics) -> None:
         self.kinematics = kinematics
         self.angles = [0.0] * kinematics.wheels
+        self.room = Room(())
+        self.radius = 0.0
+        self.touches = False
         self.place(Pose(0.0, 0.0, 0.0))
         self._placed = False
 
@@ -38,6 +55,7 @@ class Plant:
         """Set the base down at a pose, at rest."""
         self.x, self.y, self.theta = pose
         self._placed = True
+        self._space = 0.0
         self.halt()
 
     def start(self, pose: Pose) -> None:
@@ -68,9 +86,29 @@ class Plant:
         for i, turn in enumerate(turns):
             angles[i] += turn
         forward, sideways, turned = self.kinematics.motion(turns)
-        self.x, self.y, self.theta = advance(
+        x, y, self.theta = advance(
             self.x, self.y, self.theta, forward, turned, sideways
         )
+        self.touches = self._is_blocked(x, y, abs(forward) + abs(sideways))
+        if self.touches:
+            # The wheels may have turned: encoders count, the body stays.
+            self.halt()
+        else:
+            self.x, self.y = x, y
+
+    def _is_blocked(self, x: float, y: float, way: float) -> bool:
+        """Whether the body cannot get to a point, which is at most `way` [m] away."""
+        if not self.room.things:
+            return False
+        # Nothing can be touched on a way shorter than the room left when it was last measured.
+        self._space -= way
+        if self._space > 0.0:
+            return False
+        space = self.room.distance(x, y) - self.radius
+        if space <= 0.0 and space < self.room.distance(self.x, self.y) - self.radius:
+            return True
+        self._space = space
+        return False
 
 
 def counted(angle: float, count: float) -> float:

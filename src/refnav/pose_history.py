@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from math import hypot
 
 from refnav.geometry import Pose, wrap
 from refnav.messages import pose_of
@@ -10,6 +11,19 @@ from refrobots import iis, rtc
 
 REMEMBERED = 128
 """How many poses are kept."""
+TURN_JUMP = 0.6
+"""A heading this far from the one before is no motion of the base [rad]."""
+
+
+def jumped(before: Pose, here: Pose, most: float) -> str:
+    """Why one pose cannot follow upon the other, by `most` [m]; empty if it can, or `most` is 0."""
+    if most <= 0.0 or (
+        hypot(here.x - before.x, here.y - before.y) <= most
+        and abs(wrap(here.theta - before.theta)) <= TURN_JUMP
+    ):
+        return ""
+    text = "jumped from ({:.2f}, {:.2f}, {:.2f}) to ({:.2f}, {:.2f}, {:.2f})"
+    return text.format(*before, *here) + "; was its source restarted?"
 
 
 class PoseHistory:

@@ -2,6 +2,35 @@
 
 from math import inf
 
+from refnav.recent import entries
+
+
+def walls_of(text: str) -> "list[tuple[float, float, float, float]]":
+    """The walls `X1 Y1 X2 Y2` [m] of a text with semicolons. Raises ValueError."""
+    walls = []
+    for words in entries(text):
+        if len(words) != 4:
+            raise ValueError(" ".join(words) + " is no wall")
+        x1, y1, x2, y2 = [float(word) for word in words]
+        walls.append((x1, y1, x2, y2))
+    return walls
+
+
+def nearest_wall(
+    walls: "list[tuple[float, float, float, float]]",
+    x: float,
+    y: float,
+    dx: float,
+    dy: float,
+) -> float:
+    """How far the first wall is from a point in the direction (dx, dy) [m]; inf without one."""
+    nearest = inf
+    for wall in walls:
+        reach = hit_wall(wall, x, y, dx, dy)
+        if reach < nearest:
+            nearest = reach
+    return nearest
+
 
 def hit_wall(
     wall: "tuple[float, float, float, float]", x: float, y: float, dx: float, dy: float

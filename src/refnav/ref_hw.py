@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from math import tau
 
-from refnav.base_control import start_of, true_wheels
+from refnav.base_control import contact, furnish, start_of, true_wheels
+from refnav.map_text import MapError
 from refnav.messages import pose_message
+from refnav.newest import Newest
 from refnav.plant import Plant, counted
 from refrobots import iis, rtc
 from refrobots.components.ref_hw import RefHwBase
@@ -17,7 +19,11 @@ class RefHw(RefHwBase):
 
     def on_initialize(self) -> ReturnCode_t:
         """Put the base on the floor."""
-        self._plant = Plant(true_wheels(self.config))
+        config = self.config
+        self._plant = Plant(true_wheels(config))
+        self._command = Newest[rtc.TimedDoubleSeq](
+            self.WheelSpeed, lambda: config.CommandTimeout
+        )
         self.observables["truth"] = lambda: self._plant.pose
         self.observables["wheels"] = lambda: tuple(self._plant.speeds)
         return RTC_OK
@@ -26,7 +32,12 @@ class RefHw(RefHwBase):
         """At rest, where it stood."""
         config = self.config
         self._plant.kinematics = true_wheels(config)
+        try:
+            furnish(self._plant, config, self.folder)
+        except MapError as error:
+            return self.fail(f"PlantRoom: {error}")
         self._plant.start(start_of(config))
+        self._command.start(self.now())
         self._wanted = [0.0, 0.0]
         self._now = self.now()
         return RTC_OK
@@ -48,8 +59,13 @@ class RefHw(RefHwBase):
         dt = (now - self._now) / SECOND
         self._now = now
         plant.roll(dt)
-        command = self.WheelSpeed.read_newest()
-        if command is not None:
+        if plant.touches:
+            return self.fail(contact(plant))
+        command = self._command.read_newest(now)
+        if command is None:
+            if self._command.is_late(now):
+                self._wanted = [0.0, 0.0]
+        else:
             if len(command.data) != len(self._wanted):
                 return self.fail(f"WheelSpeed: {len(command.data)} speeds for 2 wheels")
             self._wanted = command.data

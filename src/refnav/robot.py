@@ -9,6 +9,7 @@ from typing import Generic, Protocol, TypeVar
 from refnav.body import Body
 from refnav.following import REST, WAYS, Command, Follower, FollowingParameters
 from refnav.geometry import Pose
+from refnav.newest import Newest
 from refrobots import iis, rtc
 from rtgen.runtime import RTC_OK, SECOND, Component, InPort, OutPort, ReturnCode_t
 
@@ -19,6 +20,7 @@ class RobotParameters(FollowingParameters, Protocol):
     robot_id: int
     following: str
     CommandTimeout: float
+    TargetTimeout: float
     start_x: float
     start_y: float
     start_theta: float
@@ -49,6 +51,13 @@ class Robot(Component, Generic[P]):
         """Show where the robot is, once there is one."""
         self._body: Body | None = None
         self._position = iis.TimedPosition()
+        config = self.config
+        command_age = lambda: config.CommandTimeout  # noqa: E731
+        self._first = Newest[rtc.TimedVelocity](self.velocity, command_age)
+        self._second = Newest[iis.TimedVelocity](self.moving_command, command_age)
+        self._target = Newest[iis.TimedPosition](
+            self.target_position, lambda: config.TargetTimeout
+        )
         self._show("truth", lambda body: body.plant.pose)
         self._show("odometry", lambda body: body.odometry)
         self._show("velocity", lambda body: body.plant.velocity)
@@ -105,27 +114,26 @@ class Robot(Component, Generic[P]):
 
     def _wait(self) -> None:
         self._command = REST
-        self._heard = self._now
+        for commands in (self._first, self._second):
+            commands.start(self._now)
         self._follower: Follower | None = None
         self._leader: list[int] = []
 
     def _listen(self, now: int) -> None:
         command = None
-        if self.velocity.is_new() and (first := self.velocity.read_newest()):
+        if (first := self._first.read_newest(now)) is not None:
             command = Command(first.v, 0.0, first.w)
-        if self.moving_command.is_new() and (
-            second := self.moving_command.read_newest()
-        ):
+        if (second := self._second.read_newest(now)) is not None:
             command = Command(second.vx, second.vy, second.w)
         if command is not None:
             self._wait()
             self._command = command
-        elif 0.0 < self.config.CommandTimeout * SECOND < now - self._heard:
+        elif self._first.is_late(now) and self._second.is_late(now):
             self._command = REST
-        if self.target_position.is_new() and (
-            target := self.target_position.read_newest()
-        ):
+        if (target := self._target.read_newest(now)) is not None:
             self._follow(target)
+        elif self._follower is not None and self._target.is_late(now):
+            self._follower = None
 
     def _follow(self, target: iis.TimedPosition) -> None:
         # The track of one robot is no track of another, so a new leader is followed anew.

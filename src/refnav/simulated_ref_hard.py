@@ -8,12 +8,17 @@ from typing import Generic, Protocol, TypeVar
 from refnav.base_control import (
     BaseControl,
     BaseParameters,
+    PlantRoom,
     PlantSizes,
     PlantStart,
     TravelSwitch,
+    contact,
+    furnish,
     start_of,
     true_wheels,
 )
+from refnav.map_text import MapError
+from refnav.messages import pose_message
 from refnav.plant import Plant, counted
 from refrobots import RefHard, iis, rtc
 from rtgen.runtime import (
@@ -26,7 +31,7 @@ from rtgen.runtime import (
 )
 
 
-class BaseSettings(BaseParameters, PlantSizes, PlantStart, Protocol):
+class BaseSettings(BaseParameters, PlantRoom, PlantSizes, PlantStart, Protocol):
     """The parameters of a simulated base [m, rad/s]."""
 
     Velocity_limit: float
@@ -50,6 +55,7 @@ class SimulatedRefHard(Component, Generic[P]):
     config: P
     InTargetVelocity: InPort[iis.TimedVelocity2D]
     OutWheelAngle: OutPort[rtc.TimedDoubleSeq]
+    PlantPose: OutPort[iis.TimedPose2D]
     InventGUIRefHard: Provider[RefHard]
     BumpRefHard: Provider[RefHard]
 
@@ -69,6 +75,10 @@ class SimulatedRefHard(Component, Generic[P]):
         """Switch the motors on, at rest; the base stays where it is."""
         config = self.config
         self._base.kinematics = true_wheels(config)
+        try:
+            furnish(self._base, config, self.folder)
+        except MapError as error:
+            return self.fail(f"PlantRoom: {error}")
         self._base.start(start_of(config))
         self._now = self.now()
         self._control.start(self._now)
@@ -101,6 +111,8 @@ class SimulatedRefHard(Component, Generic[P]):
         self._now = now
         # The wheels first run on at the speeds they had: a command acts from now on.
         base.roll(dt)
+        if base.touches:
+            return self.fail(contact(base))
         wanted = self._control.wheel_speeds(now)
         base.drive(wanted, config.Velocity_limit, config.Acceleration_limit * dt)
         count = tau / (config.EncoderCount * config.GearRatio)
@@ -110,4 +122,8 @@ class SimulatedRefHard(Component, Generic[P]):
         angles.data[1] = counted(right, count) * config.EncoderConstant_R
         self.stamp(angles)
         self.OutWheelAngle.write(angles)
+        if self.PlantPose.connectors:
+            pose = iis.TimedPose2D(data=pose_message(base.pose))
+            self.stamp(pose)
+            self.PlantPose.write(pose)
         return RTC_OK

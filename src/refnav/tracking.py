@@ -57,6 +57,16 @@ class Tracker:
         self._told = not path
         self._before: Pose | None = None
 
+    @property
+    def is_under_way(self) -> bool:
+        """Whether something is left of the path."""
+        return not self._resting
+
+    def interrupted(self) -> Progress:
+        """The path is given up: the waypoint reached last, stopped."""
+        self._resting = self._told = True
+        return self._progress(stopped=True)
+
     def stop(self) -> None:
         """Stop at the spot, whatever is left of the path."""
         self._resting = True

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from refnav.body import Body, on_omni_wheels, on_two_wheels
 from refnav.geometry import Pose
+from refnav.newest import Newest
 from refrobots import iis
 from refrobots.components.black_ship_control import BlackShipControlConfiguration
 from refrobots.components.omni_wheel_control import OmniWheelControlConfiguration
@@ -33,6 +34,10 @@ class TravelControl(TravelControlBase):
         """Show where the robot is."""
         self._body: Body | None = None
         self._information = iis.TimedVelocity2D()
+        config = self.config
+        self._commands = Newest[iis.TimedVelocity2D](
+            self.command, lambda: config.CommandTimeout
+        )
         self.observables["truth"] = lambda: (
             () if self._body is None else self._body.plant.pose
         )
@@ -44,7 +49,8 @@ class TravelControl(TravelControlBase):
         if self._body is None:
             self._body = BODIES[config.robot]()
             self._body.place(Pose(config.start_x, config.start_y, config.start_theta))
-        self._now = self._sent = self.now()
+        self._now = self.now()
+        self._commands.start(self._now)
         self._command = (0.0, 0.0, 0.0)
         return RTC_OK
 
@@ -78,12 +84,9 @@ class TravelControl(TravelControlBase):
         return RTC_OK
 
     def _listen(self, now: int) -> None:
-        command = self.command.read_newest()
-        if command is not None:
-            sent = command.tm.sec * SECOND + command.tm.nsec
-            if sent > 0:
-                self._sent = sent
-                data = command.data
-                self._command = (data.vx, data.vy, data.va)
-        if 0.0 < self.config.CommandTimeout * SECOND < now - self._sent:
+        command = self._commands.read_newest(now)
+        if command is not None and (command.tm.sec or command.tm.nsec):
+            data = command.data
+            self._command = (data.vx, data.vy, data.va)
+        if self._commands.is_late(now):
             self._command = (0.0, 0.0, 0.0)

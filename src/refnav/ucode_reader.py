@@ -2,11 +2,14 @@
 
 from math import atan2, pi, sqrt
 
+from refnav.rays import nearest_wall, walls_of
 from refnav.recent import entries, octets_of
 from refrobots import ucode
 from refrobots.components.ucode_reader import UcodeReaderBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
+ON_THE_WALL = 0.01
+"""A marker this far behind the surface of a wall is on it [m]."""
 MOST = 8
 """So many markers are told at most; the farthest are left out."""
 
@@ -22,6 +25,10 @@ class UcodeReader(UcodeReaderBase):
                 return self.fail("markers: " + " ".join(words) + " is no marker")
             markers.append((octets_of(words[0]), float(words[1]), float(words[2])))
         self._markers = markers
+        try:
+            self._walls = walls_of(self.config.walls)
+        except ValueError as error:
+            return self.fail("walls: " + str(error))
         self._reading = ucode.TimedSightings()
         return RTC_OK
 
@@ -36,7 +43,16 @@ class UcodeReader(UcodeReaderBase):
             dx, dy = x - here.position.x, y - here.position.y
             distance = sqrt(dx * dx + dy * dy)
             bearing = _wrapped(atan2(dy, dx) - here.heading)
-            if distance <= self.config.reach and abs(bearing) <= self.config.angle:
+            if distance > self.config.reach or abs(bearing) > self.config.angle:
+                continue
+            # A marker on a wall is in front of it.
+            if distance == 0.0 or distance <= ON_THE_WALL + nearest_wall(
+                self._walls,
+                here.position.x,
+                here.position.y,
+                dx / distance,
+                dy / distance,
+            ):
                 seen.append((distance, bearing, code))
         if not seen:
             return RTC_OK

@@ -21,12 +21,15 @@ class Urg_to_Obstacles(Urg_to_ObstaclesBase):
 
 
 def points_of(scan: rtc.RangeData, spacing: float) -> list[rtc.Point2D]:
-    """The points of a scan, in the frame of the base [m]; those nearer than `spacing` thinned."""
+    """The points of a scan, in the frame of the base [m]; those nearer than `spacing` thinned.
+
+    A range of 0 is no point, whatever the least range: nothing was hit.
+    """
     place = scan.geometry.geometry.pose
     settings = scan.config
     points: list[rtc.Point2D] = []
     for i, reach in enumerate(scan.ranges):
-        if not settings.minRange <= reach <= settings.maxRange:
+        if reach <= 0.0 or not settings.minRange <= reach <= settings.maxRange:
             continue
         angle = place.orientation.y + settings.minAngle + i * settings.angularRes
         x = place.position.x + reach * cos(angle)

@@ -68,7 +68,7 @@ def read(
     """
     from rtgen.frontends import together
 
-    of_tecs = _ending_with(project.sources, ".cdl")
+    of_tecs = _ending_with(project.sources, ".cdl", ".cde")
     of_devices = _ending_with(project.sources, ".eds", ".dcf")
     of_idl = _ending_with(project.sources, ".idl")
     of_buses = _ending_with(project.sources, ".toml")
@@ -208,8 +208,9 @@ def _inspected(
         diagnostics += found
         sources |= texts
         if system is not None:
-            systems.append(system)
-            diagnostics += _looked_at(system, project)
+            named, seen = _looked_at(system, project)
+            systems += named
+            diagnostics += seen
     model = replace(result.model, systems=tuple(systems))
     diagnostics = in_order(diagnostics)
     text = json_text(model, diagnostics) if as_json else tree(model)
@@ -222,25 +223,33 @@ def _inspected(
     )
 
 
-def _looked_at(system: System, project: Project | None) -> Sequence[Diagnostic]:
-    """What is to be said of a system that is shown, against the definitions if there are some."""
+def _looked_at(
+    system: System, project: Project | None
+) -> tuple[Sequence[System], Sequence[Diagnostic]]:
+    """See `_checked`; without a project only what needs no definitions is checked."""
     from rtgen import system_checks
 
     if project is None:
-        return system_checks.as_warnings(system_checks.check_properties(system))
+        found = system_checks.check_properties(system)
+        return [system], system_checks.as_warnings(found)
     return _checked([system], read(project, lowered=True), _options(project))
 
 
 def _checked(
     profiles: Sequence[System], definitions: FrontendResult, options: Options
-) -> list[Diagnostic]:
-    """The findings about systems; definitions with errors do not tell what there is."""
+) -> tuple[Sequence[System], list[Diagnostic]]:
+    """The systems with the definitions' names of ports, and the findings about them.
+
+    Definitions with errors do not tell what there is.
+    """
     from rtgen import system_checks, systems
 
     if has_errors(definitions.diagnostics):
-        return [d for each in profiles for d in system_checks.check_properties(each)]
+        found = [d for each in profiles for d in system_checks.check_properties(each)]
+        return profiles, found
     models = component_models(definitions.model, options)
-    return list(systems.checked(profiles, models))
+    named = systems.as_defined(profiles, models)
+    return named, list(systems.checked(named, models))
 
 
 def _hashes(result: FrontendResult) -> dict[str, str | None]:
@@ -280,6 +289,7 @@ def _options(project: Project) -> Options:
         small=project.small,
         representation=project.representation,
         extensibility=project.extensibility,
+        tecs_corba=project.tecs_corba,
         factories=dict(project.components),
         skeleton_path=project.skeleton_path,
     )
@@ -296,10 +306,10 @@ def _with_systems(
     from rtgen import systems
 
     found = systems.read(project.systems, root=project.root, output=project.output)
-    checked = _checked(found.systems, result, options)
+    named, checked = _checked(found.systems, result, options)
     return replace(
         result,
-        model=replace(result.model, systems=tuple(found.systems)),
+        model=replace(result.model, systems=tuple(named)),
         diagnostics=(*result.diagnostics, *found.diagnostics, *checked),
         sources={**result.sources, **found.sources},
         dependencies=(*result.dependencies, *found.dependencies),

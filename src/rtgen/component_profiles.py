@@ -54,7 +54,7 @@ def needed(profiles: Profiles, definitions: Sequence[Path]) -> ProfileIdl:
     """
     known = {path.resolve() for path in definitions}
     further = tuple(p for p in profiles.idl if p.resolve() not in known)
-    names = _type_names(profiles)
+    names = _openrtm_names(profiles)
     virtual = {
         name: (
             replace(file, given=not names.isdisjoint(_DECLARED.findall(file.text)))
@@ -67,7 +67,27 @@ def needed(profiles: Profiles, definitions: Sequence[Path]) -> ProfileIdl:
     return ProfileIdl(profiles, further, virtual, chosen)
 
 
-def _type_names(profiles: Profiles) -> set[str]:
+def type_names(profiles: Profiles) -> set[str]:
+    """The last parts of the types of all ports."""
+    types = [port.type for p in profiles.profiles for port in p.data_ports]
+    types += [
+        each.type
+        for p in profiles.profiles
+        for service in p.service_ports
+        for each in service.interfaces
+    ]
+    return {type_.replace(".", "::").split("::")[-1] for type_ in types}
+
+
+def declared_in(path: Path) -> set[str]:
+    """The structs, unions and interfaces that an IDL file seems to declare; none if unreadable."""
+    try:
+        return set(_DECLARED.findall(path.read_text("utf-8", "replace")))
+    except OSError:
+        return set()
+
+
+def _openrtm_names(profiles: Profiles) -> set[str]:
     """The last parts of the types of all ports that may be OpenRTM's."""
     types = [port.type for p in profiles.profiles for port in p.data_ports]
     parts = [type_.split("::") for type_ in types]

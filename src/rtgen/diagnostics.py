@@ -15,6 +15,10 @@ class Severity(StrEnum):
     NOTE = "note"
 
 
+LONGEST_TEXT = 1000
+"""Characters of a message, hint or label; what it quotes of a file may be longer."""
+
+
 @dataclass(frozen=True, slots=True, order=True)
 class Span:
     """A stretch of a user's text: 1-based lines and columns (in characters), end exclusive.
@@ -70,8 +74,22 @@ class Rule:
         related: Iterable[Related] = (),
         hint: str | None = None,
     ) -> Diagnostic:
-        """A finding of this rule."""
-        return Diagnostic(self.code, self.severity, message, span, tuple(related), hint)
+        """A finding of this rule; texts beyond LONGEST_TEXT lose their middle."""
+        return Diagnostic(
+            self.code,
+            self.severity,
+            _shortened(message),
+            span,
+            tuple(Related(each.span, _shortened(each.label)) for each in related),
+            None if hint is None else _shortened(hint),
+        )
+
+
+def _shortened(text: str) -> str:
+    if len(text) <= LONGEST_TEXT:
+        return text
+    half = LONGEST_TEXT // 2
+    return f"{text[:half]} [...] {text[-half:]}"
 
 
 class InputError(Exception):

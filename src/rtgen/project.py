@@ -36,6 +36,8 @@ KCODES = ("auto", "euc", "sjis", "utf8", "none")
 SUFFIXES = (".idl", ".cdl", ".eds", ".dcf")
 """What the front ends read, in lower case."""
 
+_XML_DEVICES = (".xdd", ".xdc", ".xpd")
+
 _BUS = re.compile(rb"^[ \t]*(\[[ \t]*bus[ \t]*\]|bus[ \t]*[.=])", re.MULTILINE)
 _MOST_OF_BUS = 1024 * 1024
 _PROFILES = {
@@ -68,9 +70,10 @@ class Project:
     `root` is the absolute folder of rtgen.toml (else the working folder), which the keys of inputs
     are relative to. `sources`, `systems` and `include` are paths as they are shown to the user.
     `output` and `skeletons` are absolute, and neither may lead out of `base`. `tecs_path` are the
-    folders of the environment's TECSPATH, which imports of CDL are looked for in at last. `node_id`
-    is the node that devices are read for. `systems` are the RtsProfiles among the sources, which
-    are no definitions.
+    folders of the environment's TECSPATH, which imports of CDL are looked for in at last;
+    `tecs_corba` tells whether services of TECS boards can be called over CORBA. `node_id` is the
+    node that devices are read for. `systems` are the RtsProfiles among the sources, which are no
+    definitions.
     """
 
     root: Path
@@ -86,6 +89,7 @@ class Project:
     prelude: str = "kernel"
     kcode: str = "auto"
     tecs_path: tuple[Path, ...] = ()
+    tecs_corba: bool = False
     package: str = "robots"
     target: str = "embedded"
     small: tuple[int, int, int] = (1024, 128, 2)
@@ -158,6 +162,7 @@ def load(start: Path | None = None) -> Project:
         prelude=settings.text("sources", "prelude", "kernel"),
         kcode=settings.text("sources", "kcode", "auto"),
         tecs_path=_tecs_path(),
+        tecs_corba=settings.flag("tecs", "corba"),
         package=settings.text("output", "package", "robots"),
         target=settings.text("output", "target", "embedded"),
         small=(
@@ -212,7 +217,8 @@ def with_arguments(
     """The project as the command line changes it: other sources, more includes, other folders.
 
     `add`: the paths are read beside what rtgen.toml names, not in place of it; without, the
-    project's adapters are left out, since their types need not be there.
+    project's adapters are left out, since their types need not be there. Systems alone are read
+    with the definitions and adapters of rtgen.toml.
     Raises InputError where a path is no definition file.
     """
     changes = project
@@ -232,7 +238,9 @@ def with_arguments(
             raise InputError(findings)
         known = [*project.sources, *project.systems] if add else []
         changes = _with_files(changes, [*known, *named])
-        if not add:
+        if changes.systems and not changes.sources:
+            changes = replace(changes, sources=project.sources)
+        elif not add:
             changes = replace(changes, adapters=())
     return replace(
         changes,
@@ -382,10 +390,19 @@ def _check_kind(path: Path, target: str) -> Diagnostic | None:
         return None
     if path.suffix.lower() == ".toml" and path.name != FILE_NAME:
         return None  # named as a bus file: its reader says what is wrong with it
-    kinds = ", ".join(f"*{s}" for s in (*SUFFIXES, ".toml", ".xml"))
-    return SOURCE_KIND.at(
-        None, f"{path.as_posix()} is no definition file", hint=f"rtgen reads {kinds}"
-    )
+    if path.suffix.lower() == ".cde":
+        return (
+            None  # CDL as the editor tecscde writes it, beside a CDL file of that name
+        )
+    if path.suffix.lower() in _XML_DEVICES:
+        hint = (
+            "this is a CANopen device in XML (CiA 311): export it as an EDS, with CANopenEditor "
+            "for example"
+        )
+    else:
+        kinds = ", ".join(f"*{s}" for s in (*SUFFIXES, ".toml", ".xml"))
+        hint = f"rtgen reads {kinds}"
+    return SOURCE_KIND.at(None, f"{path.as_posix()} is no definition file", hint=hint)
 
 
 def _check_names(
@@ -403,7 +420,8 @@ def _check_names(
         )
     skeletons = project.skeleton_package
     where = settings.span("output", "skeletons")
-    if skeletons and (not skeletons.isidentifier() or keyword.iskeyword(skeletons)):
+    is_name = skeletons.isascii() and skeletons.isidentifier()
+    if skeletons and (not is_name or keyword.iskeyword(skeletons)):
         yield PROJECT_NAME.at(
             where, f"skeleton folder {skeletons!r} is no Python identifier"
         )

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import keyword
 import re
-import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -12,11 +12,10 @@ from typing import Any
 
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.project_rules import FILE_UNREADABLE, PATH_MISSING, UNKNOWN_KEY, WRONG_TYPE
+from rtgen.toml_text import TomlError, parse
 
 _HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
 _KEY = re.compile(r"\s*(\"[^\"]*\"|'[^']*'|[\w-]+)\s*=")
-_TOML_PLACE = re.compile(r"\s*\(at line (\d+), column (\d+)\)$")
-_FACTORY = re.compile(r"[A-Za-z_][\w.]*:[A-Za-z_][\w.]*")
 _MACRO = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 Check = Callable[[Any], str | None]
@@ -76,7 +75,12 @@ def _room(value: Any) -> str | None:
 
 
 def _factory(value: Any) -> str | None:
-    fine = isinstance(value, str) and _FACTORY.fullmatch(value)
+    module, colon, name = value.partition(":") if isinstance(value, str) else ("",) * 3
+    parts = [*module.split("."), *name.split(".")]
+    fine = colon and all(
+        part.isascii() and part.isidentifier() and not keyword.iskeyword(part)
+        for part in parts
+    )
     return None if fine else "must be 'module:attribute'"
 
 
@@ -110,6 +114,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
         "representation": _one_of("cdr", "xcdr2"),
         "extensibility": _one_of("final", "appendable", "mutable"),
     },
+    "tecs": {"corba": _flag},
     "small": {"sequence": _room, "string": _room, "buffer": _room},
     "components": _factory,
     "adapter": _adapter,
@@ -230,30 +235,14 @@ def read(file: Path, name: str) -> Settings:
         span = Span(name, line, column, line, column + 1)
         raise InputError([FILE_UNREADABLE.at(span, "not UTF-8")]) from None
     try:
-        content = tomllib.loads(source)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError([_syntax(name, source, str(error))]) from None
-    except (RecursionError, ValueError):  # of an integer with thousands of digits
-        span = Span(name, 1, 1, 1, 2)
-        raise InputError(
-            [FILE_UNREADABLE.at(span, "nested too deeply, or a number is too long")]
-        ) from None
+        content = parse(source, name)
+    except TomlError as error:
+        raise InputError([FILE_UNREADABLE.at(error.span, str(error))]) from None
     settings = Settings(name, source, content)
     findings = [*_check(settings)]
     if findings:
         raise InputError(findings)
     return settings
-
-
-def _syntax(name: str, source: str, message: str) -> Diagnostic:
-    place = _TOML_PLACE.search(message)
-    if place:
-        line, column = int(place[1]), int(place[2])
-    else:
-        line = source.count("\n") + 1
-        column = len(source.rpartition("\n")[2]) + 1
-    text = _TOML_PLACE.sub("", message).removesuffix(" (at end of document)")
-    return FILE_UNREADABLE.at(Span(name, line, column, line, column + 1), text)
 
 
 def _check(settings: Settings) -> Iterator[Diagnostic]:

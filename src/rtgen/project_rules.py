@@ -160,6 +160,40 @@ one.
 """,
 )
 
+LEFTOVER_SKELETON = Rule(
+    "PRJ0012",
+    "behaviour of a component that is not defined",
+    Severity.WARNING,
+    """
+A module beside the skeletons imports the base of a component that no definition has (any more):
+the component was renamed or removed, and its behaviour stayed behind. rtgen never touches it.
+
+```python
+from myrobot.components.swing import SwingBase      # the component is called Pendulum now
+```
+
+Move what is in it to the new skeleton, or change the import and the name of the class; then
+remove the old file. `rtgen generate` and `rtgen check` report it.
+""",
+)
+
+UNKNOWN_PORT = Rule(
+    "PRJ0013",
+    "port that the definition lacks",
+    Severity.WARNING,
+    """
+A behaviour reads or writes a port that its component's definition does not have (any more), as
+after a port was renamed. It would fail at run time only.
+
+```python
+self.temprature.write(Temperature(20.0))            # the port is called temperature
+```
+
+Modules beside the skeletons are looked at whose class derives from the generated base alone.
+`rtgen generate` and `rtgen check` report it.
+""",
+)
+
 SAME_PATH = Rule(
     "PRJ0101",
     "two files of one name",
@@ -266,6 +300,8 @@ RULES: tuple[Rule, ...] = (
     UNKNOWN_CODE,
     OTHER_FORM,
     WHICH_COMPONENT,
+    LEFTOVER_SKELETON,
+    UNKNOWN_PORT,
     SAME_PATH,
     LEAVES_OUTPUT,
     LINK_IN_OUTPUT,

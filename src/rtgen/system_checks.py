@@ -222,7 +222,7 @@ def _component(c: SystemComponent, known: Mapping[str, Known]) -> Iterator[Diagn
         yield OTHER_DEFINITION.at(c.span, message)
     parameters = {p.name: p for p in definition.component.configuration}
     reader = Parameters(definition.model)
-    for set_id, values in c.configuration:
+    for set_id, values in c.parameter_sets:
         for name, text in values:
             span = c.places.get((set_id, name), c.span)
             parameter = parameters.get(name)

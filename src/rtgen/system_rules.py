@@ -172,6 +172,88 @@ was at the beginning); `alike` (how far apart, had both begun at the same place)
 """,
 )
 
+TOLERANCE = Rule(
+    "SYS0012",
+    "tolerance that cannot be applied",
+    Severity.ERROR,
+    """
+`rtgen.run.tolerance` of a system is how far the robot may be from its goal when the run ends: a
+distance [m], or a distance and an angle [rad] with a comma between, both above 0. Beyond it the
+exit code of `rtgen run` is 1, whatever the end condition says.
+
+```xml
+<rtsExt:Properties rtsExt:name="rtgen.run.tolerance" rtsExt:value="0.05, 0.1"/>
+```
+
+It needs exactly one pose in `rtgen.run.pose`, and `rtgen.run.goal`.
+""",
+)
+
+RAISED = Rule(
+    "SYS0021",
+    "code of a component failed",
+    Severity.ERROR,
+    """
+A component's own code raised an exception, or a callback returned something that is no
+`ReturnCode_t`. The place is the last line of a user's own file in the traceback, which stands
+below (`--traceback none|short|full`); the message names component, callback and time.
+
+```python
+def on_execute(self, ec_id: int) -> ReturnCode_t:
+    self.temperature += 1 / self.config.period       # ZeroDivisionError if period is 0
+                                                     # no return: None is no ReturnCode_t
+```
+
+The component enters ERROR as `docs/life-cycle.md` says, other components go on, and `rtgen run`
+exits with 1 (2 if it failed in the constructor or in `on_initialize`). A callback that fails on
+purpose returns `self.fail("the reason")`, which is no such error. `--pdb` opens the debugger in
+the failing frame.
+""",
+)
+
+IMPORT = Rule(
+    "SYS0022",
+    "module of a component that cannot be imported",
+    Severity.ERROR,
+    """
+The module that `[components]` of `rtgen.toml`, or an entry point, names for a component's type
+cannot be imported: it has a syntax error, imports something that is not there, or raises while it
+is read. Or it has no such attribute. The place is the last line of a user's own file.
+
+```toml
+[components]
+Heater = "heaters:Heater"            # src/heaters.py, class Heater
+```
+
+Modules of the project are looked for in its skeleton and output folders. `rtgen run` exits with 3.
+""",
+)
+
+BLOCKED = Rule(
+    "SYS0023",
+    "code of a component that does not return",
+    Severity.WARNING,
+    """
+A callback has not returned for two seconds. The place is where it is now. In simulated time
+nothing else goes on meanwhile; in real time the other components do, and this one misses its
+ticks. Ctrl-C ends the run: a callback that still does not return is interrupted, or given up,
+two seconds later.
+
+A callback does a small piece of work and returns; what waits for a device or a socket belongs into
+a thread that `on_activated` starts, or uses a timeout.
+""",
+)
+
+NOTICE = Rule(
+    "SYS0024",
+    "notice of the runtime",
+    Severity.WARNING,
+    """
+The runtime reports something that does not end the run: a callback returned an error code where
+no state changes (`on_deactivated`, `on_shutdown`, ...), a request came too late, a bus is off.
+""",
+)
+
 RULES: tuple[Rule, ...] = (
     UNKNOWN_TYPE,
     NO_COMPONENT,
@@ -183,4 +265,9 @@ RULES: tuple[Rule, ...] = (
     OBSERVABLE,
     ELSEWHERE,
     MEASURE,
+    TOLERANCE,
+    RAISED,
+    IMPORT,
+    BLOCKED,
+    NOTICE,
 )

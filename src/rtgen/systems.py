@@ -13,6 +13,7 @@ from rtgen.frontends import Dependency, key_of, located_xml, rts_profile
 from rtgen.model import Model, System, SystemComponent
 from rtgen.model.system_links import known_components
 from rtgen.system_checks import check
+from rtgen.typemap.openrtm_ports import ports_of, with_definition_names
 
 _MOST_OF_CONF = 1024 * 1024
 
@@ -68,6 +69,22 @@ def _way(start: Path, folder: Path) -> str:
         return Path(os.path.relpath(folder, start)).as_posix()
     except ValueError:
         return ""
+
+
+def as_defined(systems: Iterable[System], models: Iterable[Model]) -> list[System]:
+    """The systems with the names that ports have in their definitions, not in OpenRTM."""
+    known = known_components(models)
+    return [
+        with_definition_names(
+            system,
+            {
+                c.instance: ports_of(known[c.type].component)
+                for c in system.components
+                if c.type in known
+            },
+        )
+        for system in systems
+    ]
 
 
 def checked(systems: Iterable[System], models: Iterable[Model]) -> Iterator[Diagnostic]:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
-from rtgen import measures
+from rtgen import measures, toml_text
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.measures import Measure
 from rtgen.model import PortReference, System
@@ -29,7 +28,6 @@ _SECTIONS = ("at", "measure", "follows")
 _LINK_KEYS = frozenset({"from", "to", "name", "properties"})
 _ENDS = frozenset({"from", "to"})
 _MOST_FOLLOWED = 8
-_PLACE = re.compile(r"\(at line (\d+), column (\d+)\)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,6 +178,18 @@ def load(file: Path, system: System) -> Timeline:
     )
 
 
+def of_system(path: Path, named: str | None, system: System) -> Timeline:
+    """The timeline of that name, else `timeline.toml` if the system is a folder and has one.
+
+    Raises InputError and ToolError as `load` does.
+    """
+    if named is not None:
+        return load(Path(named), system)
+    if path.is_dir() and (path / "timeline.toml").is_file():
+        return load(path / "timeline.toml", system)
+    return Timeline()
+
+
 def _ordered(steps: Sequence[Step]) -> tuple[Step, ...]:
     return tuple(sorted(steps, key=lambda step: (step.time, _place(step.action))))
 
@@ -212,19 +222,9 @@ def _read(text: str, name: str, system: System, links: Sequence[_Link] = ()) -> 
 
 def _content(text: str, name: str) -> dict[str, Any]:
     try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        place = _PLACE.search(str(error))
-        line, column = (
-            (int(place[1]), int(place[2])) if place else (text.count("\n") + 1, 1)
-        )
-        span = Span(name, line, column, line, column + 1)
-        raise InputError(
-            [TIMELINE.at(span, _PLACE.sub("", str(error)).strip())]
-        ) from None
-    except (RecursionError, ValueError):  # of an integer with thousands of digits
-        message = "nested too deeply, or a number is too long"
-        raise InputError([TIMELINE.at(Span(name, 1, 1, 1, 2), message)]) from None
+        return toml_text.parse(text, name)
+    except toml_text.TomlError as error:
+        raise InputError([TIMELINE.at(error.span, str(error))]) from None
 
 
 def _place(action: Action) -> int:

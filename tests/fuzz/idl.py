@@ -4,7 +4,10 @@
     python tests/fuzz/idl.py KIND --show N
     python tests/fuzz/idl.py --replay FILE
 
-KIND is grammar, mutation, octets, cdl, eds, components (of EDS), slave or bus (frames).
+KIND is grammar, mutation, octets, cdl, eds, components (of EDS), slave or bus (frames), profiles,
+hostile (definitions whose texts would be code without quoting, eight a case), conversions (the
+same for systems, modules of OpenRTM and convert), names (words of Python and of generated code) or
+growing (short definitions that mean much; as many cases as there are).
 A case's number decides its input, as long as the fuzzer and, for mutations, the definition
 files of this repository stay as they are. Each input that shows a defect is kept in DIR.
 """
@@ -24,6 +27,9 @@ from cdl import CdlTarget
 from eds import ComponentsTarget, EdsTarget
 from frames import BusTarget, NodeTarget
 from fuzzing import SECONDS, Factory, Failure, Report, Watch, attempt, run
+from growing import CASES, GrowthTarget
+from hostile import ConversionsTarget, HostileTarget
+from hostile_names import NamesTarget
 from idl_grammar import is_valid, program
 from idl_mutations import mutant
 from idl_target import HELPERS, IdlTarget
@@ -40,6 +46,10 @@ KINDS: dict[str, Factory] = {
     "slave": NodeTarget,
     "bus": BusTarget,
     "profiles": ProfileTarget,
+    "hostile": HostileTarget,
+    "growing": GrowthTarget,
+    "conversions": ConversionsTarget,
+    "names": NamesTarget,
 }
 
 
@@ -73,6 +83,8 @@ def main() -> int:
             )
     else:
         numbers = range(arguments.first, arguments.first + arguments.count)
+        if arguments.kind == "growing":
+            numbers = range(len(CASES))[numbers.start : numbers.stop]
         keeper = _Keeper(factory, arguments.failures)
         report = run(factory, numbers, jobs=arguments.jobs, progress=keeper.progress)
     print(report)

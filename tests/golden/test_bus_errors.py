@@ -1,12 +1,11 @@
 """Findings about bus files as they are printed: a folder each: bus.toml and expected.txt.
 
-`board.eds`, beside it, is the base.eds of the cases of EDS.
+`board.eds`, beside it, is the base.eds of the cases of EDS, with a heartbeat.
 """
 
 from __future__ import annotations
 
 import re
-import shutil
 from pathlib import Path
 
 import pytest
@@ -21,12 +20,23 @@ NAMES = sorted(path.name for path in CASES.iterdir())
 CODE = re.compile(r"\b(?:error|warning|note)\[([A-Z]+\d{4})\]")
 
 
+def with_heartbeat(eds: str) -> str:
+    """The description with 1017h at its end."""
+    listed = "[OptionalObjects]\nSupportedObjects=6\n"
+    assert listed in eds
+    more = listed.replace("6", "7") + "7=0x1017\n"
+    return eds.replace(listed, more) + (
+        "\n[1017]\nParameterName=Producer heartbeat time\nDataType=0x0006\n"
+        "AccessType=rw\nDefaultValue=1000\n"
+    )
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_findings(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, update_golden: bool
 ) -> None:
-    shutil.copy(CASES / name / "bus.toml", tmp_path)
-    shutil.copy(BASE, tmp_path / "board.eds")
+    (tmp_path / "bus.toml").write_bytes((CASES / name / "bus.toml").read_bytes())
+    (tmp_path / "board.eds").write_text(with_heartbeat(BASE.read_text()))
     monkeypatch.chdir(tmp_path)
     result = load(Path("bus.toml"), root=tmp_path)
     found = report(result.diagnostics, result.sources)

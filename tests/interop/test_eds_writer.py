@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import struct
 from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
@@ -11,10 +12,10 @@ from typing import Any
 
 import pytest
 
-from rtgen.backends.canopen.eds_text import eds_text
+from rtgen.backends.canopen.eds_text import eds_text, value_text
 from rtgen.diagnostics import has_errors
 from rtgen.frontends.eds import load
-from rtgen.model.canopen import Device, Variable, resolved
+from rtgen.model.canopen import DataType, Device, Variable, resolved
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = ROOT.parent / "shared" / "golden" / "eds"
@@ -110,3 +111,20 @@ def same(ours: Variable, theirs: Any) -> None:
             told = told.partition(" ;")[0]
         not_finite = isinstance(told, float) and not math.isfinite(told)
         assert other == (None if not_finite else told), place
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (12.0, "12"),
+        (-3.0, "-3"),
+        (12.345, "12.345"),
+        (0.0, "0"),
+        (-0.0, "-0.0"),
+        (1e300, "1e+300"),
+    ],
+)
+def test_whole_reals_are_whole_numbers(value: float, text: str) -> None:
+    """Lely's checker takes no others; of the rest the `canopen` package reads decimals alone."""
+    assert value_text(value, DataType.REAL64) == text
+    assert struct.pack("<d", float(text)) == struct.pack("<d", value)

@@ -63,8 +63,16 @@ def of(module: str, name: str) -> Any:
 class Bench:
     """A system with a proxy, and a manager unless the proxy is the master, and the slave."""
 
-    def __init__(self, *, manager: bool, hub: HubProcess | None = None) -> None:
-        self.channel = f"hand{next(CHANNELS)}"
+    def __init__(
+        self,
+        *,
+        manager: bool,
+        hub: HubProcess | None = None,
+        own_slave: bool = False,
+        channel: str = "",
+    ) -> None:
+        """With `own_slave` the test makes the slave."""
+        self.channel = channel or f"hand{next(CHANNELS)}"
         self.system = System(RealClock())
         self.proxy = of("hand.canopen.hand_slave.proxy", "HandSlaveProxy")("Proxy0")
         self.manager = of("hand.canopen.manager", "CanopenManager")("Manager0")
@@ -87,7 +95,9 @@ class Bench:
         self.system.connect(("Source0", "out"), ("Proxy0", "rpdo1"))
         self.samples: list[Any] = []
         self.system.add_listener(self._note)
-        if hub is None:
+        if own_slave:
+            self.end_slave = lambda: None
+        elif hub is None:
             self._begin_thread()
         else:
             self._begin_process(hub)

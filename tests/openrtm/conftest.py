@@ -18,9 +18,19 @@ import pytest
 from openrtm_lab import Lab
 
 from rtgen.cli import run
+from rtgen.runtime.callbacks import log
 from rtgen.runtime.corba.name_server import NameServer
 
 ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def runtime_log() -> Iterator[None]:
+    """What a module hangs on the runtime's log goes with it: other tests count messages."""
+    before = list(log.handlers)
+    yield
+    for handler in [each for each in log.handlers if each not in before]:
+        log.removeHandler(handler)
 
 
 @pytest.fixture(scope="session")
@@ -88,6 +98,8 @@ def manager(
     running.activateManager()
     running.runManager(True)
     yield running
+    # `ORB.destroy` ends the process if a thread is still in a call. The ORB is the process's.
+    running.shutdownORB = lambda: running.getORB().shutdown(True)
     running.shutdown()
 
 
@@ -161,4 +173,6 @@ def relay_module(
 @pytest.fixture
 def relay(relay_module: Any, lab: Lab) -> hosting.Relay:
     """A relay, initialized; of what others were given nothing is left to it."""
-    return hosting.Relay(lab.create("Relay?conf.default.gain=2.0"), lab)
+    name = lab.unused("Relay")
+    made = lab.create(f"Relay?instance_name={name}&conf.default.gain=2.0")
+    return hosting.Relay(made, lab)

@@ -59,7 +59,7 @@ component Relay {
     @port("asking") @instance("Counter") uses Hosted::Counter other;
     consumes RTC::TimedWheel wheel;
     publishes Plain plain;
-    @port("bells") provides Bell bell;
+    @port("bells") @type_name("lab::Ringer") provides Bell bell;
     @unit("m") @default(2.0) @min(0.0) @max(10.0) @widget("slider.0.1") attribute double gain;
     @default(TRUE) attribute boolean on;
     attribute string note;

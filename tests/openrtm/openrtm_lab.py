@@ -80,6 +80,10 @@ class Lab:
         assert self.manager.registerFactory(profile, made, rtm.Delete)
         return name
 
+    def unused(self, name: str) -> str:
+        """An instance name that no component has had: one that has ended keeps it for a second."""
+        return f"{name}{next(NUMBERS)}"
+
     def create(self, text: str) -> Any:
         """What `createComponent` makes."""
         made = self.manager.createComponent(text)

@@ -25,6 +25,7 @@ from specimens import COUNT, specimen
 
 from rtgen.runtime import Component
 from rtgen.runtime.profiles import ParameterProfile
+from rtgen.typemap.openrtm_ports import known_name
 
 HERE = Path(__file__).parent
 IN_EVERY_RUN = {
@@ -171,7 +172,8 @@ class Module:
         return [line for line in lines if wanted <= line.items()]
 
     def port(self, name: str) -> Any:
-        found = self.rtm.get_port_by_name(self.component, f"{self.name}0.{name}")
+        known = f"{self.name}0.{known_name(name)}"
+        found = self.rtm.get_port_by_name(self.component, known)
         assert found is not None, name
         return found
 
@@ -215,7 +217,7 @@ def check_profile(module: Module) -> None:
     }
     prefix = f"{module.name}0."
     data = {
-        (prefix + named(name), kind, type_._descriptor_.repository_id)
+        (prefix + known_name(named(name)), kind, type_._descriptor_.repository_id)
         for kind, ports, named in (
             ("DataInPort", module.in_ports, str),
             ("DataOutPort", module.out_ports, module.out_name),
@@ -223,7 +225,7 @@ def check_profile(module: Module) -> None:
         for name, type_ in ports.items()
     }
     services = {
-        (prefix + port, "CorbaPort", "")
+        (prefix + known_name(port), "CorbaPort", "")
         for port, _ in (*module.providers, *module.consumers)
     }
     assert found == data | services
@@ -243,7 +245,12 @@ def check_interfaces(module: Module) -> None:
         for each in profile.interfaces
     }
     assert found == {
-        (f"{module.name}0.{port}", instance, interface._descriptor_.name, provided)
+        (
+            f"{module.name}0.{known_name(port)}",
+            instance,
+            interface._descriptor_.name,
+            provided,
+        )
         for provided, ports in (
             (True, module.providers),
             (False, module.consumers),

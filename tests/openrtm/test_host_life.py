@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import re
 import threading
 from collections.abc import Iterator
 from typing import Any
@@ -148,7 +149,7 @@ def test_what_fails_at_the_beginning_is_no_component(
         patch.setattr(relay_module, "RelayBehaviour", Failing)
         with caplog.at_level(logging.WARNING, "rtgen.runtime"):
             assert lab.create("Relay?instance_name=Failing0") is None
-    assert "Failing0: no such device" in caplog.text
+    assert re.search(r"Failing0.on_initialize at .* s: no such device", caplog.text)
 
 
 def test_the_end_comes_in_order(relay: Relay, lab: Lab) -> None:
@@ -302,8 +303,23 @@ def test_reasons_go_to_the_managers_log(
     relay.activate()
     relay.answer("on_execute", lambda: relay.behaviour.fail("100 % wrong"))
     relay.tick()
-    assert [
-        record.getMessage()
-        for record in caplog.records
-        if record.name == "openrtm.rtgen"
-    ] == [f"{relay.behaviour.instance_name}: 100 % wrong"]
+    [record] = [r for r in caplog.records if r.name == "openrtm.rtgen"]
+    what = rf"{relay.behaviour.instance_name}\.on_execute at [\d.]+ s: 100 % wrong"
+    assert re.fullmatch(what, record.getMessage())
+
+
+@pytest.mark.skipif(middleware.REAL, reason="the stub's log is Python's")
+@pytest.mark.parametrize("error", [ValueError("broken"), SystemExit(3)])
+def test_tracebacks_go_to_the_managers_log(
+    relay: Relay, caplog: pytest.LogCaptureFixture, error: BaseException
+) -> None:
+    def fail() -> ReturnCode_t:
+        raise error
+
+    relay.activate()
+    relay.answer("on_execute", fail)
+    relay.tick()
+    assert not relay.behaviour.is_active
+    log = "\n".join(r.getMessage() for r in caplog.records if r.name == "openrtm.rtgen")
+    assert f'File "{__file__}", line ' in log
+    assert f"{type(error).__name__}: {error}" in log

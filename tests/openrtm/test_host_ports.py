@@ -73,7 +73,7 @@ def test_ports_as_openrtm_knows_them(relay: Relay) -> None:
     assert [port.name for port in profile.port_profiles] == [
         f"{name}.{port}"
         for port in (
-            *("data", "wheel", "data_out", ".positon", "plain"),
+            *("data", "wheel", "data_out", "positon", "plain"),
             *("counting", "asking", "bells"),
         )
     ]

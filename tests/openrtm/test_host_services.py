@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from typing import Any
 
 import pytest
@@ -14,7 +15,7 @@ from rtgen.runtime.services import ObjectNotExist, UnknownException
 @pytest.fixture
 def asking(relay: Relay, lab: Lab) -> Relay:
     """A relay whose consumer is connected to the provider of `relay`."""
-    other = Relay(lab.create("Relay?instance_name=Asking0"), lab)
+    other = Relay(lab.create(f"Relay?instance_name={lab.unused('Asking')}"), lab)
     code = lab.join(other.rtc._askingPort, relay.rtc._countingPort)
     assert str(code) == "RTC_OK"
     return other
@@ -51,7 +52,7 @@ def test_interfaces_as_openrtm_knows_them(relay: Relay) -> None:
     assert told == {
         "counting": [("Counter", "Hosted::Counter", "PROVIDED")],
         "asking": [("Counter", "Hosted::Counter", "REQUIRED")],
-        "bells": [("Bell", "Bell", "PROVIDED")],
+        "bells": [("Bell", "lab::Ringer", "PROVIDED")],
     }
 
 
@@ -110,6 +111,23 @@ def test_a_consumer_calls(relay: Relay, asking: Relay) -> None:
         other.object.add(2000)
 
 
+def test_a_connection_that_leaves_a_consumer_empty_is_reported(
+    relay: Relay, lab: Lab, caplog: pytest.LogCaptureFixture
+) -> None:
+    """OpenRTM compares type names letter by letter, and answers RTC_OK."""
+    import Hosted__POA
+
+    port = lab.rtm.CorbaPort("mine")
+    port.registerProvider("Counter", "Counter", Hosted__POA.Counter())
+    assert lab.component().addPort(port)
+    with caplog.at_level(logging.WARNING, "rtgen.runtime"):
+        assert str(lab.join(relay.rtc._askingPort, port)) == "RTC_OK"
+    assert not relay.behaviour.other.connected
+    name = relay.behaviour.instance_name
+    assert f"{name}.asking:Counter: the connection 'wire'" in caplog.text
+    assert "has no provider for it; it offers Counter.Counter" in caplog.text
+
+
 def test_a_consumer_is_cut_off(relay: Relay, asking: Relay) -> None:
     relay.activate()
     stub = asking.behaviour.other.object
@@ -125,7 +143,7 @@ def test_an_interface_in_no_module(relay: Relay, lab: Lab) -> None:
 
     consumer = lab.rtm.CorbaConsumer(interfaceType=_GlobalIDL.Bell)
     port = lab.rtm.CorbaPort("mine")
-    port.registerConsumer("Bell", "Bell", consumer)
+    port.registerConsumer("Bell", "lab::Ringer", consumer)
     assert lab.component().addPort(port)
     assert str(lab.join(port, relay.rtc._bellsPort)) == "RTC_OK"
     relay.activate()

@@ -87,17 +87,21 @@ def test_the_bound_value_is_sent_by_default(lab: Lab) -> None:
     assert inp.read().data == 5
 
 
-def test_without_a_name_only_the_first_connector_counts(lab: Lab) -> None:
+def test_the_connectors_of_an_in_port_share_a_buffer(lab: Lab) -> None:
+    """It is emptied by each new connection, whose length and policies it takes."""
     (first, inp), second = pair(lab), lab.out_port(long(0))
     lab.connect(first, inp)
-    lab.connect(second, inp)
-    assert second.write(long(2))
+    assert first.write(long(0))
+    lab.connect(second, inp, buffer__length="3")
     assert not inp.isNew()
+    assert second.write(long(2))
+    assert inp.isNew()
     names: list[str] = []
     assert inp.isNew(names)
-    assert inp.connectors()[1].read(long(0))[1].data == 2
-    assert first.write(long(1))
-    assert read_all(inp) == [1]
+    assert names == ["wire", "wire"]
+    for number in range(3, 6):
+        assert first.write(long(number))
+    assert read_all(inp) == [3, 4, 5]
 
 
 def test_a_refused_write_is_false(lab: Lab) -> None:

@@ -161,12 +161,20 @@ def test_texts_are_latin_unless_the_orb_is_told(
     text = """
 import OpenRTM_aist, RTC
 manager = OpenRTM_aist.Manager.init(["manager"])
-poa = manager.getPOA()
+manager.activateManager()
+manager.runManager(True)
 inp = OpenRTM_aist.InPort("i", RTC.TimedString(RTC.Time(0, 0), ""))
 out = OpenRTM_aist.OutPort("o", RTC.TimedString(RTC.Time(0, 0), ""))
-OpenRTM_aist.connect(
+names = ["implementation_id", "Echo", "type_name", "Echo", "category", "lab", ""]
+profile = OpenRTM_aist.Properties(defaults_str=names)
+manager.registerFactory(profile, OpenRTM_aist.DataFlowComponentBase, OpenRTM_aist.Delete)
+echo = manager.createComponent("Echo")
+echo.addInPort("i", inp)
+echo.addOutPort("o", out)
+code = OpenRTM_aist.connect(
     "c", OpenRTM_aist.Properties(), out.getPortRef(), inp.getPortRef()
 )
+assert code == RTC.RTC_OK, code
 text = RTC.TimedString(RTC.Time(0, 0), "\\u6f22")
 print(out.write(text), inp.read().data == text.data)
 manager.shutdown()

@@ -71,6 +71,8 @@ def test_the_script_says_what_the_profile_says(reference: Path, name: str) -> No
     known = {c.name: dict(c.properties) for c in profile.connections}
     for connection in script.connections:
         assert dict(connection.properties) == known[connection.name]
+    ids = {c.name: c.id for c in profile.connections}
+    assert {c.name: c.id or c.name for c in script.connections} == ids
     rates = {c.instance: c.rate for c in profile.components}
     assert {i.name: i.rate for i in script.instances} == rates
 
@@ -79,7 +81,48 @@ def test_ports_have_openrtm_s_names(reference: Path) -> None:
     script = told(reference, "rh3_goal")
     ends = {c.target: c.source for c in script.connections}
     assert ends["PositionInput0.status"] == "OmniTo2WD0.status_out"
-    assert ends["OmniTo2WD0.goal"] == "PositionInput0..positon"
+    assert ends["OmniTo2WD0.goal"] == "PositionInput0.positon"
+
+
+def test_a_system_saved_by_openrtm_s_tools_runs(
+    reference: Path, tmp_path: Path
+) -> None:
+    """They save OpenRTM's names of ports, sets for tools, and types of both ends."""
+    emitted = reference / "openrtm/rh3_goal/rh3_goal.xml"
+    text = emitted.read_text(encoding="utf-8")
+    types = "".join(
+        f'<rtsExt:Properties rtsExt:name="dataport.{end}.data_type" '
+        'rtsExt:value="IDL:any:1.0"/>'
+        for end in ("inport", "outport")
+    )
+    text = text.replace(
+        "</rts:DataPortConnectors>", f"{types}</rts:DataPortConnectors>"
+    )
+    sets = "".join(
+        f'<rts:ConfigurationSets rts:id="__{name}__"><rts:ConfigurationData '
+        f'rts:name="any" rts:data="x>0"/></rts:ConfigurationSets>'
+        for name in ("widget", "constraints", "type")
+    )
+    text = text.replace("<rts:ExecutionContexts", f"{sets}<rts:ExecutionContexts")
+    for conf in emitted.parent.glob("*.conf"):
+        (tmp_path / conf.name).write_bytes(conf.read_bytes())
+    (tmp_path / "saved.xml").write_text(text, encoding="utf-8")
+    tracks = []
+    for file in (tmp_path / "saved.xml", SOURCES["rh3_goal"]):
+        track = tmp_path / "track.csv"
+        assert run(["run", str(file), "--until", "3", "--csv", str(track), "-q"]) == 0
+        tracks.append(track.read_text())
+    assert tracks[0] == tracks[1]
+    assert len(set(tracks[0].split())) > 100
+    command = ["generate", "specs/navigation", str(tmp_path / "saved.xml")]
+    told = run([*command, "--target", "openrtm", "-o", str(tmp_path / "out"), "-q"])
+    assert told == 0
+    made = read(tmp_path / "out/generated/openrtm/saved/saved.xml")
+    assert {(str(c.source), str(c.target)) for c in made.connections} == {
+        (str(c.source), str(c.target)) for c in read(emitted).connections
+    }
+    conf = (tmp_path / "out/generated/openrtm/saved/Odometry0.conf").read_text()
+    assert "__widget__" not in conf
 
 
 def test_connectors_of_poses_are_new_and_those_of_paths_flush(reference: Path) -> None:
@@ -215,3 +258,63 @@ def test_ports_are_found_by_whatever_openrtm_calls_them(
     assert client._port(end) is component.get_ports()[found]
     with pytest.raises(StartError, match="A0 has the ports"):
         client._port("A0.never")
+
+
+@pytest.mark.parametrize("code", ["RTC_OK", "RTC_ERROR", "PRECONDITION_NOT_MET"])
+def test_a_failed_activation_has_its_reason_whatever_openrtm_answers(
+    tmp_path: Path, code: str
+) -> None:
+    """OpenRTM answers PRECONDITION_NOT_MET once the component is in ERROR."""
+    states = ["ERROR_STATE", "ERROR_STATE", "INACTIVE_STATE"]
+    context = SimpleNamespace(get_component_state=lambda _: states.pop())
+    client = Client.__new__(Client)
+    client._rtc = SimpleNamespace(
+        INACTIVE_STATE="INACTIVE_STATE",
+        ACTIVE_STATE="ACTIVE_STATE",
+        BAD_PARAMETER="BAD_PARAMETER",
+    )
+    client._openrtm = SimpleNamespace(activate=lambda _: code)
+    client._components = {"A0": SimpleNamespace(get_owned_contexts=lambda: [context])}
+    client._run = tmp_path
+    client._timeout = 1.0
+    (tmp_path / "A0.out").write_text("A0: on_activated: OSError: no paper\n")
+    wanted = "A0 cannot be activated: it is in ERROR_STATE: A0: on_activated: OSError"
+    with pytest.raises(StartError, match=wanted):
+        client._activate("A0")
+
+
+def joining(consumer: str, provider: str, **properties: str) -> list[str]:
+    """What connect.py says of a connection of two service ports with one interface each."""
+    interfaces = {
+        "A0.uses": ("REQUIRED", consumer),
+        "B0.serves": ("PROVIDED", provider),
+    }
+    ports = []
+    for name, (polarity, descriptor) in interfaces.items():
+        type_name, _, instance_name = descriptor.rpartition(".")
+        interface = SimpleNamespace(
+            polarity=polarity, type_name=type_name, instance_name=instance_name
+        )
+        profile = SimpleNamespace(name=name, interfaces=[interface])
+        ports.append(SimpleNamespace(get_port_profile=lambda p=profile: p))
+    client = Client.__new__(Client)
+    client._rtc = SimpleNamespace(PROVIDED="PROVIDED", REQUIRED="REQUIRED")
+    client._components = {"A0": None, "B0": None}
+    connection = systems.Connection("c", "A0.uses", "B0.serves", properties)
+    return client._require_providers(connection, ports)
+
+
+def test_a_consumer_that_would_stay_empty_is_reported() -> None:
+    consumer = "A0.port.uses.required.MyService.s"
+    provider = "B0.port.serves.provided.MyService.s"
+    strict = {"port.connection.strictness": "strict"}
+    assert joining("MyService.s", "MyService.s", **strict) == []
+    assert joining("MyService.s", "MyService.s", **strict, **{consumer: provider}) == []
+    other = "Simple::MyService.s"
+    assert joining("MyService.s", other) == [consumer]
+    with pytest.raises(StartError, match=rf"no provider: {consumer}; there are: B0"):
+        joining("MyService.s", other, **strict)
+    with pytest.raises(StartError, match=r"no provider B0.port.serves.provided.MyS"):
+        joining("MyService.s", other, **{consumer: provider})
+    with pytest.raises(StartError, match=r"no consumer A0.port.uses.required.MyS"):
+        joining(other, "MyService.s", **{consumer: provider})

@@ -97,7 +97,10 @@ def test_openrtm_can_copy_initial_values(constructs: Wires, further: Wires) -> N
     for kind in (*constructs.kinds, *further.kinds):
         if isinstance(kind.descriptor, StructDescriptor):
             wire = kind.new()
-            assert marshalled(kind, copy.deepcopy(wire)) == marshalled(kind, wire)
+            copied = copy.deepcopy(wire)
+            assert kind.of(copied) == kind.of(wire)
+            # omniORB's padding may have any value.
+            assert len(marshalled(kind, copied)) == len(marshalled(kind, wire))
 
 
 def test_what_refers_to_types_and_objects(further: Wires, orb: Any) -> None:

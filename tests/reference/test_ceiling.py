@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from pipeline import NAVIGATION
 
 from refnav.ceiling import (
+    Lamp,
     View,
     blobs,
     fitted,
@@ -48,6 +49,17 @@ def test_a_picture_tells_the_pose(pose: Pose, x: float, y: float, turn: float) -
     assert found is not None
     assert hypot(found.x - pose.x, found.y - pose.y) < 0.01
     assert abs(wrap(found.theta - pose.theta)) < 0.01
+
+
+@pytest.mark.parametrize(
+    ("scope", "off", "found"), [(2.0, 0.39, 1), (2.0, 0.41, 0), (1.0, 0.21, 0)]
+)
+def test_a_lamp_is_looked_for_within_its_scope(
+    scope: float, off: float, found: int
+) -> None:
+    lamps = [Lamp(1.0, 0.0, 0.1), Lamp(9.0, 0.0, 2.0)]
+    for spot in ((1.0 + off, 0.0), (1.0, off), (1.0, -off)):
+        assert len(recognised([spot], lamps, Pose(0.0, 0.0, 0.0), scope)) == found
 
 
 def test_spots_cut_by_the_edge_are_left_out() -> None:

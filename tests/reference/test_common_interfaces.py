@@ -388,6 +388,7 @@ def test_4_6_the_self_position_goes_to_tracking_and_planning_in_world_coordinate
 ):
     bench = Bench(TravelOdometry("Odometry0"), 100.0)
     bench.set(start_x="1", start_y="2", start_theta="3.141592653589793")
+    bench.set(InformationTimeout="0")
     bench.activate()
     bench.send("information", command(0.5, 0.0, 0.0, sec=2))
     bench.run(0.02)
@@ -403,6 +404,7 @@ def test_4_6_the_self_position_goes_to_tracking_and_planning_in_world_coordinate
 
 def test_4_6_all_information_counts_and_none_twice() -> None:
     bench = Bench(TravelOdometry("Odometry0"), 100.0)
+    bench.set(InformationTimeout="0")
     bench.activate()
     samples = [command(1.0, nsec=500_000_000 * i) for i in (1, 2)]
     samples += [command(1.0, sec=2), command(9.0, sec=2), command(9.0, sec=1)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi
+from math import hypot, pi
 from pathlib import Path
 
 import pytest
@@ -14,6 +14,7 @@ from refnav.hokuyo_aist import HokuyoAist
 from refnav.recent import Recent, octets_of
 from refnav.ucode_reader import UcodeReader
 from refnav.ucode_settlement import UcodeSettlement
+from refnav.urg_to_obstacles import points_of
 from refrobots import iis, rtc, ucode
 from rtgen.runtime import SECOND, LifeCycleState, Record, SampleRecord
 
@@ -78,6 +79,44 @@ def test_markers_in_view_are_read_the_nearest_first() -> None:
     bench.send("pose", pose(9.0, 9.0, 0.0))
     bench.run(0.2)
     assert bench.sent("sightings") == []
+
+
+def test_walls_hide_markers() -> None:
+    bench = Bench(UcodeReader("UcodeReader0"), 5.0)
+    bench.set(
+        markers="a 2 0; b 1 0.1; c 1.5 -0.5", walls="1.5 -0.2 1.5 0.2; 1.5 -1 1.5 -0.3"
+    )
+    bench.activate()
+    bench.send("pose", pose(0.0, 0.0, 0.0))
+    bench.run(0.2)
+    [reading] = bench.sent("sightings")
+    # The one behind a wall is not seen, the one on a wall is.
+    assert [s.code for s in reading.data] == [octets_of("b"), octets_of("c")]
+
+
+def test_walls_that_are_none() -> None:
+    bench = Bench(UcodeReader("UcodeReader0"), 5.0)
+    bench.set(walls="1 2 3")
+    bench.activate()
+    assert bench.component.reason == "walls: 1 2 3 is no wall"
+
+
+def test_what_was_not_hit_is_no_obstacle_at_the_sensor() -> None:
+    bench = Bench(HokuyoAist("HokuyoAist0"), 10.0)
+    bench.set(walls="0.01 -9 0.01 9; -1 -9 -1 9", rays="3", max_range="3.0")
+    bench.set(start_angle="-3.1", end_angle="3.1")
+    bench.activate()
+    bench.send("pose", pose(0.0, 0.0, 0.0))
+    bench.run(0.1)
+    [scan] = bench.sent("range")
+    # Nearer than the least range is not measured either.
+    assert (scan.config.minRange, scan.ranges[1]) == (0.02, 0.0)
+    assert [hypot(p.x, p.y) for p in points_of(scan, 0.0)] == [
+        pytest.approx(1.0, abs=0.01)
+    ] * 2
+    # Of a range finder that says nothing of its least range, too.
+    scan.config.minRange = 0.0
+    assert len(points_of(scan, 0.0)) == 2
 
 
 @pytest.mark.parametrize("text", ["1 2", "xyz 1 2", "1 a 2"])

@@ -33,12 +33,12 @@ def test_odometry_counts_on_from_the_pose_that_it_is_told() -> None:
     bench.run(0.01)
     bench.send("CurrentWheelAngle", angles(2, 10.0, 10.0))
     bench.run(0.01)
+    # Where the count began nobody has measured.
+    assert bench.sent("OdometryPosition") == []
     bench.send("LocalizedPosition", pose(5.0, 6.0, pi / 2))
     bench.send("CurrentWheelAngle", angles(3, 20.0, 20.0))
     bench.run(0.01)
     assert plain(bench.sent("OdometryPosition")) == [
-        (0.0, 0.0, 0.0),
-        (1.0, 0.0, 0.0),
         pytest.approx((5.0, 7.0, pi / 2)),
     ]
 
@@ -60,6 +60,39 @@ def test_the_start_pose_is_sent_twenty_times(bench: Bench) -> None:
     bench.send("dp_odmIn", pose(9.0, 9.0, 0.0))
     bench.run(1.0)
     assert plain(bench.sent("dp_out0")) == [(1.0, 2.0, 0.5)] * 20
+
+
+def test_a_restart_does_not_bring_odometry_back_to_the_start(bench: Bench) -> None:
+    start(bench)
+    bench.deactivate()
+    bench.send("dp_odmIn", pose(3.0, 4.0, 0.1))
+    bench.activate()
+    bench.run(0.405)
+    assert set(plain(bench.sent("dp_out0"))) == {(3.0, 4.0, 0.1)}
+
+
+def test_with_a_silent_odometry_a_restart_sends_the_start_pose(bench: Bench) -> None:
+    start(bench)
+    bench.deactivate()
+    bench.activate()
+    bench.run(0.405)
+    assert plain(bench.sent("dp_out0")) == [(1.0, 2.0, 0.5)] * 20
+
+
+def test_what_it_goes_on_without_is_reported(bench: Bench) -> None:
+    for _ in range(26):
+        bench.send("dp_odmIn", pose(3.0, 4.0, 0.1))
+        bench.run(0.2)
+    told = bench.system.statistics("LocalizeCenter0")
+    assert told.condition == "dp_ceilIn: nothing newer than 5 s"
+    bench.sent("dp_out0")
+    bench.run(0.7)
+    # The ceiling is compared with no pose that old.
+    bench.send("dp_ceilIn", pose(5.0, 4.0, 0.1))
+    bench.run(0.1)
+    assert set(plain(bench.sent("dp_out0"))) == {(3.0, 4.0, 0.1)}
+    told = bench.system.statistics("LocalizeCenter0")
+    assert told.condition == "dp_odmIn: nothing newer than 0.5 s"
 
 
 def test_odometry_is_repeated_every_cycle(bench: Bench) -> None:

@@ -1,4 +1,4 @@
-"""Figure 2-5: RH2 drives along a map, and knows by the ceiling where it is."""
+"""Figure 2-5: RH3 drives along a map, and knows by the ceiling where it is."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from refnav.geometry import Pose, wrap
 from refnav.path_planning import PathPlanning
 from rtgen.runtime import SECOND, System
 
-TRUTH = "RefHardRh20.truth"
+TRUTH = "RefHardRh30.truth"
 
 
 def away(system: System, x: float, y: float, truth: str = TRUTH) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan2, hypot, pi
+from math import atan2, cos, hypot, pi, sin
 from pathlib import Path
 from types import ModuleType
 
@@ -11,20 +11,19 @@ from bench import Bench
 from pipeline import NAVIGATION
 
 from refnav import disp_position, obstacle_monitor
-from refnav.base_control import TravelSwitch
-from refnav.collision_detection import CollisionDetection
 from refnav.disp_position import DispPosition
 from refnav.game_pad import GamePad
+from refnav.geometry import advance
 from refnav.lrf_capture_urg import LRFCapture_URG
-from refnav.motor_control import MotorControl
 from refnav.obstacle_monitor import ObstacleMonitor
 from refnav.obstacles_avoidance import ObstaclesAvoidance
 from refnav.pads import Sticks
 from refnav.ref_hw import RefHw
+from refnav.surroundings import Surroundings
 from refnav.switch_input_rtc import SwitchInputRTC
 from refnav.urg_to_obstacles import Urg_to_Obstacles
-from refrobots import RefHard, iis, rtc
-from rtgen.runtime import Component, LifeCycleState
+from refrobots import iis, rtc
+from rtgen.runtime import SECOND, Component, LifeCycleState
 
 
 def velocity(vx: float, va: float = 0.0) -> iis.TimedVelocity2D:
@@ -301,117 +300,9 @@ def test_a_picture_of_an_unknown_kind() -> None:
     )
 
 
-def test_without_a_base_to_stop_collision_detection_is_in_error() -> None:
-    bench = Bench(CollisionDetection("CollisionDetection0"), 100.0)
-    bench.activate()
-    bench.send("obstacles", points((0.6, 0.0)))
-    bench.send("velocity", velocity(0.3))
-    bench.run(0.02)
-    assert bench.state is LifeCycleState.ERROR_STATE
-    assert bench.component.reason.startswith("BumpRefHard: ")
-
-
-def test_a_stopped_base_is_released_when_it_is_to_back_off() -> None:
-    motors = Bench(MotorControl("MotorControl0"), 100.0)
-    detection = CollisionDetection("CollisionDetection0")
-    motors.system.add(detection, 100.0)
-    motors.system.connect(
-        ("CollisionDetection0", "BumpRefHard"), ("MotorControl0", "BumpRefHard")
-    )
-    source = motors.system.component("Peer0")
-    source.add_out_port("obstacles", iis.TimedPoint2DSeq)
-    source.add_out_port("velocity", iis.TimedVelocity2D)
-    for name in ("obstacles", "velocity"):
-        motors.system.connect(("Peer0", name), ("CollisionDetection0", name))
-    motors.activate()
-    motors.system.activate("CollisionDetection0")
-    motors.run(0.02)
-
-    def wheels(vx: float) -> float:
-        motors.send("obstacles", points((0.6, 0.0)))
-        motors.send("velocity", velocity(vx))
-        motors.send("InTargetVelocity", velocity(vx))
-        motors.run(0.05)
-        speed = motors.sent("WheelSpeed")[-1].data[0]
-        assert isinstance(speed, float)
-        return speed
-
-    assert wheels(0.3) == 0.0
-    assert detection.observables["stopped"]() == (1.0,)
-    assert wheels(-0.2) == pytest.approx(-2.0)
-    assert detection.observables["stopped"]() == (0.0,)
-
-
-class Console(Component):
-    """Presses the buttons of a user interface."""
-
-    def __init__(self) -> None:
-        super().__init__("Console0")
-        self.panel = self.add_consumer("panel", "RefHard", RefHard)
-
-
-def test_go_of_the_bumper_takes_back_its_own_stop_alone() -> None:
-    switch = TravelSwitch()
-    switch.bumper.Stop()
-    switch.Stop()
-    switch.bumper.Go()
-    assert switch.stopped
-    switch.Go()
-    assert not switch.stopped
-    switch.bumper.Stop()
-    assert switch.stopped
-    switch.bumper.Go()
-    assert not switch.stopped
-    switch.bumper.Stop()
-    switch.Go()
-    assert not switch.stopped
-
-
-def test_a_go_by_hand_before_an_obstacle_holds_until_the_next_scan() -> None:
-    motors = Bench(MotorControl("MotorControl0"), 100.0)
-    system = motors.system
-    detection, console = CollisionDetection("CollisionDetection0"), Console()
-    for component in (detection, console):
-        system.add(component, 100.0)
-    system.connect(
-        ("CollisionDetection0", "BumpRefHard"), ("MotorControl0", "BumpRefHard")
-    )
-    system.connect(("Console0", "panel"), ("MotorControl0", "InventGUIRefHard"))
-    source = system.component("Peer0")
-    source.add_out_port("obstacles", iis.TimedPoint2DSeq)
-    source.add_out_port("velocity", iis.TimedVelocity2D)
-    for name in ("obstacles", "velocity"):
-        system.connect(("Peer0", name), ("CollisionDetection0", name))
-    motors.activate()
-    system.activate("CollisionDetection0")
-    motors.run(0.02)
-
-    def wheels() -> float:
-        for name in ("velocity", "InTargetVelocity"):
-            motors.send(name, velocity(0.3))
-        motors.run(0.05)
-        speed = motors.sent("WheelSpeed")[-1].data[0]
-        assert isinstance(speed, float)
-        return speed
-
-    motors.send("obstacles", points((0.6, 0.0)))
-    assert wheels() == 0.0
-    console.panel.object.Go()
-    assert wheels() > 0.0
-    motors.send("obstacles", points((0.6, 0.0)))
-    assert wheels() == 0.0
-    # Stopped by hand, too: a way that is free again is not enough.
-    console.panel.object.Stop()
-    motors.send("obstacles", points())
-    assert wheels() == 0.0
-    assert detection.observables["stopped"]() == (0.0,)
-    console.panel.object.Go()
-    assert wheels() > 0.0
-
-
 def test_the_simulated_base_does_what_its_wheels_are_told() -> None:
     bench = Bench(RefHw("RefHw0"), 1000.0)
-    bench.set(PlantStart_x="1.0")
+    bench.set(PlantStart_x="1.0", CommandTimeout="0")
     bench.activate()
     bench.send("WheelSpeed", rtc.TimedDoubleSeq(data=[3.0, 3.0]))
     bench.run(1.0)
@@ -424,3 +315,39 @@ def test_the_simulated_base_does_what_its_wheels_are_told() -> None:
     bench.send("WheelSpeed", rtc.TimedDoubleSeq(data=[1.0]))
     bench.run(0.002)
     assert bench.component.reason == "WheelSpeed: 1 speeds for 2 wheels"
+
+
+def test_a_way_is_turned_to_on_the_spot() -> None:
+    bench = avoidance()
+    # A wall close ahead, open to the left.
+    wall = [(0.6, 0.05 * i) for i in range(-60, 1)]
+    assert driven(bench, *wall) == (0.0, pytest.approx(0.6))
+    mirrored = [(x, -y) for x, y in wall]
+    assert driven(avoidance(), *mirrored) == (0.0, pytest.approx(-0.6))
+    # It does not turn back while it turns.
+    assert driven(bench, *mirrored)[1] >= 0.0
+
+
+def test_it_is_reported_when_there_is_no_way() -> None:
+    bench = avoidance()
+    ring = [(0.6 * cos(0.05 * i), 0.6 * sin(0.05 * i)) for i in range(126)]
+    assert driven(bench, *ring) == (0.0, 0.0)
+    condition = bench.system.statistics("ObstaclesAvoidance0").condition
+    assert condition == "no way ahead, and none to turn to"
+    assert driven(bench) == (0.3, 0.0)
+    assert bench.system.statistics("ObstaclesAvoidance0").condition == ""
+
+
+def test_points_move_to_the_side_as_the_base_turns() -> None:
+    around = Surroundings(
+        Component().add_in_port("o", iis.TimedPoint2DSeq), lambda: 0.0
+    )
+    around.points = [(1.0, 0.5), (-0.3, -1.0)]
+    around.look(SECOND // 2, 0.4, 1.0)
+    x, y, theta = advance(0.0, 0.0, 0.0, 0.2, 0.5)
+    for (px, py), (mx, my) in zip(
+        [(1.0, 0.5), (-0.3, -1.0)], around.points, strict=True
+    ):
+        # Where the moved point stands, seen from where the base is by now.
+        assert x + mx * cos(theta) - my * sin(theta) == pytest.approx(px)
+        assert y + mx * sin(theta) + my * cos(theta) == pytest.approx(py)

@@ -72,6 +72,7 @@ def test_finish_is_passed_on_once_for_each_path(bench: Bench) -> None:
     for _ in range(2):
         bench.send("goal", pose(1.0, 0.0, 0.0))
         bench.run(0.02)
+        bench.send("current_position", pose(1.0, 0.0, 0.0))
         bench.send("status", state(iis.State.TURNING), state(iis.State.FINISH))
         bench.send("status", state(iis.State.FINISH))
         bench.run(0.1)
@@ -89,6 +90,7 @@ def test_a_stale_finish_is_not_taken_for_the_new_path(bench: Bench) -> None:
     bench.send("status", state(iis.State.ANGLE_CHECK))
     bench.run(0.02)
     assert bench.sent("status") == []
+    bench.send("current_position", pose(1.0, 0.0, 0.0))
     bench.send("status", state(iis.State.FINISH))
     bench.run(0.02)
     assert len(bench.sent("status")) == 1
@@ -101,3 +103,64 @@ def test_only_finish_is_passed_on(bench: Bench) -> None:
     bench.send("status", *(state(value) for value in range(1, 7)))
     bench.run(0.1)
     assert bench.sent("status") == []
+
+
+def test_a_finish_away_from_the_goal_is_not_believed(bench: Bench) -> None:
+    bench.send("current_position", pose(0.0, 0.0, 0.0))
+    bench.send("goal", pose(1.0, 0.0, 0.0))
+    bench.run(0.02)
+    assert len(bench.sent("min_path")) == 1
+    bench.send("current_position", pose(0.5, 0.3, 0.0))
+    bench.send("status", state(iis.State.SPEED_DOWN), state(iis.State.FINISH))
+    bench.run(0.02)
+    assert bench.sent("status") == []
+    assert path(bench)[0] == (0.5, 0.3)
+
+
+def test_a_path_that_the_navigation_does_not_have_is_sent_again(bench: Bench) -> None:
+    bench.send("current_position", pose(0.0, 0.0, 0.0))
+    bench.send("goal", pose(1.0, 0.0, 0.0))
+    bench.run(0.5)
+    bench.send("status", state(iis.State.SPEED_DOWN))
+    bench.run(0.9)
+    assert len(bench.sent("min_path")) == 1
+    bench.run(0.2)
+    # A path is planned from where the base is by now.
+    assert bench.sent("min_path") == []
+    bench.send("current_position", pose(0.4, 0.0, 0.0))
+    bench.run(0.1)
+    assert path(bench)[0] == (0.4, 0.0)
+
+
+def test_a_goal_that_was_not_reached_outlives_a_restart(bench: Bench) -> None:
+    bench.send("current_position", pose(0.0, 0.0, 0.0))
+    bench.send("goal", pose(1.0, 0.0, 0.0))
+    bench.run(0.02)
+    bench.deactivate()
+    bench.activate()
+    bench.sent("min_path")
+    bench.send("current_position", pose(0.4, 0.0, 0.0))
+    bench.run(0.02)
+    assert path(bench)[-1] == (1.0, 0.0)
+    bench.send("current_position", pose(1.0, 0.0, 0.0))
+    bench.send("status", state(iis.State.TURNING), state(iis.State.FINISH))
+    bench.run(0.02)
+    assert len(bench.sent("status")) == 1
+    bench.deactivate()
+    bench.activate()
+    bench.send("current_position", pose(1.0, 0.0, 0.0))
+    bench.run(0.02)
+    assert bench.sent("min_path") == []
+
+
+def test_no_path_is_planned_from_an_old_position(bench: Bench) -> None:
+    bench.send("current_position", pose(0.0, 0.0, 0.0))
+    bench.run(0.6)
+    bench.send("goal", pose(1.0, 0.0, 0.0))
+    bench.run(0.1)
+    assert bench.sent("min_path") == []
+    told = bench.system.statistics(bench.component.instance_name).condition
+    assert told == "current_position: nothing newer than 0.5 s"
+    bench.send("current_position", pose(0.2, 0.0, 0.0))
+    bench.run(0.02)
+    assert path(bench)[0] == (0.2, 0.0)

@@ -17,7 +17,8 @@ Mode = iis.TravelMode
 @pytest.fixture
 def bench() -> Bench:
     bench = Bench(PathFollower("PathFollower0"), 1000.0)
-    bench.set(control_cycle="0.001")
+    # What a motion looks like is seen from one pose and one waypoint.
+    bench.set(control_cycle="0.001", PositionTimeout="0", TargetTimeout="0")
     bench.activate()
     bench.sent("velocity")
     return bench
@@ -150,3 +151,42 @@ def test_moving_modes_drive_forward(bench: Bench, path: iis.Path) -> None:
     bench.send("target_path", path)
     bench.run(0.1)
     assert velocities(bench)[-1][0] == pytest.approx(0.03)
+
+
+@pytest.mark.parametrize("dead", ["position", "target_path"])
+def test_it_stops_when_an_input_is_too_old_and_goes_on_with_a_new_one(
+    bench: Bench, dead: str
+) -> None:
+    bench.set(PositionTimeout="0.5", TargetTimeout="0.3")
+    age = {"position": 0.5, "target_path": 0.3}[dead]
+    newest = {
+        "position": at(0.0, 0.0, 0.0),
+        "target_path": iis.Path(type=Mode.RUN_VEL, v=0.1),
+    }
+    for port in newest:
+        bench.send(port, newest[port])
+    for _ in range(10):
+        bench.run(0.1)
+        for port in newest.keys() - {dead}:
+            bench.send(port, newest[port])
+    v = [v for v, _ in velocities(bench)]
+    driven = max(number for number, speed in enumerate(v) if speed)
+    assert driven * 0.001 == pytest.approx(age, abs=0.002)
+    told = bench.system.statistics("PathFollower0").condition
+    assert told == f"{dead}: nothing newer than {age:g} s"
+    for port in newest:
+        bench.send(port, newest[port])
+    bench.run(0.1)
+    assert velocities(bench)[-1][0] > 0.0
+    assert bench.system.statistics("PathFollower0").condition == ""
+
+
+def test_a_sample_that_waited_too_long_counts_as_none(bench: Bench) -> None:
+    bench.set(PositionTimeout="0.5")
+    bench.run(2.0)
+    old = at(0.0, 0.0, 0.0)
+    old.tm.sec = 1
+    bench.send("target_path", iis.Path(type=Mode.RUN_VEL, v=0.1))
+    bench.send("position", old)
+    bench.run(0.2)
+    assert set(velocities(bench)) == {(0.0, 0.0)}

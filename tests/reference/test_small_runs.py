@@ -160,9 +160,10 @@ def test_only_what_micropython_reads_is_written(board: Path) -> None:
 
 
 def test_micropython_gives_the_same(board: Path, embedded: list[str]) -> None:
-    found = shutil.which("micropython")
+    places = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    found = shutil.which("micropython", path=places)
     if found is None:
-        pytest.skip("micropython (unix port) is not on the path")
+        pytest.skip("micropython (unix port) is not installed")
     printed = on_board(board, [found], MICROPYPATH=str(board))
 
     def told(lines: list[str]) -> list[list[str]]:

@@ -61,6 +61,8 @@ PORTS = {
         ("outport", "OutWheelAngle", "RTC::TimedDoubleSeq"),
         ("provider", "InventGUIRefHard", "RefHard"),
         ("provider", "BumpRefHard", "RefHard"),
+        # Ours: where simulated sensors learn where the simulated base is.
+        ("outport", "PlantPose", POSE),
     },
     OdometryBase: {
         ("inport", "CurrentWheelAngle", "RTC::TimedDoubleSeq"),
@@ -72,7 +74,7 @@ PORTS = {
 # Public RH2 components.
 PORTS |= {
     PathPlanningBase: PORTS[OmniTo2WDBase],
-    RefHardRh2Base: PORTS[RefHardRh3Base] | {("outport", "PlantPose", POSE)},
+    RefHardRh2Base: PORTS[RefHardRh3Base],
     OdometryRh2Base: PORTS[OdometryBase],
     LocalizeCenterBase: {
         ("inport", "dp_odmIn", POSE),
@@ -203,6 +205,13 @@ PARAMETERS |= {
 
 OURS = {
     PositionInputBase: {"input", "input_file"},
+    OmniTo2WDBase: {"PositionTimeout", "StatusTimeout", "ArrivalRadius"},
+    NavigationBase: {"PositionTimeout", "GoalTolerance", "SettleTime", "MaxJump"}
+    | {"ProgressTimeout"},
+    PathFollowerBase: {"PositionTimeout", "TargetTimeout"},
+    OdometryBase: {"WheelAngleTimeout"},
+    OdometryRh2Base: {"WheelAngleTimeout", "LocalizationTimeout"},
+    LocalizeCenterBase: {"PositionTimeout", "CeilingTimeout"},
     RefHardRh3Base: {
         "PlantWheelTread",
         "PlantWheelRadiusLeft",
@@ -210,14 +219,17 @@ OURS = {
         "PlantStart_x",
         "PlantStart_y",
         "PlantStart_theta",
+        "PlantRoom",
+        "PlantRadius",
         "CommandTimeout",
     },
-    CeilingNavigationBase: {"ImageWidth"},
+    CeilingNavigationBase: {"ImageWidth", "PositionTimeout", "CameraTimeout"},
     GamePadBase: {"script"},
     LRFCapture_URGBase: {
         *("room", "offset_x", "resolution", "min_range", "noise", "seed"),
     },
 }
+OURS[PathPlanningBase] = OURS[OmniTo2WDBase]
 OURS[RefHardRh2Base] = OURS[RefHardRh3Base] | {"GearRatio"}
 
 RATES = {

@@ -36,7 +36,7 @@ from rtgen.runtime.descriptors import (
     StructDescriptor,
     bind,
 )
-from rtgen.runtime.services import Servant, Skeleton, Stub
+from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 from .basic_data_type import Time
 
@@ -220,10 +220,12 @@ class ObjectDictionary(Servant):
     )
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def read(self, index: int, subindex: int) -> Octets:
         """Reads an object: its octets as on the wire. In blocks where that is worth it."""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def write(self, index: int, subindex: int, value: Octets) -> None:
         """Writes an object: its octets as on the wire. In blocks where that is worth it."""
 
@@ -231,43 +233,11 @@ class ObjectDictionary(Servant):
 class ObjectDictionaryStub(ObjectDictionary, Stub):
     """Calls a servant of `CANopen::ObjectDictionary` through an invoker."""
 
-    def read(self, index: int, subindex: int) -> Octets:
-        return self._obtain_("read", index, subindex)
 
-    def write(self, index: int, subindex: int, value: Octets) -> None:
-        self._invoke_("write", index, subindex, value)
-
-
-class ObjectDictionarySkeleton(Skeleton):
+class ObjectDictionarySkeleton(Skeleton, interface=ObjectDictionary):
     """Calls a servant of `CANopen::ObjectDictionary` by operation name."""
 
-    def __init__(self, servant: ObjectDictionary) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: ObjectDictionary = self._servant
-        match operation:
-            case "read":
-                return self._call_(
-                    operation,
-                    servant.read,
-                    arguments,
-                    2,
-                    (SdoAbort, BusGone),
-                )
-            case "write":
-                return self._call_(
-                    operation,
-                    servant.write,
-                    arguments,
-                    3,
-                    (SdoAbort, BusGone),
-                )
-        return super().dispatch(operation, arguments)
-
-
-ObjectDictionary._stub_ = ObjectDictionaryStub
-ObjectDictionary._skeleton_ = ObjectDictionarySkeleton
 ObjectDictionary._calls_ = ".canopen_calls"
 
 
@@ -643,22 +613,27 @@ class Manager(Servant):
         """Every node of the network, by node-id."""
 
     @abstractmethod
+    @operation(raises=(Refused,))
     def start(self, node_id: int) -> None:
         """To operational; one that is not configured is configured before."""
 
     @abstractmethod
+    @operation(raises=(Refused,))
     def stop(self, node_id: int) -> None:
         """To stopped."""
 
     @abstractmethod
+    @operation(raises=(Refused,))
     def enter_pre_operational(self, node_id: int) -> None:
         """To pre-operational."""
 
     @abstractmethod
+    @operation(raises=(Refused,))
     def reset_node(self, node_id: int) -> None:
         """Resets the application; the node is then configured and started again."""
 
     @abstractmethod
+    @operation(raises=(Refused,))
     def reset_communication(self, node_id: int) -> None:
         """Resets the communication; the node is then configured and started again."""
 
@@ -666,67 +641,9 @@ class Manager(Servant):
 class ManagerStub(Manager, Stub):
     """Calls a servant of `CANopen::Manager` through an invoker."""
 
-    def states(self) -> NodeStateSeq:
-        return self._obtain_("states")
 
-    def start(self, node_id: int) -> None:
-        self._invoke_("start", node_id)
-
-    def stop(self, node_id: int) -> None:
-        self._invoke_("stop", node_id)
-
-    def enter_pre_operational(self, node_id: int) -> None:
-        self._invoke_("enter_pre_operational", node_id)
-
-    def reset_node(self, node_id: int) -> None:
-        self._invoke_("reset_node", node_id)
-
-    def reset_communication(self, node_id: int) -> None:
-        self._invoke_("reset_communication", node_id)
-
-
-class ManagerSkeleton(Skeleton):
+class ManagerSkeleton(Skeleton, interface=Manager):
     """Calls a servant of `CANopen::Manager` by operation name."""
 
-    def __init__(self, servant: Manager) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: Manager = self._servant
-        match operation:
-            case "states":
-                return self._call_(operation, servant.states, arguments, 0)
-            case "start":
-                return self._call_(operation, servant.start, arguments, 1, (Refused,))
-            case "stop":
-                return self._call_(operation, servant.stop, arguments, 1, (Refused,))
-            case "enter_pre_operational":
-                return self._call_(
-                    operation,
-                    servant.enter_pre_operational,
-                    arguments,
-                    1,
-                    (Refused,),
-                )
-            case "reset_node":
-                return self._call_(
-                    operation,
-                    servant.reset_node,
-                    arguments,
-                    1,
-                    (Refused,),
-                )
-            case "reset_communication":
-                return self._call_(
-                    operation,
-                    servant.reset_communication,
-                    arguments,
-                    1,
-                    (Refused,),
-                )
-        return super().dispatch(operation, arguments)
-
-
-Manager._stub_ = ManagerStub
-Manager._skeleton_ = ManagerSkeleton
 Manager._calls_ = ".canopen_calls"

@@ -23,7 +23,7 @@ from rtgen.runtime.descriptors import (
     PrimitiveDescriptor,
     StructDescriptor,
 )
-from rtgen.runtime.services import Skeleton, Stub
+from rtgen.runtime.services import Skeleton, Stub, operation
 
 from .basic_data_type import Time
 from .canopen import (
@@ -688,758 +688,947 @@ class ObjectAccess(ObjectDictionary):
     )
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Device_type(self) -> int:
         """Device type (1000h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_register(self) -> int:
         """Error register (1001h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Number_of_errors(self) -> int:
         """Number of errors (1003h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Number_of_errors(self, value: int) -> None:
         """Number of errors (1003h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Standard_error_field_1(self) -> int:
         """Standard error field 1 (1003h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Standard_error_field_2(self) -> int:
         """Standard error field 2 (1003h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Standard_error_field_3(self) -> int:
         """Standard error field 3 (1003h:3, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Standard_error_field_4(self) -> int:
         """Standard error field 4 (1003h:4, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_COB_ID_SYNC(self) -> int:
         """COB-ID SYNC (1005h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_COB_ID_SYNC(self, value: int) -> None:
         """COB-ID SYNC (1005h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Manufacturer_device_name(self) -> str:
         """Manufacturer device name (1008h, VISIBLE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Manufacturer_hardware_version(self) -> str:
         """Manufacturer hardware version (1009h, VISIBLE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Manufacturer_software_version(self) -> str:
         """Manufacturer software version (100Ah, VISIBLE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1010_00(self) -> int:
         """Highest sub-index supported (1010h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Save_all_parameters(self) -> int:
         """Save all parameters (1010h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Save_all_parameters(self, value: int) -> None:
         """Save all parameters (1010h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1011_00(self) -> int:
         """Highest sub-index supported (1011h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Restore_all_default_parameters(self) -> int:
         """Restore all default parameters (1011h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Restore_all_default_parameters(self, value: int) -> None:
         """Restore all default parameters (1011h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_COB_ID_EMCY(self) -> int:
         """COB-ID EMCY (1014h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_COB_ID_EMCY(self, value: int) -> None:
         """COB-ID EMCY (1014h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Inhibit_time_EMCY(self) -> int:
         """Inhibit time EMCY (1015h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Inhibit_time_EMCY(self, value: int) -> None:
         """Inhibit time EMCY (1015h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1016_00(self) -> int:
         """Highest sub-index supported (1016h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Consumer_heartbeat_time_1(self) -> int:
         """Consumer heartbeat time 1 (1016h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Consumer_heartbeat_time_1(self, value: int) -> None:
         """Consumer heartbeat time 1 (1016h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Consumer_heartbeat_time_2(self) -> int:
         """Consumer heartbeat time 2 (1016h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Consumer_heartbeat_time_2(self, value: int) -> None:
         """Consumer heartbeat time 2 (1016h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Producer_heartbeat_time(self) -> int:
         """Producer heartbeat time (1017h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Producer_heartbeat_time(self, value: int) -> None:
         """Producer heartbeat time (1017h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1018_00(self) -> int:
         """Highest sub-index supported (1018h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Vendor_ID(self) -> int:
         """Vendor-ID (1018h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Product_code(self) -> int:
         """Product code (1018h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Revision_number(self) -> int:
         """Revision number (1018h:3, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Serial_number(self) -> int:
         """Serial number (1018h:4, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1029_00(self) -> int:
         """Highest sub-index supported (1029h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Communication_error(self) -> int:
         """Communication error (1029h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Communication_error(self, value: int) -> None:
         """Communication error (1029h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1200_00(self) -> int:
         """Highest sub-index supported (1200h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_COB_ID_client_to_server(self) -> int:
         """COB-ID client to server (1200h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_COB_ID_server_to_client(self) -> int:
         """COB-ID server to client (1200h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Angle_reference(self) -> int:
         """Angle reference (2100h, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Angle_reference_input(self) -> int:
         """Angle reference input (2101h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Angle_reference_input(self, value: int) -> None:
         """Angle reference input (2101h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Angle_reference_gain(self) -> int:
         """Angle reference gain (2102h, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Angle_reference_gain(self, value: int) -> None:
         """Angle reference gain (2102h, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Angle_reference_offset(self) -> int:
         """Angle reference offset (2103h, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Angle_reference_offset(self, value: int) -> None:
         """Angle reference offset (2103h, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6000_00(self) -> int:
         """Highest sub-index supported (6000h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Digital_inputs_1_to_8(self) -> int:
         """Digital inputs 1 to 8 (6000h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Digital_inputs_9_to_16(self) -> int:
         """Digital inputs 9 to 16 (6000h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6002_00(self) -> int:
         """Highest sub-index supported (6002h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Polarity_of_inputs_1_to_8(self) -> int:
         """Polarity of inputs 1 to 8 (6002h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Polarity_of_inputs_1_to_8(self, value: int) -> None:
         """Polarity of inputs 1 to 8 (6002h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Polarity_of_inputs_9_to_16(self) -> int:
         """Polarity of inputs 9 to 16 (6002h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Polarity_of_inputs_9_to_16(self, value: int) -> None:
         """Polarity of inputs 9 to 16 (6002h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Global_interrupt_enable_digital(self) -> bool:
         """Global interrupt enable digital (6005h, BOOLEAN)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Global_interrupt_enable_digital(self, value: bool) -> None:
         """Global interrupt enable digital (6005h, BOOLEAN)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6006_00(self) -> int:
         """Highest sub-index supported (6006h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Mask_of_inputs_1_to_8(self) -> int:
         """Mask of inputs 1 to 8 (6006h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Mask_of_inputs_1_to_8(self, value: int) -> None:
         """Mask of inputs 1 to 8 (6006h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Mask_of_inputs_9_to_16(self) -> int:
         """Mask of inputs 9 to 16 (6006h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Mask_of_inputs_9_to_16(self, value: int) -> None:
         """Mask of inputs 9 to 16 (6006h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6200_00(self) -> int:
         """Highest sub-index supported (6200h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Digital_outputs_1_to_8(self) -> int:
         """Digital outputs 1 to 8 (6200h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Digital_outputs_1_to_8(self, value: int) -> None:
         """Digital outputs 1 to 8 (6200h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Digital_outputs_9_to_16(self) -> int:
         """Digital outputs 9 to 16 (6200h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Digital_outputs_9_to_16(self, value: int) -> None:
         """Digital outputs 9 to 16 (6200h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6202_00(self) -> int:
         """Highest sub-index supported (6202h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Polarity_of_outputs_1_to_8(self) -> int:
         """Polarity of outputs 1 to 8 (6202h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Polarity_of_outputs_1_to_8(self, value: int) -> None:
         """Polarity of outputs 1 to 8 (6202h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Polarity_of_outputs_9_to_16(self) -> int:
         """Polarity of outputs 9 to 16 (6202h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Polarity_of_outputs_9_to_16(self, value: int) -> None:
         """Polarity of outputs 9 to 16 (6202h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6206_00(self) -> int:
         """Highest sub-index supported (6206h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_mode_of_outputs_1_to_8(self) -> int:
         """Error mode of outputs 1 to 8 (6206h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_mode_of_outputs_1_to_8(self, value: int) -> None:
         """Error mode of outputs 1 to 8 (6206h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_mode_of_outputs_9_to_16(self) -> int:
         """Error mode of outputs 9 to 16 (6206h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_mode_of_outputs_9_to_16(self, value: int) -> None:
         """Error mode of outputs 9 to 16 (6206h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6207_00(self) -> int:
         """Highest sub-index supported (6207h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_value_of_outputs_1_to_8(self) -> int:
         """Error value of outputs 1 to 8 (6207h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_value_of_outputs_1_to_8(self, value: int) -> None:
         """Error value of outputs 1 to 8 (6207h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_value_of_outputs_9_to_16(self) -> int:
         """Error value of outputs 9 to 16 (6207h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_value_of_outputs_9_to_16(self, value: int) -> None:
         """Error value of outputs 9 to 16 (6207h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6401_00(self) -> int:
         """Highest sub-index supported (6401h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_input_1(self) -> int:
         """Analogue input 1 (6401h:1, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_input_2(self) -> int:
         """Analogue input 2 (6401h:2, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_input_3(self) -> int:
         """Analogue input 3 (6401h:3, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_input_4(self) -> int:
         """Analogue input 4 (6401h:4, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_input_5(self) -> int:
         """Analogue input 5 (6401h:5, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_input_6(self) -> int:
         """Analogue input 6 (6401h:6, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_input_7(self) -> int:
         """Analogue input 7 (6401h:7, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_input_8(self) -> int:
         """Analogue input 8 (6401h:8, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6411_00(self) -> int:
         """Highest sub-index supported (6411h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_output_1(self) -> int:
         """Analogue output 1 (6411h:1, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Analogue_output_1(self, value: int) -> None:
         """Analogue output 1 (6411h:1, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_output_2(self) -> int:
         """Analogue output 2 (6411h:2, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Analogue_output_2(self, value: int) -> None:
         """Analogue output 2 (6411h:2, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_output_3(self) -> int:
         """Analogue output 3 (6411h:3, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Analogue_output_3(self, value: int) -> None:
         """Analogue output 3 (6411h:3, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_output_4(self) -> int:
         """Analogue output 4 (6411h:4, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Analogue_output_4(self, value: int) -> None:
         """Analogue output 4 (6411h:4, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6421_00(self) -> int:
         """Highest sub-index supported (6421h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Trigger_of_analogue_input_1(self) -> int:
         """Trigger of analogue input 1 (6421h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Trigger_of_analogue_input_1(self, value: int) -> None:
         """Trigger of analogue input 1 (6421h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Trigger_of_analogue_input_2(self) -> int:
         """Trigger of analogue input 2 (6421h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Trigger_of_analogue_input_2(self, value: int) -> None:
         """Trigger of analogue input 2 (6421h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Trigger_of_analogue_input_3(self) -> int:
         """Trigger of analogue input 3 (6421h:3, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Trigger_of_analogue_input_3(self, value: int) -> None:
         """Trigger of analogue input 3 (6421h:3, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Trigger_of_analogue_input_4(self) -> int:
         """Trigger of analogue input 4 (6421h:4, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Trigger_of_analogue_input_4(self, value: int) -> None:
         """Trigger of analogue input 4 (6421h:4, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Trigger_of_analogue_input_5(self) -> int:
         """Trigger of analogue input 5 (6421h:5, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Trigger_of_analogue_input_5(self, value: int) -> None:
         """Trigger of analogue input 5 (6421h:5, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Trigger_of_analogue_input_6(self) -> int:
         """Trigger of analogue input 6 (6421h:6, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Trigger_of_analogue_input_6(self, value: int) -> None:
         """Trigger of analogue input 6 (6421h:6, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Trigger_of_analogue_input_7(self) -> int:
         """Trigger of analogue input 7 (6421h:7, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Trigger_of_analogue_input_7(self, value: int) -> None:
         """Trigger of analogue input 7 (6421h:7, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Trigger_of_analogue_input_8(self) -> int:
         """Trigger of analogue input 8 (6421h:8, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Trigger_of_analogue_input_8(self, value: int) -> None:
         """Trigger of analogue input 8 (6421h:8, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Analogue_input_global_interrupt_enable(self) -> bool:
         """Analogue input global interrupt enable (6423h, BOOLEAN)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Analogue_input_global_interrupt_enable(self, value: bool) -> None:
         """Analogue input global interrupt enable (6423h, BOOLEAN)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6424_00(self) -> int:
         """Highest sub-index supported (6424h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Upper_limit_of_analogue_input_1(self) -> int:
         """Upper limit of analogue input 1 (6424h:1, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Upper_limit_of_analogue_input_1(self, value: int) -> None:
         """Upper limit of analogue input 1 (6424h:1, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Upper_limit_of_analogue_input_2(self) -> int:
         """Upper limit of analogue input 2 (6424h:2, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Upper_limit_of_analogue_input_2(self, value: int) -> None:
         """Upper limit of analogue input 2 (6424h:2, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Upper_limit_of_analogue_input_3(self) -> int:
         """Upper limit of analogue input 3 (6424h:3, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Upper_limit_of_analogue_input_3(self, value: int) -> None:
         """Upper limit of analogue input 3 (6424h:3, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Upper_limit_of_analogue_input_4(self) -> int:
         """Upper limit of analogue input 4 (6424h:4, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Upper_limit_of_analogue_input_4(self, value: int) -> None:
         """Upper limit of analogue input 4 (6424h:4, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Upper_limit_of_analogue_input_5(self) -> int:
         """Upper limit of analogue input 5 (6424h:5, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Upper_limit_of_analogue_input_5(self, value: int) -> None:
         """Upper limit of analogue input 5 (6424h:5, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Upper_limit_of_analogue_input_6(self) -> int:
         """Upper limit of analogue input 6 (6424h:6, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Upper_limit_of_analogue_input_6(self, value: int) -> None:
         """Upper limit of analogue input 6 (6424h:6, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Upper_limit_of_analogue_input_7(self) -> int:
         """Upper limit of analogue input 7 (6424h:7, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Upper_limit_of_analogue_input_7(self, value: int) -> None:
         """Upper limit of analogue input 7 (6424h:7, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Upper_limit_of_analogue_input_8(self) -> int:
         """Upper limit of analogue input 8 (6424h:8, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Upper_limit_of_analogue_input_8(self, value: int) -> None:
         """Upper limit of analogue input 8 (6424h:8, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6425_00(self) -> int:
         """Highest sub-index supported (6425h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Lower_limit_of_analogue_input_1(self) -> int:
         """Lower limit of analogue input 1 (6425h:1, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Lower_limit_of_analogue_input_1(self, value: int) -> None:
         """Lower limit of analogue input 1 (6425h:1, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Lower_limit_of_analogue_input_2(self) -> int:
         """Lower limit of analogue input 2 (6425h:2, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Lower_limit_of_analogue_input_2(self, value: int) -> None:
         """Lower limit of analogue input 2 (6425h:2, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Lower_limit_of_analogue_input_3(self) -> int:
         """Lower limit of analogue input 3 (6425h:3, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Lower_limit_of_analogue_input_3(self, value: int) -> None:
         """Lower limit of analogue input 3 (6425h:3, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Lower_limit_of_analogue_input_4(self) -> int:
         """Lower limit of analogue input 4 (6425h:4, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Lower_limit_of_analogue_input_4(self, value: int) -> None:
         """Lower limit of analogue input 4 (6425h:4, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Lower_limit_of_analogue_input_5(self) -> int:
         """Lower limit of analogue input 5 (6425h:5, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Lower_limit_of_analogue_input_5(self, value: int) -> None:
         """Lower limit of analogue input 5 (6425h:5, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Lower_limit_of_analogue_input_6(self) -> int:
         """Lower limit of analogue input 6 (6425h:6, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Lower_limit_of_analogue_input_6(self, value: int) -> None:
         """Lower limit of analogue input 6 (6425h:6, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Lower_limit_of_analogue_input_7(self) -> int:
         """Lower limit of analogue input 7 (6425h:7, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Lower_limit_of_analogue_input_7(self, value: int) -> None:
         """Lower limit of analogue input 7 (6425h:7, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Lower_limit_of_analogue_input_8(self) -> int:
         """Lower limit of analogue input 8 (6425h:8, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Lower_limit_of_analogue_input_8(self, value: int) -> None:
         """Lower limit of analogue input 8 (6425h:8, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6426_00(self) -> int:
         """Highest sub-index supported (6426h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Delta_of_analogue_input_1(self) -> int:
         """Delta of analogue input 1 (6426h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Delta_of_analogue_input_1(self, value: int) -> None:
         """Delta of analogue input 1 (6426h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Delta_of_analogue_input_2(self) -> int:
         """Delta of analogue input 2 (6426h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Delta_of_analogue_input_2(self, value: int) -> None:
         """Delta of analogue input 2 (6426h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Delta_of_analogue_input_3(self) -> int:
         """Delta of analogue input 3 (6426h:3, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Delta_of_analogue_input_3(self, value: int) -> None:
         """Delta of analogue input 3 (6426h:3, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Delta_of_analogue_input_4(self) -> int:
         """Delta of analogue input 4 (6426h:4, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Delta_of_analogue_input_4(self, value: int) -> None:
         """Delta of analogue input 4 (6426h:4, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Delta_of_analogue_input_5(self) -> int:
         """Delta of analogue input 5 (6426h:5, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Delta_of_analogue_input_5(self, value: int) -> None:
         """Delta of analogue input 5 (6426h:5, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Delta_of_analogue_input_6(self) -> int:
         """Delta of analogue input 6 (6426h:6, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Delta_of_analogue_input_6(self, value: int) -> None:
         """Delta of analogue input 6 (6426h:6, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Delta_of_analogue_input_7(self) -> int:
         """Delta of analogue input 7 (6426h:7, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Delta_of_analogue_input_7(self, value: int) -> None:
         """Delta of analogue input 7 (6426h:7, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Delta_of_analogue_input_8(self) -> int:
         """Delta of analogue input 8 (6426h:8, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Delta_of_analogue_input_8(self, value: int) -> None:
         """Delta of analogue input 8 (6426h:8, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6443_00(self) -> int:
         """Highest sub-index supported (6443h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_mode_of_analogue_output_1(self) -> int:
         """Error mode of analogue output 1 (6443h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_mode_of_analogue_output_1(self, value: int) -> None:
         """Error mode of analogue output 1 (6443h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_mode_of_analogue_output_2(self) -> int:
         """Error mode of analogue output 2 (6443h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_mode_of_analogue_output_2(self, value: int) -> None:
         """Error mode of analogue output 2 (6443h:2, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_mode_of_analogue_output_3(self) -> int:
         """Error mode of analogue output 3 (6443h:3, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_mode_of_analogue_output_3(self, value: int) -> None:
         """Error mode of analogue output 3 (6443h:3, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_mode_of_analogue_output_4(self) -> int:
         """Error mode of analogue output 4 (6443h:4, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_mode_of_analogue_output_4(self, value: int) -> None:
         """Error mode of analogue output 4 (6443h:4, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6444_00(self) -> int:
         """Highest sub-index supported (6444h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_value_of_analogue_output_1(self) -> int:
         """Error value of analogue output 1 (6444h:1, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_value_of_analogue_output_1(self, value: int) -> None:
         """Error value of analogue output 1 (6444h:1, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_value_of_analogue_output_2(self) -> int:
         """Error value of analogue output 2 (6444h:2, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_value_of_analogue_output_2(self, value: int) -> None:
         """Error value of analogue output 2 (6444h:2, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_value_of_analogue_output_3(self) -> int:
         """Error value of analogue output 3 (6444h:3, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_value_of_analogue_output_3(self, value: int) -> None:
         """Error value of analogue output 3 (6444h:3, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_value_of_analogue_output_4(self) -> int:
         """Error value of analogue output 4 (6444h:4, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Error_value_of_analogue_output_4(self, value: int) -> None:
         """Error value of analogue output 4 (6444h:4, INTEGER32)"""
 
@@ -1447,2098 +1636,9 @@ class ObjectAccess(ObjectDictionary):
 class ObjectAccessStub(ObjectAccess, ObjectDictionaryStub):
     """Calls a servant of `FPalette::ObjectAccess` through an invoker."""
 
-    def get_Device_type(self) -> int:
-        return self._obtain_("get_Device_type")
 
-    def get_Error_register(self) -> int:
-        return self._obtain_("get_Error_register")
-
-    def get_Number_of_errors(self) -> int:
-        return self._obtain_("get_Number_of_errors")
-
-    def set_Number_of_errors(self, value: int) -> None:
-        self._invoke_("set_Number_of_errors", value)
-
-    def get_Standard_error_field_1(self) -> int:
-        return self._obtain_("get_Standard_error_field_1")
-
-    def get_Standard_error_field_2(self) -> int:
-        return self._obtain_("get_Standard_error_field_2")
-
-    def get_Standard_error_field_3(self) -> int:
-        return self._obtain_("get_Standard_error_field_3")
-
-    def get_Standard_error_field_4(self) -> int:
-        return self._obtain_("get_Standard_error_field_4")
-
-    def get_COB_ID_SYNC(self) -> int:
-        return self._obtain_("get_COB_ID_SYNC")
-
-    def set_COB_ID_SYNC(self, value: int) -> None:
-        self._invoke_("set_COB_ID_SYNC", value)
-
-    def get_Manufacturer_device_name(self) -> str:
-        return self._obtain_("get_Manufacturer_device_name")
-
-    def get_Manufacturer_hardware_version(self) -> str:
-        return self._obtain_("get_Manufacturer_hardware_version")
-
-    def get_Manufacturer_software_version(self) -> str:
-        return self._obtain_("get_Manufacturer_software_version")
-
-    def get_Highest_sub_index_supported_1010_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1010_00")
-
-    def get_Save_all_parameters(self) -> int:
-        return self._obtain_("get_Save_all_parameters")
-
-    def set_Save_all_parameters(self, value: int) -> None:
-        self._invoke_("set_Save_all_parameters", value)
-
-    def get_Highest_sub_index_supported_1011_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1011_00")
-
-    def get_Restore_all_default_parameters(self) -> int:
-        return self._obtain_("get_Restore_all_default_parameters")
-
-    def set_Restore_all_default_parameters(self, value: int) -> None:
-        self._invoke_("set_Restore_all_default_parameters", value)
-
-    def get_COB_ID_EMCY(self) -> int:
-        return self._obtain_("get_COB_ID_EMCY")
-
-    def set_COB_ID_EMCY(self, value: int) -> None:
-        self._invoke_("set_COB_ID_EMCY", value)
-
-    def get_Inhibit_time_EMCY(self) -> int:
-        return self._obtain_("get_Inhibit_time_EMCY")
-
-    def set_Inhibit_time_EMCY(self, value: int) -> None:
-        self._invoke_("set_Inhibit_time_EMCY", value)
-
-    def get_Highest_sub_index_supported_1016_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1016_00")
-
-    def get_Consumer_heartbeat_time_1(self) -> int:
-        return self._obtain_("get_Consumer_heartbeat_time_1")
-
-    def set_Consumer_heartbeat_time_1(self, value: int) -> None:
-        self._invoke_("set_Consumer_heartbeat_time_1", value)
-
-    def get_Consumer_heartbeat_time_2(self) -> int:
-        return self._obtain_("get_Consumer_heartbeat_time_2")
-
-    def set_Consumer_heartbeat_time_2(self, value: int) -> None:
-        self._invoke_("set_Consumer_heartbeat_time_2", value)
-
-    def get_Producer_heartbeat_time(self) -> int:
-        return self._obtain_("get_Producer_heartbeat_time")
-
-    def set_Producer_heartbeat_time(self, value: int) -> None:
-        self._invoke_("set_Producer_heartbeat_time", value)
-
-    def get_Highest_sub_index_supported_1018_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1018_00")
-
-    def get_Vendor_ID(self) -> int:
-        return self._obtain_("get_Vendor_ID")
-
-    def get_Product_code(self) -> int:
-        return self._obtain_("get_Product_code")
-
-    def get_Revision_number(self) -> int:
-        return self._obtain_("get_Revision_number")
-
-    def get_Serial_number(self) -> int:
-        return self._obtain_("get_Serial_number")
-
-    def get_Highest_sub_index_supported_1029_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1029_00")
-
-    def get_Communication_error(self) -> int:
-        return self._obtain_("get_Communication_error")
-
-    def set_Communication_error(self, value: int) -> None:
-        self._invoke_("set_Communication_error", value)
-
-    def get_Highest_sub_index_supported_1200_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1200_00")
-
-    def get_COB_ID_client_to_server(self) -> int:
-        return self._obtain_("get_COB_ID_client_to_server")
-
-    def get_COB_ID_server_to_client(self) -> int:
-        return self._obtain_("get_COB_ID_server_to_client")
-
-    def get_Angle_reference(self) -> int:
-        return self._obtain_("get_Angle_reference")
-
-    def get_Angle_reference_input(self) -> int:
-        return self._obtain_("get_Angle_reference_input")
-
-    def set_Angle_reference_input(self, value: int) -> None:
-        self._invoke_("set_Angle_reference_input", value)
-
-    def get_Angle_reference_gain(self) -> int:
-        return self._obtain_("get_Angle_reference_gain")
-
-    def set_Angle_reference_gain(self, value: int) -> None:
-        self._invoke_("set_Angle_reference_gain", value)
-
-    def get_Angle_reference_offset(self) -> int:
-        return self._obtain_("get_Angle_reference_offset")
-
-    def set_Angle_reference_offset(self, value: int) -> None:
-        self._invoke_("set_Angle_reference_offset", value)
-
-    def get_Highest_sub_index_supported_6000_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6000_00")
-
-    def get_Digital_inputs_1_to_8(self) -> int:
-        return self._obtain_("get_Digital_inputs_1_to_8")
-
-    def get_Digital_inputs_9_to_16(self) -> int:
-        return self._obtain_("get_Digital_inputs_9_to_16")
-
-    def get_Highest_sub_index_supported_6002_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6002_00")
-
-    def get_Polarity_of_inputs_1_to_8(self) -> int:
-        return self._obtain_("get_Polarity_of_inputs_1_to_8")
-
-    def set_Polarity_of_inputs_1_to_8(self, value: int) -> None:
-        self._invoke_("set_Polarity_of_inputs_1_to_8", value)
-
-    def get_Polarity_of_inputs_9_to_16(self) -> int:
-        return self._obtain_("get_Polarity_of_inputs_9_to_16")
-
-    def set_Polarity_of_inputs_9_to_16(self, value: int) -> None:
-        self._invoke_("set_Polarity_of_inputs_9_to_16", value)
-
-    def get_Global_interrupt_enable_digital(self) -> bool:
-        return self._obtain_("get_Global_interrupt_enable_digital")
-
-    def set_Global_interrupt_enable_digital(self, value: bool) -> None:
-        self._invoke_("set_Global_interrupt_enable_digital", value)
-
-    def get_Highest_sub_index_supported_6006_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6006_00")
-
-    def get_Mask_of_inputs_1_to_8(self) -> int:
-        return self._obtain_("get_Mask_of_inputs_1_to_8")
-
-    def set_Mask_of_inputs_1_to_8(self, value: int) -> None:
-        self._invoke_("set_Mask_of_inputs_1_to_8", value)
-
-    def get_Mask_of_inputs_9_to_16(self) -> int:
-        return self._obtain_("get_Mask_of_inputs_9_to_16")
-
-    def set_Mask_of_inputs_9_to_16(self, value: int) -> None:
-        self._invoke_("set_Mask_of_inputs_9_to_16", value)
-
-    def get_Highest_sub_index_supported_6200_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6200_00")
-
-    def get_Digital_outputs_1_to_8(self) -> int:
-        return self._obtain_("get_Digital_outputs_1_to_8")
-
-    def set_Digital_outputs_1_to_8(self, value: int) -> None:
-        self._invoke_("set_Digital_outputs_1_to_8", value)
-
-    def get_Digital_outputs_9_to_16(self) -> int:
-        return self._obtain_("get_Digital_outputs_9_to_16")
-
-    def set_Digital_outputs_9_to_16(self, value: int) -> None:
-        self._invoke_("set_Digital_outputs_9_to_16", value)
-
-    def get_Highest_sub_index_supported_6202_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6202_00")
-
-    def get_Polarity_of_outputs_1_to_8(self) -> int:
-        return self._obtain_("get_Polarity_of_outputs_1_to_8")
-
-    def set_Polarity_of_outputs_1_to_8(self, value: int) -> None:
-        self._invoke_("set_Polarity_of_outputs_1_to_8", value)
-
-    def get_Polarity_of_outputs_9_to_16(self) -> int:
-        return self._obtain_("get_Polarity_of_outputs_9_to_16")
-
-    def set_Polarity_of_outputs_9_to_16(self, value: int) -> None:
-        self._invoke_("set_Polarity_of_outputs_9_to_16", value)
-
-    def get_Highest_sub_index_supported_6206_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6206_00")
-
-    def get_Error_mode_of_outputs_1_to_8(self) -> int:
-        return self._obtain_("get_Error_mode_of_outputs_1_to_8")
-
-    def set_Error_mode_of_outputs_1_to_8(self, value: int) -> None:
-        self._invoke_("set_Error_mode_of_outputs_1_to_8", value)
-
-    def get_Error_mode_of_outputs_9_to_16(self) -> int:
-        return self._obtain_("get_Error_mode_of_outputs_9_to_16")
-
-    def set_Error_mode_of_outputs_9_to_16(self, value: int) -> None:
-        self._invoke_("set_Error_mode_of_outputs_9_to_16", value)
-
-    def get_Highest_sub_index_supported_6207_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6207_00")
-
-    def get_Error_value_of_outputs_1_to_8(self) -> int:
-        return self._obtain_("get_Error_value_of_outputs_1_to_8")
-
-    def set_Error_value_of_outputs_1_to_8(self, value: int) -> None:
-        self._invoke_("set_Error_value_of_outputs_1_to_8", value)
-
-    def get_Error_value_of_outputs_9_to_16(self) -> int:
-        return self._obtain_("get_Error_value_of_outputs_9_to_16")
-
-    def set_Error_value_of_outputs_9_to_16(self, value: int) -> None:
-        self._invoke_("set_Error_value_of_outputs_9_to_16", value)
-
-    def get_Highest_sub_index_supported_6401_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6401_00")
-
-    def get_Analogue_input_1(self) -> int:
-        return self._obtain_("get_Analogue_input_1")
-
-    def get_Analogue_input_2(self) -> int:
-        return self._obtain_("get_Analogue_input_2")
-
-    def get_Analogue_input_3(self) -> int:
-        return self._obtain_("get_Analogue_input_3")
-
-    def get_Analogue_input_4(self) -> int:
-        return self._obtain_("get_Analogue_input_4")
-
-    def get_Analogue_input_5(self) -> int:
-        return self._obtain_("get_Analogue_input_5")
-
-    def get_Analogue_input_6(self) -> int:
-        return self._obtain_("get_Analogue_input_6")
-
-    def get_Analogue_input_7(self) -> int:
-        return self._obtain_("get_Analogue_input_7")
-
-    def get_Analogue_input_8(self) -> int:
-        return self._obtain_("get_Analogue_input_8")
-
-    def get_Highest_sub_index_supported_6411_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6411_00")
-
-    def get_Analogue_output_1(self) -> int:
-        return self._obtain_("get_Analogue_output_1")
-
-    def set_Analogue_output_1(self, value: int) -> None:
-        self._invoke_("set_Analogue_output_1", value)
-
-    def get_Analogue_output_2(self) -> int:
-        return self._obtain_("get_Analogue_output_2")
-
-    def set_Analogue_output_2(self, value: int) -> None:
-        self._invoke_("set_Analogue_output_2", value)
-
-    def get_Analogue_output_3(self) -> int:
-        return self._obtain_("get_Analogue_output_3")
-
-    def set_Analogue_output_3(self, value: int) -> None:
-        self._invoke_("set_Analogue_output_3", value)
-
-    def get_Analogue_output_4(self) -> int:
-        return self._obtain_("get_Analogue_output_4")
-
-    def set_Analogue_output_4(self, value: int) -> None:
-        self._invoke_("set_Analogue_output_4", value)
-
-    def get_Highest_sub_index_supported_6421_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6421_00")
-
-    def get_Trigger_of_analogue_input_1(self) -> int:
-        return self._obtain_("get_Trigger_of_analogue_input_1")
-
-    def set_Trigger_of_analogue_input_1(self, value: int) -> None:
-        self._invoke_("set_Trigger_of_analogue_input_1", value)
-
-    def get_Trigger_of_analogue_input_2(self) -> int:
-        return self._obtain_("get_Trigger_of_analogue_input_2")
-
-    def set_Trigger_of_analogue_input_2(self, value: int) -> None:
-        self._invoke_("set_Trigger_of_analogue_input_2", value)
-
-    def get_Trigger_of_analogue_input_3(self) -> int:
-        return self._obtain_("get_Trigger_of_analogue_input_3")
-
-    def set_Trigger_of_analogue_input_3(self, value: int) -> None:
-        self._invoke_("set_Trigger_of_analogue_input_3", value)
-
-    def get_Trigger_of_analogue_input_4(self) -> int:
-        return self._obtain_("get_Trigger_of_analogue_input_4")
-
-    def set_Trigger_of_analogue_input_4(self, value: int) -> None:
-        self._invoke_("set_Trigger_of_analogue_input_4", value)
-
-    def get_Trigger_of_analogue_input_5(self) -> int:
-        return self._obtain_("get_Trigger_of_analogue_input_5")
-
-    def set_Trigger_of_analogue_input_5(self, value: int) -> None:
-        self._invoke_("set_Trigger_of_analogue_input_5", value)
-
-    def get_Trigger_of_analogue_input_6(self) -> int:
-        return self._obtain_("get_Trigger_of_analogue_input_6")
-
-    def set_Trigger_of_analogue_input_6(self, value: int) -> None:
-        self._invoke_("set_Trigger_of_analogue_input_6", value)
-
-    def get_Trigger_of_analogue_input_7(self) -> int:
-        return self._obtain_("get_Trigger_of_analogue_input_7")
-
-    def set_Trigger_of_analogue_input_7(self, value: int) -> None:
-        self._invoke_("set_Trigger_of_analogue_input_7", value)
-
-    def get_Trigger_of_analogue_input_8(self) -> int:
-        return self._obtain_("get_Trigger_of_analogue_input_8")
-
-    def set_Trigger_of_analogue_input_8(self, value: int) -> None:
-        self._invoke_("set_Trigger_of_analogue_input_8", value)
-
-    def get_Analogue_input_global_interrupt_enable(self) -> bool:
-        return self._obtain_("get_Analogue_input_global_interrupt_enable")
-
-    def set_Analogue_input_global_interrupt_enable(self, value: bool) -> None:
-        self._invoke_("set_Analogue_input_global_interrupt_enable", value)
-
-    def get_Highest_sub_index_supported_6424_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6424_00")
-
-    def get_Upper_limit_of_analogue_input_1(self) -> int:
-        return self._obtain_("get_Upper_limit_of_analogue_input_1")
-
-    def set_Upper_limit_of_analogue_input_1(self, value: int) -> None:
-        self._invoke_("set_Upper_limit_of_analogue_input_1", value)
-
-    def get_Upper_limit_of_analogue_input_2(self) -> int:
-        return self._obtain_("get_Upper_limit_of_analogue_input_2")
-
-    def set_Upper_limit_of_analogue_input_2(self, value: int) -> None:
-        self._invoke_("set_Upper_limit_of_analogue_input_2", value)
-
-    def get_Upper_limit_of_analogue_input_3(self) -> int:
-        return self._obtain_("get_Upper_limit_of_analogue_input_3")
-
-    def set_Upper_limit_of_analogue_input_3(self, value: int) -> None:
-        self._invoke_("set_Upper_limit_of_analogue_input_3", value)
-
-    def get_Upper_limit_of_analogue_input_4(self) -> int:
-        return self._obtain_("get_Upper_limit_of_analogue_input_4")
-
-    def set_Upper_limit_of_analogue_input_4(self, value: int) -> None:
-        self._invoke_("set_Upper_limit_of_analogue_input_4", value)
-
-    def get_Upper_limit_of_analogue_input_5(self) -> int:
-        return self._obtain_("get_Upper_limit_of_analogue_input_5")
-
-    def set_Upper_limit_of_analogue_input_5(self, value: int) -> None:
-        self._invoke_("set_Upper_limit_of_analogue_input_5", value)
-
-    def get_Upper_limit_of_analogue_input_6(self) -> int:
-        return self._obtain_("get_Upper_limit_of_analogue_input_6")
-
-    def set_Upper_limit_of_analogue_input_6(self, value: int) -> None:
-        self._invoke_("set_Upper_limit_of_analogue_input_6", value)
-
-    def get_Upper_limit_of_analogue_input_7(self) -> int:
-        return self._obtain_("get_Upper_limit_of_analogue_input_7")
-
-    def set_Upper_limit_of_analogue_input_7(self, value: int) -> None:
-        self._invoke_("set_Upper_limit_of_analogue_input_7", value)
-
-    def get_Upper_limit_of_analogue_input_8(self) -> int:
-        return self._obtain_("get_Upper_limit_of_analogue_input_8")
-
-    def set_Upper_limit_of_analogue_input_8(self, value: int) -> None:
-        self._invoke_("set_Upper_limit_of_analogue_input_8", value)
-
-    def get_Highest_sub_index_supported_6425_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6425_00")
-
-    def get_Lower_limit_of_analogue_input_1(self) -> int:
-        return self._obtain_("get_Lower_limit_of_analogue_input_1")
-
-    def set_Lower_limit_of_analogue_input_1(self, value: int) -> None:
-        self._invoke_("set_Lower_limit_of_analogue_input_1", value)
-
-    def get_Lower_limit_of_analogue_input_2(self) -> int:
-        return self._obtain_("get_Lower_limit_of_analogue_input_2")
-
-    def set_Lower_limit_of_analogue_input_2(self, value: int) -> None:
-        self._invoke_("set_Lower_limit_of_analogue_input_2", value)
-
-    def get_Lower_limit_of_analogue_input_3(self) -> int:
-        return self._obtain_("get_Lower_limit_of_analogue_input_3")
-
-    def set_Lower_limit_of_analogue_input_3(self, value: int) -> None:
-        self._invoke_("set_Lower_limit_of_analogue_input_3", value)
-
-    def get_Lower_limit_of_analogue_input_4(self) -> int:
-        return self._obtain_("get_Lower_limit_of_analogue_input_4")
-
-    def set_Lower_limit_of_analogue_input_4(self, value: int) -> None:
-        self._invoke_("set_Lower_limit_of_analogue_input_4", value)
-
-    def get_Lower_limit_of_analogue_input_5(self) -> int:
-        return self._obtain_("get_Lower_limit_of_analogue_input_5")
-
-    def set_Lower_limit_of_analogue_input_5(self, value: int) -> None:
-        self._invoke_("set_Lower_limit_of_analogue_input_5", value)
-
-    def get_Lower_limit_of_analogue_input_6(self) -> int:
-        return self._obtain_("get_Lower_limit_of_analogue_input_6")
-
-    def set_Lower_limit_of_analogue_input_6(self, value: int) -> None:
-        self._invoke_("set_Lower_limit_of_analogue_input_6", value)
-
-    def get_Lower_limit_of_analogue_input_7(self) -> int:
-        return self._obtain_("get_Lower_limit_of_analogue_input_7")
-
-    def set_Lower_limit_of_analogue_input_7(self, value: int) -> None:
-        self._invoke_("set_Lower_limit_of_analogue_input_7", value)
-
-    def get_Lower_limit_of_analogue_input_8(self) -> int:
-        return self._obtain_("get_Lower_limit_of_analogue_input_8")
-
-    def set_Lower_limit_of_analogue_input_8(self, value: int) -> None:
-        self._invoke_("set_Lower_limit_of_analogue_input_8", value)
-
-    def get_Highest_sub_index_supported_6426_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6426_00")
-
-    def get_Delta_of_analogue_input_1(self) -> int:
-        return self._obtain_("get_Delta_of_analogue_input_1")
-
-    def set_Delta_of_analogue_input_1(self, value: int) -> None:
-        self._invoke_("set_Delta_of_analogue_input_1", value)
-
-    def get_Delta_of_analogue_input_2(self) -> int:
-        return self._obtain_("get_Delta_of_analogue_input_2")
-
-    def set_Delta_of_analogue_input_2(self, value: int) -> None:
-        self._invoke_("set_Delta_of_analogue_input_2", value)
-
-    def get_Delta_of_analogue_input_3(self) -> int:
-        return self._obtain_("get_Delta_of_analogue_input_3")
-
-    def set_Delta_of_analogue_input_3(self, value: int) -> None:
-        self._invoke_("set_Delta_of_analogue_input_3", value)
-
-    def get_Delta_of_analogue_input_4(self) -> int:
-        return self._obtain_("get_Delta_of_analogue_input_4")
-
-    def set_Delta_of_analogue_input_4(self, value: int) -> None:
-        self._invoke_("set_Delta_of_analogue_input_4", value)
-
-    def get_Delta_of_analogue_input_5(self) -> int:
-        return self._obtain_("get_Delta_of_analogue_input_5")
-
-    def set_Delta_of_analogue_input_5(self, value: int) -> None:
-        self._invoke_("set_Delta_of_analogue_input_5", value)
-
-    def get_Delta_of_analogue_input_6(self) -> int:
-        return self._obtain_("get_Delta_of_analogue_input_6")
-
-    def set_Delta_of_analogue_input_6(self, value: int) -> None:
-        self._invoke_("set_Delta_of_analogue_input_6", value)
-
-    def get_Delta_of_analogue_input_7(self) -> int:
-        return self._obtain_("get_Delta_of_analogue_input_7")
-
-    def set_Delta_of_analogue_input_7(self, value: int) -> None:
-        self._invoke_("set_Delta_of_analogue_input_7", value)
-
-    def get_Delta_of_analogue_input_8(self) -> int:
-        return self._obtain_("get_Delta_of_analogue_input_8")
-
-    def set_Delta_of_analogue_input_8(self, value: int) -> None:
-        self._invoke_("set_Delta_of_analogue_input_8", value)
-
-    def get_Highest_sub_index_supported_6443_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6443_00")
-
-    def get_Error_mode_of_analogue_output_1(self) -> int:
-        return self._obtain_("get_Error_mode_of_analogue_output_1")
-
-    def set_Error_mode_of_analogue_output_1(self, value: int) -> None:
-        self._invoke_("set_Error_mode_of_analogue_output_1", value)
-
-    def get_Error_mode_of_analogue_output_2(self) -> int:
-        return self._obtain_("get_Error_mode_of_analogue_output_2")
-
-    def set_Error_mode_of_analogue_output_2(self, value: int) -> None:
-        self._invoke_("set_Error_mode_of_analogue_output_2", value)
-
-    def get_Error_mode_of_analogue_output_3(self) -> int:
-        return self._obtain_("get_Error_mode_of_analogue_output_3")
-
-    def set_Error_mode_of_analogue_output_3(self, value: int) -> None:
-        self._invoke_("set_Error_mode_of_analogue_output_3", value)
-
-    def get_Error_mode_of_analogue_output_4(self) -> int:
-        return self._obtain_("get_Error_mode_of_analogue_output_4")
-
-    def set_Error_mode_of_analogue_output_4(self, value: int) -> None:
-        self._invoke_("set_Error_mode_of_analogue_output_4", value)
-
-    def get_Highest_sub_index_supported_6444_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6444_00")
-
-    def get_Error_value_of_analogue_output_1(self) -> int:
-        return self._obtain_("get_Error_value_of_analogue_output_1")
-
-    def set_Error_value_of_analogue_output_1(self, value: int) -> None:
-        self._invoke_("set_Error_value_of_analogue_output_1", value)
-
-    def get_Error_value_of_analogue_output_2(self) -> int:
-        return self._obtain_("get_Error_value_of_analogue_output_2")
-
-    def set_Error_value_of_analogue_output_2(self, value: int) -> None:
-        self._invoke_("set_Error_value_of_analogue_output_2", value)
-
-    def get_Error_value_of_analogue_output_3(self) -> int:
-        return self._obtain_("get_Error_value_of_analogue_output_3")
-
-    def set_Error_value_of_analogue_output_3(self, value: int) -> None:
-        self._invoke_("set_Error_value_of_analogue_output_3", value)
-
-    def get_Error_value_of_analogue_output_4(self) -> int:
-        return self._obtain_("get_Error_value_of_analogue_output_4")
-
-    def set_Error_value_of_analogue_output_4(self, value: int) -> None:
-        self._invoke_("set_Error_value_of_analogue_output_4", value)
-
-
-class ObjectAccessSkeleton(ObjectDictionarySkeleton):
+class ObjectAccessSkeleton(ObjectDictionarySkeleton, interface=ObjectAccess):
     """Calls a servant of `FPalette::ObjectAccess` by operation name."""
 
-    def __init__(self, servant: ObjectAccess) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: ObjectAccess = self._servant
-        match operation:
-            case "get_Device_type":
-                return self._call_(
-                    operation,
-                    servant.get_Device_type,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_register":
-                return self._call_(
-                    operation,
-                    servant.get_Error_register,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Number_of_errors":
-                return self._call_(
-                    operation,
-                    servant.get_Number_of_errors,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Number_of_errors":
-                return self._call_(
-                    operation,
-                    servant.set_Number_of_errors,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Standard_error_field_1":
-                return self._call_(
-                    operation,
-                    servant.get_Standard_error_field_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Standard_error_field_2":
-                return self._call_(
-                    operation,
-                    servant.get_Standard_error_field_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Standard_error_field_3":
-                return self._call_(
-                    operation,
-                    servant.get_Standard_error_field_3,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Standard_error_field_4":
-                return self._call_(
-                    operation,
-                    servant.get_Standard_error_field_4,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_COB_ID_SYNC":
-                return self._call_(
-                    operation,
-                    servant.get_COB_ID_SYNC,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_COB_ID_SYNC":
-                return self._call_(
-                    operation,
-                    servant.set_COB_ID_SYNC,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Manufacturer_device_name":
-                return self._call_(
-                    operation,
-                    servant.get_Manufacturer_device_name,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Manufacturer_hardware_version":
-                return self._call_(
-                    operation,
-                    servant.get_Manufacturer_hardware_version,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Manufacturer_software_version":
-                return self._call_(
-                    operation,
-                    servant.get_Manufacturer_software_version,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1010_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1010_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Save_all_parameters":
-                return self._call_(
-                    operation,
-                    servant.get_Save_all_parameters,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Save_all_parameters":
-                return self._call_(
-                    operation,
-                    servant.set_Save_all_parameters,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1011_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1011_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Restore_all_default_parameters":
-                return self._call_(
-                    operation,
-                    servant.get_Restore_all_default_parameters,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Restore_all_default_parameters":
-                return self._call_(
-                    operation,
-                    servant.set_Restore_all_default_parameters,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_COB_ID_EMCY":
-                return self._call_(
-                    operation,
-                    servant.get_COB_ID_EMCY,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_COB_ID_EMCY":
-                return self._call_(
-                    operation,
-                    servant.set_COB_ID_EMCY,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Inhibit_time_EMCY":
-                return self._call_(
-                    operation,
-                    servant.get_Inhibit_time_EMCY,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Inhibit_time_EMCY":
-                return self._call_(
-                    operation,
-                    servant.set_Inhibit_time_EMCY,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1016_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1016_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Consumer_heartbeat_time_1":
-                return self._call_(
-                    operation,
-                    servant.get_Consumer_heartbeat_time_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Consumer_heartbeat_time_1":
-                return self._call_(
-                    operation,
-                    servant.set_Consumer_heartbeat_time_1,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Consumer_heartbeat_time_2":
-                return self._call_(
-                    operation,
-                    servant.get_Consumer_heartbeat_time_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Consumer_heartbeat_time_2":
-                return self._call_(
-                    operation,
-                    servant.set_Consumer_heartbeat_time_2,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Producer_heartbeat_time":
-                return self._call_(
-                    operation,
-                    servant.get_Producer_heartbeat_time,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Producer_heartbeat_time":
-                return self._call_(
-                    operation,
-                    servant.set_Producer_heartbeat_time,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1018_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1018_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Vendor_ID":
-                return self._call_(
-                    operation,
-                    servant.get_Vendor_ID,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Product_code":
-                return self._call_(
-                    operation,
-                    servant.get_Product_code,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Revision_number":
-                return self._call_(
-                    operation,
-                    servant.get_Revision_number,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Serial_number":
-                return self._call_(
-                    operation,
-                    servant.get_Serial_number,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1029_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1029_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Communication_error":
-                return self._call_(
-                    operation,
-                    servant.get_Communication_error,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Communication_error":
-                return self._call_(
-                    operation,
-                    servant.set_Communication_error,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1200_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1200_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_COB_ID_client_to_server":
-                return self._call_(
-                    operation,
-                    servant.get_COB_ID_client_to_server,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_COB_ID_server_to_client":
-                return self._call_(
-                    operation,
-                    servant.get_COB_ID_server_to_client,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Angle_reference":
-                return self._call_(
-                    operation,
-                    servant.get_Angle_reference,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Angle_reference_input":
-                return self._call_(
-                    operation,
-                    servant.get_Angle_reference_input,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Angle_reference_input":
-                return self._call_(
-                    operation,
-                    servant.set_Angle_reference_input,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Angle_reference_gain":
-                return self._call_(
-                    operation,
-                    servant.get_Angle_reference_gain,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Angle_reference_gain":
-                return self._call_(
-                    operation,
-                    servant.set_Angle_reference_gain,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Angle_reference_offset":
-                return self._call_(
-                    operation,
-                    servant.get_Angle_reference_offset,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Angle_reference_offset":
-                return self._call_(
-                    operation,
-                    servant.set_Angle_reference_offset,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6000_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6000_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Digital_inputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.get_Digital_inputs_1_to_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Digital_inputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.get_Digital_inputs_9_to_16,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6002_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6002_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Polarity_of_inputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.get_Polarity_of_inputs_1_to_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Polarity_of_inputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.set_Polarity_of_inputs_1_to_8,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Polarity_of_inputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.get_Polarity_of_inputs_9_to_16,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Polarity_of_inputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.set_Polarity_of_inputs_9_to_16,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Global_interrupt_enable_digital":
-                return self._call_(
-                    operation,
-                    servant.get_Global_interrupt_enable_digital,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Global_interrupt_enable_digital":
-                return self._call_(
-                    operation,
-                    servant.set_Global_interrupt_enable_digital,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6006_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6006_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Mask_of_inputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.get_Mask_of_inputs_1_to_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Mask_of_inputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.set_Mask_of_inputs_1_to_8,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Mask_of_inputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.get_Mask_of_inputs_9_to_16,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Mask_of_inputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.set_Mask_of_inputs_9_to_16,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6200_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6200_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Digital_outputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.get_Digital_outputs_1_to_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Digital_outputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.set_Digital_outputs_1_to_8,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Digital_outputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.get_Digital_outputs_9_to_16,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Digital_outputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.set_Digital_outputs_9_to_16,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6202_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6202_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Polarity_of_outputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.get_Polarity_of_outputs_1_to_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Polarity_of_outputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.set_Polarity_of_outputs_1_to_8,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Polarity_of_outputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.get_Polarity_of_outputs_9_to_16,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Polarity_of_outputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.set_Polarity_of_outputs_9_to_16,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6206_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6206_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_mode_of_outputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.get_Error_mode_of_outputs_1_to_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_mode_of_outputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.set_Error_mode_of_outputs_1_to_8,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_mode_of_outputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.get_Error_mode_of_outputs_9_to_16,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_mode_of_outputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.set_Error_mode_of_outputs_9_to_16,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6207_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6207_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_value_of_outputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.get_Error_value_of_outputs_1_to_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_value_of_outputs_1_to_8":
-                return self._call_(
-                    operation,
-                    servant.set_Error_value_of_outputs_1_to_8,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_value_of_outputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.get_Error_value_of_outputs_9_to_16,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_value_of_outputs_9_to_16":
-                return self._call_(
-                    operation,
-                    servant.set_Error_value_of_outputs_9_to_16,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6401_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6401_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_input_1":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_input_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_input_2":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_input_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_input_3":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_input_3,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_input_4":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_input_4,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_input_5":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_input_5,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_input_6":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_input_6,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_input_7":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_input_7,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_input_8":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_input_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6411_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6411_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_output_1":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_output_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Analogue_output_1":
-                return self._call_(
-                    operation,
-                    servant.set_Analogue_output_1,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_output_2":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_output_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Analogue_output_2":
-                return self._call_(
-                    operation,
-                    servant.set_Analogue_output_2,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_output_3":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_output_3,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Analogue_output_3":
-                return self._call_(
-                    operation,
-                    servant.set_Analogue_output_3,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_output_4":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_output_4,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Analogue_output_4":
-                return self._call_(
-                    operation,
-                    servant.set_Analogue_output_4,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6421_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6421_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Trigger_of_analogue_input_1":
-                return self._call_(
-                    operation,
-                    servant.get_Trigger_of_analogue_input_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Trigger_of_analogue_input_1":
-                return self._call_(
-                    operation,
-                    servant.set_Trigger_of_analogue_input_1,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Trigger_of_analogue_input_2":
-                return self._call_(
-                    operation,
-                    servant.get_Trigger_of_analogue_input_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Trigger_of_analogue_input_2":
-                return self._call_(
-                    operation,
-                    servant.set_Trigger_of_analogue_input_2,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Trigger_of_analogue_input_3":
-                return self._call_(
-                    operation,
-                    servant.get_Trigger_of_analogue_input_3,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Trigger_of_analogue_input_3":
-                return self._call_(
-                    operation,
-                    servant.set_Trigger_of_analogue_input_3,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Trigger_of_analogue_input_4":
-                return self._call_(
-                    operation,
-                    servant.get_Trigger_of_analogue_input_4,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Trigger_of_analogue_input_4":
-                return self._call_(
-                    operation,
-                    servant.set_Trigger_of_analogue_input_4,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Trigger_of_analogue_input_5":
-                return self._call_(
-                    operation,
-                    servant.get_Trigger_of_analogue_input_5,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Trigger_of_analogue_input_5":
-                return self._call_(
-                    operation,
-                    servant.set_Trigger_of_analogue_input_5,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Trigger_of_analogue_input_6":
-                return self._call_(
-                    operation,
-                    servant.get_Trigger_of_analogue_input_6,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Trigger_of_analogue_input_6":
-                return self._call_(
-                    operation,
-                    servant.set_Trigger_of_analogue_input_6,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Trigger_of_analogue_input_7":
-                return self._call_(
-                    operation,
-                    servant.get_Trigger_of_analogue_input_7,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Trigger_of_analogue_input_7":
-                return self._call_(
-                    operation,
-                    servant.set_Trigger_of_analogue_input_7,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Trigger_of_analogue_input_8":
-                return self._call_(
-                    operation,
-                    servant.get_Trigger_of_analogue_input_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Trigger_of_analogue_input_8":
-                return self._call_(
-                    operation,
-                    servant.set_Trigger_of_analogue_input_8,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Analogue_input_global_interrupt_enable":
-                return self._call_(
-                    operation,
-                    servant.get_Analogue_input_global_interrupt_enable,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Analogue_input_global_interrupt_enable":
-                return self._call_(
-                    operation,
-                    servant.set_Analogue_input_global_interrupt_enable,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6424_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6424_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Upper_limit_of_analogue_input_1":
-                return self._call_(
-                    operation,
-                    servant.get_Upper_limit_of_analogue_input_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Upper_limit_of_analogue_input_1":
-                return self._call_(
-                    operation,
-                    servant.set_Upper_limit_of_analogue_input_1,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Upper_limit_of_analogue_input_2":
-                return self._call_(
-                    operation,
-                    servant.get_Upper_limit_of_analogue_input_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Upper_limit_of_analogue_input_2":
-                return self._call_(
-                    operation,
-                    servant.set_Upper_limit_of_analogue_input_2,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Upper_limit_of_analogue_input_3":
-                return self._call_(
-                    operation,
-                    servant.get_Upper_limit_of_analogue_input_3,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Upper_limit_of_analogue_input_3":
-                return self._call_(
-                    operation,
-                    servant.set_Upper_limit_of_analogue_input_3,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Upper_limit_of_analogue_input_4":
-                return self._call_(
-                    operation,
-                    servant.get_Upper_limit_of_analogue_input_4,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Upper_limit_of_analogue_input_4":
-                return self._call_(
-                    operation,
-                    servant.set_Upper_limit_of_analogue_input_4,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Upper_limit_of_analogue_input_5":
-                return self._call_(
-                    operation,
-                    servant.get_Upper_limit_of_analogue_input_5,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Upper_limit_of_analogue_input_5":
-                return self._call_(
-                    operation,
-                    servant.set_Upper_limit_of_analogue_input_5,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Upper_limit_of_analogue_input_6":
-                return self._call_(
-                    operation,
-                    servant.get_Upper_limit_of_analogue_input_6,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Upper_limit_of_analogue_input_6":
-                return self._call_(
-                    operation,
-                    servant.set_Upper_limit_of_analogue_input_6,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Upper_limit_of_analogue_input_7":
-                return self._call_(
-                    operation,
-                    servant.get_Upper_limit_of_analogue_input_7,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Upper_limit_of_analogue_input_7":
-                return self._call_(
-                    operation,
-                    servant.set_Upper_limit_of_analogue_input_7,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Upper_limit_of_analogue_input_8":
-                return self._call_(
-                    operation,
-                    servant.get_Upper_limit_of_analogue_input_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Upper_limit_of_analogue_input_8":
-                return self._call_(
-                    operation,
-                    servant.set_Upper_limit_of_analogue_input_8,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6425_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6425_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Lower_limit_of_analogue_input_1":
-                return self._call_(
-                    operation,
-                    servant.get_Lower_limit_of_analogue_input_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Lower_limit_of_analogue_input_1":
-                return self._call_(
-                    operation,
-                    servant.set_Lower_limit_of_analogue_input_1,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Lower_limit_of_analogue_input_2":
-                return self._call_(
-                    operation,
-                    servant.get_Lower_limit_of_analogue_input_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Lower_limit_of_analogue_input_2":
-                return self._call_(
-                    operation,
-                    servant.set_Lower_limit_of_analogue_input_2,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Lower_limit_of_analogue_input_3":
-                return self._call_(
-                    operation,
-                    servant.get_Lower_limit_of_analogue_input_3,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Lower_limit_of_analogue_input_3":
-                return self._call_(
-                    operation,
-                    servant.set_Lower_limit_of_analogue_input_3,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Lower_limit_of_analogue_input_4":
-                return self._call_(
-                    operation,
-                    servant.get_Lower_limit_of_analogue_input_4,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Lower_limit_of_analogue_input_4":
-                return self._call_(
-                    operation,
-                    servant.set_Lower_limit_of_analogue_input_4,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Lower_limit_of_analogue_input_5":
-                return self._call_(
-                    operation,
-                    servant.get_Lower_limit_of_analogue_input_5,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Lower_limit_of_analogue_input_5":
-                return self._call_(
-                    operation,
-                    servant.set_Lower_limit_of_analogue_input_5,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Lower_limit_of_analogue_input_6":
-                return self._call_(
-                    operation,
-                    servant.get_Lower_limit_of_analogue_input_6,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Lower_limit_of_analogue_input_6":
-                return self._call_(
-                    operation,
-                    servant.set_Lower_limit_of_analogue_input_6,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Lower_limit_of_analogue_input_7":
-                return self._call_(
-                    operation,
-                    servant.get_Lower_limit_of_analogue_input_7,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Lower_limit_of_analogue_input_7":
-                return self._call_(
-                    operation,
-                    servant.set_Lower_limit_of_analogue_input_7,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Lower_limit_of_analogue_input_8":
-                return self._call_(
-                    operation,
-                    servant.get_Lower_limit_of_analogue_input_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Lower_limit_of_analogue_input_8":
-                return self._call_(
-                    operation,
-                    servant.set_Lower_limit_of_analogue_input_8,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6426_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6426_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Delta_of_analogue_input_1":
-                return self._call_(
-                    operation,
-                    servant.get_Delta_of_analogue_input_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Delta_of_analogue_input_1":
-                return self._call_(
-                    operation,
-                    servant.set_Delta_of_analogue_input_1,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Delta_of_analogue_input_2":
-                return self._call_(
-                    operation,
-                    servant.get_Delta_of_analogue_input_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Delta_of_analogue_input_2":
-                return self._call_(
-                    operation,
-                    servant.set_Delta_of_analogue_input_2,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Delta_of_analogue_input_3":
-                return self._call_(
-                    operation,
-                    servant.get_Delta_of_analogue_input_3,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Delta_of_analogue_input_3":
-                return self._call_(
-                    operation,
-                    servant.set_Delta_of_analogue_input_3,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Delta_of_analogue_input_4":
-                return self._call_(
-                    operation,
-                    servant.get_Delta_of_analogue_input_4,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Delta_of_analogue_input_4":
-                return self._call_(
-                    operation,
-                    servant.set_Delta_of_analogue_input_4,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Delta_of_analogue_input_5":
-                return self._call_(
-                    operation,
-                    servant.get_Delta_of_analogue_input_5,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Delta_of_analogue_input_5":
-                return self._call_(
-                    operation,
-                    servant.set_Delta_of_analogue_input_5,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Delta_of_analogue_input_6":
-                return self._call_(
-                    operation,
-                    servant.get_Delta_of_analogue_input_6,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Delta_of_analogue_input_6":
-                return self._call_(
-                    operation,
-                    servant.set_Delta_of_analogue_input_6,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Delta_of_analogue_input_7":
-                return self._call_(
-                    operation,
-                    servant.get_Delta_of_analogue_input_7,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Delta_of_analogue_input_7":
-                return self._call_(
-                    operation,
-                    servant.set_Delta_of_analogue_input_7,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Delta_of_analogue_input_8":
-                return self._call_(
-                    operation,
-                    servant.get_Delta_of_analogue_input_8,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Delta_of_analogue_input_8":
-                return self._call_(
-                    operation,
-                    servant.set_Delta_of_analogue_input_8,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6443_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6443_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_mode_of_analogue_output_1":
-                return self._call_(
-                    operation,
-                    servant.get_Error_mode_of_analogue_output_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_mode_of_analogue_output_1":
-                return self._call_(
-                    operation,
-                    servant.set_Error_mode_of_analogue_output_1,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_mode_of_analogue_output_2":
-                return self._call_(
-                    operation,
-                    servant.get_Error_mode_of_analogue_output_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_mode_of_analogue_output_2":
-                return self._call_(
-                    operation,
-                    servant.set_Error_mode_of_analogue_output_2,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_mode_of_analogue_output_3":
-                return self._call_(
-                    operation,
-                    servant.get_Error_mode_of_analogue_output_3,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_mode_of_analogue_output_3":
-                return self._call_(
-                    operation,
-                    servant.set_Error_mode_of_analogue_output_3,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_mode_of_analogue_output_4":
-                return self._call_(
-                    operation,
-                    servant.get_Error_mode_of_analogue_output_4,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_mode_of_analogue_output_4":
-                return self._call_(
-                    operation,
-                    servant.set_Error_mode_of_analogue_output_4,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6444_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6444_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_value_of_analogue_output_1":
-                return self._call_(
-                    operation,
-                    servant.get_Error_value_of_analogue_output_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_value_of_analogue_output_1":
-                return self._call_(
-                    operation,
-                    servant.set_Error_value_of_analogue_output_1,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_value_of_analogue_output_2":
-                return self._call_(
-                    operation,
-                    servant.get_Error_value_of_analogue_output_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_value_of_analogue_output_2":
-                return self._call_(
-                    operation,
-                    servant.set_Error_value_of_analogue_output_2,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_value_of_analogue_output_3":
-                return self._call_(
-                    operation,
-                    servant.get_Error_value_of_analogue_output_3,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_value_of_analogue_output_3":
-                return self._call_(
-                    operation,
-                    servant.set_Error_value_of_analogue_output_3,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_value_of_analogue_output_4":
-                return self._call_(
-                    operation,
-                    servant.get_Error_value_of_analogue_output_4,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Error_value_of_analogue_output_4":
-                return self._call_(
-                    operation,
-                    servant.set_Error_value_of_analogue_output_4,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-        return super().dispatch(operation, arguments)
-
-
-ObjectAccess._stub_ = ObjectAccessStub
-ObjectAccess._skeleton_ = ObjectAccessSkeleton
 ObjectAccess._calls_ = ".f_palette_calls"

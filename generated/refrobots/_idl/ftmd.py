@@ -23,7 +23,7 @@ from rtgen.runtime.descriptors import (
     PrimitiveDescriptor,
     StructDescriptor,
 )
-from rtgen.runtime.services import Skeleton, Stub
+from rtgen.runtime.services import Skeleton, Stub, operation
 
 from .basic_data_type import Time
 from .canopen import (
@@ -642,494 +642,617 @@ class ObjectAccess(ObjectDictionary):
     )
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Device_type(self) -> int:
         """Device type (1000h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_register(self) -> int:
         """Error register (1001h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Number_of_errors(self) -> int:
         """Number of errors (1003h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Number_of_errors(self, value: int) -> None:
         """Number of errors (1003h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Standard_error_field_1(self) -> int:
         """Standard error field 1 (1003h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Standard_error_field_2(self) -> int:
         """Standard error field 2 (1003h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Standard_error_field_3(self) -> int:
         """Standard error field 3 (1003h:3, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Standard_error_field_4(self) -> int:
         """Standard error field 4 (1003h:4, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_COB_ID_SYNC(self) -> int:
         """COB-ID SYNC (1005h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_COB_ID_SYNC(self, value: int) -> None:
         """COB-ID SYNC (1005h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Manufacturer_device_name(self) -> str:
         """Manufacturer device name (1008h, VISIBLE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Manufacturer_hardware_version(self) -> str:
         """Manufacturer hardware version (1009h, VISIBLE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Manufacturer_software_version(self) -> str:
         """Manufacturer software version (100Ah, VISIBLE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1010_00(self) -> int:
         """Highest sub-index supported (1010h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Save_all_parameters(self) -> int:
         """Save all parameters (1010h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Save_all_parameters(self, value: int) -> None:
         """Save all parameters (1010h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1011_00(self) -> int:
         """Highest sub-index supported (1011h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Restore_all_default_parameters(self) -> int:
         """Restore all default parameters (1011h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Restore_all_default_parameters(self, value: int) -> None:
         """Restore all default parameters (1011h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_COB_ID_EMCY(self) -> int:
         """COB-ID EMCY (1014h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_COB_ID_EMCY(self, value: int) -> None:
         """COB-ID EMCY (1014h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Inhibit_time_EMCY(self) -> int:
         """Inhibit time EMCY (1015h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Inhibit_time_EMCY(self, value: int) -> None:
         """Inhibit time EMCY (1015h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1016_00(self) -> int:
         """Highest sub-index supported (1016h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Consumer_heartbeat_time_1(self) -> int:
         """Consumer heartbeat time 1 (1016h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Consumer_heartbeat_time_1(self, value: int) -> None:
         """Consumer heartbeat time 1 (1016h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Consumer_heartbeat_time_2(self) -> int:
         """Consumer heartbeat time 2 (1016h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Consumer_heartbeat_time_2(self, value: int) -> None:
         """Consumer heartbeat time 2 (1016h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Producer_heartbeat_time(self) -> int:
         """Producer heartbeat time (1017h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Producer_heartbeat_time(self, value: int) -> None:
         """Producer heartbeat time (1017h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1018_00(self) -> int:
         """Highest sub-index supported (1018h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Vendor_ID(self) -> int:
         """Vendor-ID (1018h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Product_code(self) -> int:
         """Product code (1018h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Revision_number(self) -> int:
         """Revision number (1018h:3, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Serial_number(self) -> int:
         """Serial number (1018h:4, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1029_00(self) -> int:
         """Highest sub-index supported (1029h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Communication_error(self) -> int:
         """Communication error (1029h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Communication_error(self, value: int) -> None:
         """Communication error (1029h:1, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1200_00(self) -> int:
         """Highest sub-index supported (1200h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_COB_ID_client_to_server(self) -> int:
         """COB-ID client to server (1200h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_COB_ID_server_to_client(self) -> int:
         """COB-ID server to client (1200h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Driver_temperature(self) -> int:
         """Driver temperature (2001h, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_code(self) -> int:
         """Error code (603Fh, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Controlword(self) -> int:
         """Controlword (6040h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Controlword(self, value: int) -> None:
         """Controlword (6040h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Statusword(self) -> int:
         """Statusword (6041h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Quick_stop_option_code(self) -> int:
         """Quick stop option code (605Ah, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Quick_stop_option_code(self, value: int) -> None:
         """Quick stop option code (605Ah, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Disable_operation_option_code(self) -> int:
         """Disable operation option code (605Ch, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Disable_operation_option_code(self, value: int) -> None:
         """Disable operation option code (605Ch, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Halt_option_code(self) -> int:
         """Halt option code (605Dh, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Halt_option_code(self, value: int) -> None:
         """Halt option code (605Dh, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Fault_reaction_option_code(self) -> int:
         """Fault reaction option code (605Eh, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Fault_reaction_option_code(self, value: int) -> None:
         """Fault reaction option code (605Eh, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Modes_of_operation(self) -> int:
         """Modes of operation (6060h, INTEGER8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Modes_of_operation(self, value: int) -> None:
         """Modes of operation (6060h, INTEGER8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Modes_of_operation_display(self) -> int:
         """Modes of operation display (6061h, INTEGER8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Position_actual_value(self) -> float:
         """Position actual value (6064h, INTEGER32, times 0.001) [deg]"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Following_error_window(self) -> int:
         """Following error window (6065h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Following_error_window(self, value: int) -> None:
         """Following error window (6065h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Following_error_time_out(self) -> int:
         """Following error time out (6066h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Following_error_time_out(self, value: int) -> None:
         """Following error time out (6066h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Position_window(self) -> int:
         """Position window (6067h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Position_window(self, value: int) -> None:
         """Position window (6067h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Position_window_time(self) -> int:
         """Position window time (6068h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Position_window_time(self, value: int) -> None:
         """Position window time (6068h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Velocity_demand_value(self) -> int:
         """Velocity demand value (606Bh, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Velocity_actual_value(self) -> float:
         """Velocity actual value (606Ch, INTEGER32, times 0.001) [deg/s]"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Velocity_window(self) -> int:
         """Velocity window (606Dh, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Velocity_window(self, value: int) -> None:
         """Velocity window (606Dh, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Velocity_window_time(self) -> int:
         """Velocity window time (606Eh, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Velocity_window_time(self, value: int) -> None:
         """Velocity window time (606Eh, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Target_torque(self) -> int:
         """Target torque (6071h, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Target_torque(self, value: int) -> None:
         """Target torque (6071h, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Max_torque(self) -> int:
         """Max torque (6072h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Max_torque(self, value: int) -> None:
         """Max torque (6072h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Max_current(self) -> int:
         """Max current (6073h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Max_current(self, value: int) -> None:
         """Max current (6073h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Torque_demand(self) -> int:
         """Torque demand (6074h, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Motor_rated_current(self) -> int:
         """Motor rated current (6075h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Motor_rated_current(self, value: int) -> None:
         """Motor rated current (6075h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Motor_rated_torque(self) -> int:
         """Motor rated torque (6076h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Motor_rated_torque(self, value: int) -> None:
         """Motor rated torque (6076h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Torque_actual_value(self) -> int:
         """Torque actual value (6077h, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Current_actual_value(self) -> int:
         """Current actual value (6078h, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_DC_link_circuit_voltage(self) -> int:
         """DC link circuit voltage (6079h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Target_position(self) -> int:
         """Target position (607Ah, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Target_position(self, value: int) -> None:
         """Target position (607Ah, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_607D_00(self) -> int:
         """Highest sub-index supported (607Dh, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Min_position_limit(self) -> int:
         """Min position limit (607Dh:1, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Min_position_limit(self, value: int) -> None:
         """Min position limit (607Dh:1, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Max_position_limit(self) -> int:
         """Max position limit (607Dh:2, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Max_position_limit(self, value: int) -> None:
         """Max position limit (607Dh:2, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Polarity(self) -> int:
         """Polarity (607Eh, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Polarity(self, value: int) -> None:
         """Polarity (607Eh, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Max_profile_velocity(self) -> int:
         """Max profile velocity (607Fh, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Max_profile_velocity(self, value: int) -> None:
         """Max profile velocity (607Fh, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Profile_velocity(self) -> int:
         """Profile velocity (6081h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Profile_velocity(self, value: int) -> None:
         """Profile velocity (6081h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Profile_acceleration(self) -> int:
         """Profile acceleration (6083h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Profile_acceleration(self, value: int) -> None:
         """Profile acceleration (6083h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Profile_deceleration(self) -> int:
         """Profile deceleration (6084h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Profile_deceleration(self, value: int) -> None:
         """Profile deceleration (6084h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Quick_stop_deceleration(self) -> int:
         """Quick stop deceleration (6085h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Quick_stop_deceleration(self, value: int) -> None:
         """Quick stop deceleration (6085h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Torque_slope(self) -> int:
         """Torque slope (6087h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Torque_slope(self, value: int) -> None:
         """Torque slope (6087h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_608F_00(self) -> int:
         """Highest sub-index supported (608Fh, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Encoder_increments(self) -> int:
         """Encoder increments (608Fh:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Encoder_increments(self, value: int) -> None:
         """Encoder increments (608Fh:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Motor_revolutions(self) -> int:
         """Motor revolutions (608Fh:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Motor_revolutions(self, value: int) -> None:
         """Motor revolutions (608Fh:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_6091_00(self) -> int:
         """Highest sub-index supported (6091h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Motor_shaft_revolutions(self) -> int:
         """Motor shaft revolutions (6091h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Motor_shaft_revolutions(self, value: int) -> None:
         """Motor shaft revolutions (6091h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Driving_shaft_revolutions(self) -> int:
         """Driving shaft revolutions (6091h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Driving_shaft_revolutions(self, value: int) -> None:
         """Driving shaft revolutions (6091h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_SI_unit_position(self) -> int:
         """SI unit position (60A8h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_SI_unit_velocity(self) -> int:
         """SI unit velocity (60A9h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Following_error_actual_value(self) -> int:
         """Following error actual value (60F4h, INTEGER32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Target_velocity(self) -> float:
         """Target velocity (60FFh, INTEGER32, times 0.001) [deg/s]"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Target_velocity(self, value: float) -> None:
         """Target velocity (60FFh, INTEGER32, times 0.001) [deg/s]"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Supported_drive_modes(self) -> int:
         """Supported drive modes (6502h, UNSIGNED32)"""
 
@@ -1137,1372 +1260,9 @@ class ObjectAccess(ObjectDictionary):
 class ObjectAccessStub(ObjectAccess, ObjectDictionaryStub):
     """Calls a servant of `Ftmd::ObjectAccess` through an invoker."""
 
-    def get_Device_type(self) -> int:
-        return self._obtain_("get_Device_type")
 
-    def get_Error_register(self) -> int:
-        return self._obtain_("get_Error_register")
-
-    def get_Number_of_errors(self) -> int:
-        return self._obtain_("get_Number_of_errors")
-
-    def set_Number_of_errors(self, value: int) -> None:
-        self._invoke_("set_Number_of_errors", value)
-
-    def get_Standard_error_field_1(self) -> int:
-        return self._obtain_("get_Standard_error_field_1")
-
-    def get_Standard_error_field_2(self) -> int:
-        return self._obtain_("get_Standard_error_field_2")
-
-    def get_Standard_error_field_3(self) -> int:
-        return self._obtain_("get_Standard_error_field_3")
-
-    def get_Standard_error_field_4(self) -> int:
-        return self._obtain_("get_Standard_error_field_4")
-
-    def get_COB_ID_SYNC(self) -> int:
-        return self._obtain_("get_COB_ID_SYNC")
-
-    def set_COB_ID_SYNC(self, value: int) -> None:
-        self._invoke_("set_COB_ID_SYNC", value)
-
-    def get_Manufacturer_device_name(self) -> str:
-        return self._obtain_("get_Manufacturer_device_name")
-
-    def get_Manufacturer_hardware_version(self) -> str:
-        return self._obtain_("get_Manufacturer_hardware_version")
-
-    def get_Manufacturer_software_version(self) -> str:
-        return self._obtain_("get_Manufacturer_software_version")
-
-    def get_Highest_sub_index_supported_1010_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1010_00")
-
-    def get_Save_all_parameters(self) -> int:
-        return self._obtain_("get_Save_all_parameters")
-
-    def set_Save_all_parameters(self, value: int) -> None:
-        self._invoke_("set_Save_all_parameters", value)
-
-    def get_Highest_sub_index_supported_1011_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1011_00")
-
-    def get_Restore_all_default_parameters(self) -> int:
-        return self._obtain_("get_Restore_all_default_parameters")
-
-    def set_Restore_all_default_parameters(self, value: int) -> None:
-        self._invoke_("set_Restore_all_default_parameters", value)
-
-    def get_COB_ID_EMCY(self) -> int:
-        return self._obtain_("get_COB_ID_EMCY")
-
-    def set_COB_ID_EMCY(self, value: int) -> None:
-        self._invoke_("set_COB_ID_EMCY", value)
-
-    def get_Inhibit_time_EMCY(self) -> int:
-        return self._obtain_("get_Inhibit_time_EMCY")
-
-    def set_Inhibit_time_EMCY(self, value: int) -> None:
-        self._invoke_("set_Inhibit_time_EMCY", value)
-
-    def get_Highest_sub_index_supported_1016_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1016_00")
-
-    def get_Consumer_heartbeat_time_1(self) -> int:
-        return self._obtain_("get_Consumer_heartbeat_time_1")
-
-    def set_Consumer_heartbeat_time_1(self, value: int) -> None:
-        self._invoke_("set_Consumer_heartbeat_time_1", value)
-
-    def get_Consumer_heartbeat_time_2(self) -> int:
-        return self._obtain_("get_Consumer_heartbeat_time_2")
-
-    def set_Consumer_heartbeat_time_2(self, value: int) -> None:
-        self._invoke_("set_Consumer_heartbeat_time_2", value)
-
-    def get_Producer_heartbeat_time(self) -> int:
-        return self._obtain_("get_Producer_heartbeat_time")
-
-    def set_Producer_heartbeat_time(self, value: int) -> None:
-        self._invoke_("set_Producer_heartbeat_time", value)
-
-    def get_Highest_sub_index_supported_1018_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1018_00")
-
-    def get_Vendor_ID(self) -> int:
-        return self._obtain_("get_Vendor_ID")
-
-    def get_Product_code(self) -> int:
-        return self._obtain_("get_Product_code")
-
-    def get_Revision_number(self) -> int:
-        return self._obtain_("get_Revision_number")
-
-    def get_Serial_number(self) -> int:
-        return self._obtain_("get_Serial_number")
-
-    def get_Highest_sub_index_supported_1029_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1029_00")
-
-    def get_Communication_error(self) -> int:
-        return self._obtain_("get_Communication_error")
-
-    def set_Communication_error(self, value: int) -> None:
-        self._invoke_("set_Communication_error", value)
-
-    def get_Highest_sub_index_supported_1200_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1200_00")
-
-    def get_COB_ID_client_to_server(self) -> int:
-        return self._obtain_("get_COB_ID_client_to_server")
-
-    def get_COB_ID_server_to_client(self) -> int:
-        return self._obtain_("get_COB_ID_server_to_client")
-
-    def get_Driver_temperature(self) -> int:
-        return self._obtain_("get_Driver_temperature")
-
-    def get_Error_code(self) -> int:
-        return self._obtain_("get_Error_code")
-
-    def get_Controlword(self) -> int:
-        return self._obtain_("get_Controlword")
-
-    def set_Controlword(self, value: int) -> None:
-        self._invoke_("set_Controlword", value)
-
-    def get_Statusword(self) -> int:
-        return self._obtain_("get_Statusword")
-
-    def get_Quick_stop_option_code(self) -> int:
-        return self._obtain_("get_Quick_stop_option_code")
-
-    def set_Quick_stop_option_code(self, value: int) -> None:
-        self._invoke_("set_Quick_stop_option_code", value)
-
-    def get_Disable_operation_option_code(self) -> int:
-        return self._obtain_("get_Disable_operation_option_code")
-
-    def set_Disable_operation_option_code(self, value: int) -> None:
-        self._invoke_("set_Disable_operation_option_code", value)
-
-    def get_Halt_option_code(self) -> int:
-        return self._obtain_("get_Halt_option_code")
-
-    def set_Halt_option_code(self, value: int) -> None:
-        self._invoke_("set_Halt_option_code", value)
-
-    def get_Fault_reaction_option_code(self) -> int:
-        return self._obtain_("get_Fault_reaction_option_code")
-
-    def set_Fault_reaction_option_code(self, value: int) -> None:
-        self._invoke_("set_Fault_reaction_option_code", value)
-
-    def get_Modes_of_operation(self) -> int:
-        return self._obtain_("get_Modes_of_operation")
-
-    def set_Modes_of_operation(self, value: int) -> None:
-        self._invoke_("set_Modes_of_operation", value)
-
-    def get_Modes_of_operation_display(self) -> int:
-        return self._obtain_("get_Modes_of_operation_display")
-
-    def get_Position_actual_value(self) -> float:
-        return self._obtain_("get_Position_actual_value")
-
-    def get_Following_error_window(self) -> int:
-        return self._obtain_("get_Following_error_window")
-
-    def set_Following_error_window(self, value: int) -> None:
-        self._invoke_("set_Following_error_window", value)
-
-    def get_Following_error_time_out(self) -> int:
-        return self._obtain_("get_Following_error_time_out")
-
-    def set_Following_error_time_out(self, value: int) -> None:
-        self._invoke_("set_Following_error_time_out", value)
-
-    def get_Position_window(self) -> int:
-        return self._obtain_("get_Position_window")
-
-    def set_Position_window(self, value: int) -> None:
-        self._invoke_("set_Position_window", value)
-
-    def get_Position_window_time(self) -> int:
-        return self._obtain_("get_Position_window_time")
-
-    def set_Position_window_time(self, value: int) -> None:
-        self._invoke_("set_Position_window_time", value)
-
-    def get_Velocity_demand_value(self) -> int:
-        return self._obtain_("get_Velocity_demand_value")
-
-    def get_Velocity_actual_value(self) -> float:
-        return self._obtain_("get_Velocity_actual_value")
-
-    def get_Velocity_window(self) -> int:
-        return self._obtain_("get_Velocity_window")
-
-    def set_Velocity_window(self, value: int) -> None:
-        self._invoke_("set_Velocity_window", value)
-
-    def get_Velocity_window_time(self) -> int:
-        return self._obtain_("get_Velocity_window_time")
-
-    def set_Velocity_window_time(self, value: int) -> None:
-        self._invoke_("set_Velocity_window_time", value)
-
-    def get_Target_torque(self) -> int:
-        return self._obtain_("get_Target_torque")
-
-    def set_Target_torque(self, value: int) -> None:
-        self._invoke_("set_Target_torque", value)
-
-    def get_Max_torque(self) -> int:
-        return self._obtain_("get_Max_torque")
-
-    def set_Max_torque(self, value: int) -> None:
-        self._invoke_("set_Max_torque", value)
-
-    def get_Max_current(self) -> int:
-        return self._obtain_("get_Max_current")
-
-    def set_Max_current(self, value: int) -> None:
-        self._invoke_("set_Max_current", value)
-
-    def get_Torque_demand(self) -> int:
-        return self._obtain_("get_Torque_demand")
-
-    def get_Motor_rated_current(self) -> int:
-        return self._obtain_("get_Motor_rated_current")
-
-    def set_Motor_rated_current(self, value: int) -> None:
-        self._invoke_("set_Motor_rated_current", value)
-
-    def get_Motor_rated_torque(self) -> int:
-        return self._obtain_("get_Motor_rated_torque")
-
-    def set_Motor_rated_torque(self, value: int) -> None:
-        self._invoke_("set_Motor_rated_torque", value)
-
-    def get_Torque_actual_value(self) -> int:
-        return self._obtain_("get_Torque_actual_value")
-
-    def get_Current_actual_value(self) -> int:
-        return self._obtain_("get_Current_actual_value")
-
-    def get_DC_link_circuit_voltage(self) -> int:
-        return self._obtain_("get_DC_link_circuit_voltage")
-
-    def get_Target_position(self) -> int:
-        return self._obtain_("get_Target_position")
-
-    def set_Target_position(self, value: int) -> None:
-        self._invoke_("set_Target_position", value)
-
-    def get_Highest_sub_index_supported_607D_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_607D_00")
-
-    def get_Min_position_limit(self) -> int:
-        return self._obtain_("get_Min_position_limit")
-
-    def set_Min_position_limit(self, value: int) -> None:
-        self._invoke_("set_Min_position_limit", value)
-
-    def get_Max_position_limit(self) -> int:
-        return self._obtain_("get_Max_position_limit")
-
-    def set_Max_position_limit(self, value: int) -> None:
-        self._invoke_("set_Max_position_limit", value)
-
-    def get_Polarity(self) -> int:
-        return self._obtain_("get_Polarity")
-
-    def set_Polarity(self, value: int) -> None:
-        self._invoke_("set_Polarity", value)
-
-    def get_Max_profile_velocity(self) -> int:
-        return self._obtain_("get_Max_profile_velocity")
-
-    def set_Max_profile_velocity(self, value: int) -> None:
-        self._invoke_("set_Max_profile_velocity", value)
-
-    def get_Profile_velocity(self) -> int:
-        return self._obtain_("get_Profile_velocity")
-
-    def set_Profile_velocity(self, value: int) -> None:
-        self._invoke_("set_Profile_velocity", value)
-
-    def get_Profile_acceleration(self) -> int:
-        return self._obtain_("get_Profile_acceleration")
-
-    def set_Profile_acceleration(self, value: int) -> None:
-        self._invoke_("set_Profile_acceleration", value)
-
-    def get_Profile_deceleration(self) -> int:
-        return self._obtain_("get_Profile_deceleration")
-
-    def set_Profile_deceleration(self, value: int) -> None:
-        self._invoke_("set_Profile_deceleration", value)
-
-    def get_Quick_stop_deceleration(self) -> int:
-        return self._obtain_("get_Quick_stop_deceleration")
-
-    def set_Quick_stop_deceleration(self, value: int) -> None:
-        self._invoke_("set_Quick_stop_deceleration", value)
-
-    def get_Torque_slope(self) -> int:
-        return self._obtain_("get_Torque_slope")
-
-    def set_Torque_slope(self, value: int) -> None:
-        self._invoke_("set_Torque_slope", value)
-
-    def get_Highest_sub_index_supported_608F_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_608F_00")
-
-    def get_Encoder_increments(self) -> int:
-        return self._obtain_("get_Encoder_increments")
-
-    def set_Encoder_increments(self, value: int) -> None:
-        self._invoke_("set_Encoder_increments", value)
-
-    def get_Motor_revolutions(self) -> int:
-        return self._obtain_("get_Motor_revolutions")
-
-    def set_Motor_revolutions(self, value: int) -> None:
-        self._invoke_("set_Motor_revolutions", value)
-
-    def get_Highest_sub_index_supported_6091_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_6091_00")
-
-    def get_Motor_shaft_revolutions(self) -> int:
-        return self._obtain_("get_Motor_shaft_revolutions")
-
-    def set_Motor_shaft_revolutions(self, value: int) -> None:
-        self._invoke_("set_Motor_shaft_revolutions", value)
-
-    def get_Driving_shaft_revolutions(self) -> int:
-        return self._obtain_("get_Driving_shaft_revolutions")
-
-    def set_Driving_shaft_revolutions(self, value: int) -> None:
-        self._invoke_("set_Driving_shaft_revolutions", value)
-
-    def get_SI_unit_position(self) -> int:
-        return self._obtain_("get_SI_unit_position")
-
-    def get_SI_unit_velocity(self) -> int:
-        return self._obtain_("get_SI_unit_velocity")
-
-    def get_Following_error_actual_value(self) -> int:
-        return self._obtain_("get_Following_error_actual_value")
-
-    def get_Target_velocity(self) -> float:
-        return self._obtain_("get_Target_velocity")
-
-    def set_Target_velocity(self, value: float) -> None:
-        self._invoke_("set_Target_velocity", value)
-
-    def get_Supported_drive_modes(self) -> int:
-        return self._obtain_("get_Supported_drive_modes")
-
-
-class ObjectAccessSkeleton(ObjectDictionarySkeleton):
+class ObjectAccessSkeleton(ObjectDictionarySkeleton, interface=ObjectAccess):
     """Calls a servant of `Ftmd::ObjectAccess` by operation name."""
 
-    def __init__(self, servant: ObjectAccess) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: ObjectAccess = self._servant
-        match operation:
-            case "get_Device_type":
-                return self._call_(
-                    operation,
-                    servant.get_Device_type,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_register":
-                return self._call_(
-                    operation,
-                    servant.get_Error_register,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Number_of_errors":
-                return self._call_(
-                    operation,
-                    servant.get_Number_of_errors,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Number_of_errors":
-                return self._call_(
-                    operation,
-                    servant.set_Number_of_errors,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Standard_error_field_1":
-                return self._call_(
-                    operation,
-                    servant.get_Standard_error_field_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Standard_error_field_2":
-                return self._call_(
-                    operation,
-                    servant.get_Standard_error_field_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Standard_error_field_3":
-                return self._call_(
-                    operation,
-                    servant.get_Standard_error_field_3,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Standard_error_field_4":
-                return self._call_(
-                    operation,
-                    servant.get_Standard_error_field_4,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_COB_ID_SYNC":
-                return self._call_(
-                    operation,
-                    servant.get_COB_ID_SYNC,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_COB_ID_SYNC":
-                return self._call_(
-                    operation,
-                    servant.set_COB_ID_SYNC,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Manufacturer_device_name":
-                return self._call_(
-                    operation,
-                    servant.get_Manufacturer_device_name,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Manufacturer_hardware_version":
-                return self._call_(
-                    operation,
-                    servant.get_Manufacturer_hardware_version,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Manufacturer_software_version":
-                return self._call_(
-                    operation,
-                    servant.get_Manufacturer_software_version,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1010_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1010_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Save_all_parameters":
-                return self._call_(
-                    operation,
-                    servant.get_Save_all_parameters,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Save_all_parameters":
-                return self._call_(
-                    operation,
-                    servant.set_Save_all_parameters,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1011_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1011_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Restore_all_default_parameters":
-                return self._call_(
-                    operation,
-                    servant.get_Restore_all_default_parameters,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Restore_all_default_parameters":
-                return self._call_(
-                    operation,
-                    servant.set_Restore_all_default_parameters,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_COB_ID_EMCY":
-                return self._call_(
-                    operation,
-                    servant.get_COB_ID_EMCY,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_COB_ID_EMCY":
-                return self._call_(
-                    operation,
-                    servant.set_COB_ID_EMCY,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Inhibit_time_EMCY":
-                return self._call_(
-                    operation,
-                    servant.get_Inhibit_time_EMCY,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Inhibit_time_EMCY":
-                return self._call_(
-                    operation,
-                    servant.set_Inhibit_time_EMCY,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1016_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1016_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Consumer_heartbeat_time_1":
-                return self._call_(
-                    operation,
-                    servant.get_Consumer_heartbeat_time_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Consumer_heartbeat_time_1":
-                return self._call_(
-                    operation,
-                    servant.set_Consumer_heartbeat_time_1,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Consumer_heartbeat_time_2":
-                return self._call_(
-                    operation,
-                    servant.get_Consumer_heartbeat_time_2,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Consumer_heartbeat_time_2":
-                return self._call_(
-                    operation,
-                    servant.set_Consumer_heartbeat_time_2,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Producer_heartbeat_time":
-                return self._call_(
-                    operation,
-                    servant.get_Producer_heartbeat_time,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Producer_heartbeat_time":
-                return self._call_(
-                    operation,
-                    servant.set_Producer_heartbeat_time,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1018_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1018_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Vendor_ID":
-                return self._call_(
-                    operation,
-                    servant.get_Vendor_ID,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Product_code":
-                return self._call_(
-                    operation,
-                    servant.get_Product_code,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Revision_number":
-                return self._call_(
-                    operation,
-                    servant.get_Revision_number,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Serial_number":
-                return self._call_(
-                    operation,
-                    servant.get_Serial_number,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1029_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1029_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Communication_error":
-                return self._call_(
-                    operation,
-                    servant.get_Communication_error,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Communication_error":
-                return self._call_(
-                    operation,
-                    servant.set_Communication_error,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1200_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1200_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_COB_ID_client_to_server":
-                return self._call_(
-                    operation,
-                    servant.get_COB_ID_client_to_server,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_COB_ID_server_to_client":
-                return self._call_(
-                    operation,
-                    servant.get_COB_ID_server_to_client,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Driver_temperature":
-                return self._call_(
-                    operation,
-                    servant.get_Driver_temperature,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_code":
-                return self._call_(
-                    operation,
-                    servant.get_Error_code,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Controlword":
-                return self._call_(
-                    operation,
-                    servant.get_Controlword,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Controlword":
-                return self._call_(
-                    operation,
-                    servant.set_Controlword,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Statusword":
-                return self._call_(
-                    operation,
-                    servant.get_Statusword,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Quick_stop_option_code":
-                return self._call_(
-                    operation,
-                    servant.get_Quick_stop_option_code,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Quick_stop_option_code":
-                return self._call_(
-                    operation,
-                    servant.set_Quick_stop_option_code,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Disable_operation_option_code":
-                return self._call_(
-                    operation,
-                    servant.get_Disable_operation_option_code,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Disable_operation_option_code":
-                return self._call_(
-                    operation,
-                    servant.set_Disable_operation_option_code,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Halt_option_code":
-                return self._call_(
-                    operation,
-                    servant.get_Halt_option_code,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Halt_option_code":
-                return self._call_(
-                    operation,
-                    servant.set_Halt_option_code,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Fault_reaction_option_code":
-                return self._call_(
-                    operation,
-                    servant.get_Fault_reaction_option_code,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Fault_reaction_option_code":
-                return self._call_(
-                    operation,
-                    servant.set_Fault_reaction_option_code,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Modes_of_operation":
-                return self._call_(
-                    operation,
-                    servant.get_Modes_of_operation,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Modes_of_operation":
-                return self._call_(
-                    operation,
-                    servant.set_Modes_of_operation,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Modes_of_operation_display":
-                return self._call_(
-                    operation,
-                    servant.get_Modes_of_operation_display,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Position_actual_value":
-                return self._call_(
-                    operation,
-                    servant.get_Position_actual_value,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Following_error_window":
-                return self._call_(
-                    operation,
-                    servant.get_Following_error_window,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Following_error_window":
-                return self._call_(
-                    operation,
-                    servant.set_Following_error_window,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Following_error_time_out":
-                return self._call_(
-                    operation,
-                    servant.get_Following_error_time_out,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Following_error_time_out":
-                return self._call_(
-                    operation,
-                    servant.set_Following_error_time_out,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Position_window":
-                return self._call_(
-                    operation,
-                    servant.get_Position_window,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Position_window":
-                return self._call_(
-                    operation,
-                    servant.set_Position_window,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Position_window_time":
-                return self._call_(
-                    operation,
-                    servant.get_Position_window_time,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Position_window_time":
-                return self._call_(
-                    operation,
-                    servant.set_Position_window_time,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Velocity_demand_value":
-                return self._call_(
-                    operation,
-                    servant.get_Velocity_demand_value,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Velocity_actual_value":
-                return self._call_(
-                    operation,
-                    servant.get_Velocity_actual_value,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Velocity_window":
-                return self._call_(
-                    operation,
-                    servant.get_Velocity_window,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Velocity_window":
-                return self._call_(
-                    operation,
-                    servant.set_Velocity_window,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Velocity_window_time":
-                return self._call_(
-                    operation,
-                    servant.get_Velocity_window_time,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Velocity_window_time":
-                return self._call_(
-                    operation,
-                    servant.set_Velocity_window_time,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Target_torque":
-                return self._call_(
-                    operation,
-                    servant.get_Target_torque,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Target_torque":
-                return self._call_(
-                    operation,
-                    servant.set_Target_torque,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Max_torque":
-                return self._call_(
-                    operation,
-                    servant.get_Max_torque,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Max_torque":
-                return self._call_(
-                    operation,
-                    servant.set_Max_torque,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Max_current":
-                return self._call_(
-                    operation,
-                    servant.get_Max_current,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Max_current":
-                return self._call_(
-                    operation,
-                    servant.set_Max_current,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Torque_demand":
-                return self._call_(
-                    operation,
-                    servant.get_Torque_demand,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Motor_rated_current":
-                return self._call_(
-                    operation,
-                    servant.get_Motor_rated_current,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Motor_rated_current":
-                return self._call_(
-                    operation,
-                    servant.set_Motor_rated_current,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Motor_rated_torque":
-                return self._call_(
-                    operation,
-                    servant.get_Motor_rated_torque,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Motor_rated_torque":
-                return self._call_(
-                    operation,
-                    servant.set_Motor_rated_torque,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Torque_actual_value":
-                return self._call_(
-                    operation,
-                    servant.get_Torque_actual_value,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Current_actual_value":
-                return self._call_(
-                    operation,
-                    servant.get_Current_actual_value,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_DC_link_circuit_voltage":
-                return self._call_(
-                    operation,
-                    servant.get_DC_link_circuit_voltage,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Target_position":
-                return self._call_(
-                    operation,
-                    servant.get_Target_position,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Target_position":
-                return self._call_(
-                    operation,
-                    servant.set_Target_position,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_607D_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_607D_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Min_position_limit":
-                return self._call_(
-                    operation,
-                    servant.get_Min_position_limit,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Min_position_limit":
-                return self._call_(
-                    operation,
-                    servant.set_Min_position_limit,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Max_position_limit":
-                return self._call_(
-                    operation,
-                    servant.get_Max_position_limit,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Max_position_limit":
-                return self._call_(
-                    operation,
-                    servant.set_Max_position_limit,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Polarity":
-                return self._call_(
-                    operation,
-                    servant.get_Polarity,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Polarity":
-                return self._call_(
-                    operation,
-                    servant.set_Polarity,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Max_profile_velocity":
-                return self._call_(
-                    operation,
-                    servant.get_Max_profile_velocity,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Max_profile_velocity":
-                return self._call_(
-                    operation,
-                    servant.set_Max_profile_velocity,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Profile_velocity":
-                return self._call_(
-                    operation,
-                    servant.get_Profile_velocity,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Profile_velocity":
-                return self._call_(
-                    operation,
-                    servant.set_Profile_velocity,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Profile_acceleration":
-                return self._call_(
-                    operation,
-                    servant.get_Profile_acceleration,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Profile_acceleration":
-                return self._call_(
-                    operation,
-                    servant.set_Profile_acceleration,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Profile_deceleration":
-                return self._call_(
-                    operation,
-                    servant.get_Profile_deceleration,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Profile_deceleration":
-                return self._call_(
-                    operation,
-                    servant.set_Profile_deceleration,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Quick_stop_deceleration":
-                return self._call_(
-                    operation,
-                    servant.get_Quick_stop_deceleration,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Quick_stop_deceleration":
-                return self._call_(
-                    operation,
-                    servant.set_Quick_stop_deceleration,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Torque_slope":
-                return self._call_(
-                    operation,
-                    servant.get_Torque_slope,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Torque_slope":
-                return self._call_(
-                    operation,
-                    servant.set_Torque_slope,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_608F_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_608F_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Encoder_increments":
-                return self._call_(
-                    operation,
-                    servant.get_Encoder_increments,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Encoder_increments":
-                return self._call_(
-                    operation,
-                    servant.set_Encoder_increments,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Motor_revolutions":
-                return self._call_(
-                    operation,
-                    servant.get_Motor_revolutions,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Motor_revolutions":
-                return self._call_(
-                    operation,
-                    servant.set_Motor_revolutions,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_6091_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_6091_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Motor_shaft_revolutions":
-                return self._call_(
-                    operation,
-                    servant.get_Motor_shaft_revolutions,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Motor_shaft_revolutions":
-                return self._call_(
-                    operation,
-                    servant.set_Motor_shaft_revolutions,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Driving_shaft_revolutions":
-                return self._call_(
-                    operation,
-                    servant.get_Driving_shaft_revolutions,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Driving_shaft_revolutions":
-                return self._call_(
-                    operation,
-                    servant.set_Driving_shaft_revolutions,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_SI_unit_position":
-                return self._call_(
-                    operation,
-                    servant.get_SI_unit_position,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_SI_unit_velocity":
-                return self._call_(
-                    operation,
-                    servant.get_SI_unit_velocity,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Following_error_actual_value":
-                return self._call_(
-                    operation,
-                    servant.get_Following_error_actual_value,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Target_velocity":
-                return self._call_(
-                    operation,
-                    servant.get_Target_velocity,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Target_velocity":
-                return self._call_(
-                    operation,
-                    servant.set_Target_velocity,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Supported_drive_modes":
-                return self._call_(
-                    operation,
-                    servant.get_Supported_drive_modes,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-        return super().dispatch(operation, arguments)
-
-
-ObjectAccess._stub_ = ObjectAccessStub
-ObjectAccess._skeleton_ = ObjectAccessSkeleton
 ObjectAccess._calls_ = ".ftmd_calls"

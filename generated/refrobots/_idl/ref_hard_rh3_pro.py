@@ -33,29 +33,9 @@ class RefHard(Servant):
 class RefHardStub(RefHard, Stub):
     """Calls a servant of `RefHard` through an invoker."""
 
-    def Stop(self) -> None:
-        self._invoke_("Stop")
 
-    def Go(self) -> None:
-        self._invoke_("Go")
-
-
-class RefHardSkeleton(Skeleton):
+class RefHardSkeleton(Skeleton, interface=RefHard):
     """Calls a servant of `RefHard` by operation name."""
 
-    def __init__(self, servant: RefHard) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: RefHard = self._servant
-        match operation:
-            case "Stop":
-                return self._call_(operation, servant.Stop, arguments, 0)
-            case "Go":
-                return self._call_(operation, servant.Go, arguments, 0)
-        return super().dispatch(operation, arguments)
-
-
-RefHard._stub_ = RefHardStub
-RefHard._skeleton_ = RefHardSkeleton
 RefHard._calls_ = ".ref_hard_rh3_pro_calls"

@@ -28,7 +28,7 @@ from rtgen.runtime.descriptors import (
     SequenceDescriptor,
     StringDescriptor,
 )
-from rtgen.runtime.services import Servant, Skeleton, Stub
+from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 OpaqueRpc_Octets: TypeAlias = bytes
 _OpaqueRpc_Octets_alias = AliasDescriptor(
@@ -169,6 +169,7 @@ class OpaqueRpc(Servant):
     Failed: TypeAlias = OpaqueRpc_Failed
 
     @abstractmethod
+    @operation(raises=(OpaqueRpc_Failed,))
     def begin(self, request: OpaqueRpc_Octets, first: int) -> OpaqueRpc_Octets:
         """Takes the channel and sends a request; the leading octets of its reply.
 
@@ -176,6 +177,7 @@ class OpaqueRpc(Servant):
         """
 
     @abstractmethod
+    @operation(raises=(OpaqueRpc_Failed,))
     def more(self, count: int) -> OpaqueRpc_Octets:
         """The next octets of the reply."""
 
@@ -191,51 +193,9 @@ class OpaqueRpc(Servant):
 class OpaqueRpcStub(OpaqueRpc, Stub):
     """Calls a servant of `OpaqueRpc` through an invoker."""
 
-    def begin(self, request: OpaqueRpc_Octets, first: int) -> OpaqueRpc_Octets:
-        return self._obtain_("begin", request, first)
 
-    def more(self, count: int) -> OpaqueRpc_Octets:
-        return self._obtain_("more", count)
-
-    def end(self) -> None:
-        self._invoke_("end")
-
-    def reset(self) -> None:
-        self._invoke_("reset")
-
-
-class OpaqueRpcSkeleton(Skeleton):
+class OpaqueRpcSkeleton(Skeleton, interface=OpaqueRpc):
     """Calls a servant of `OpaqueRpc` by operation name."""
 
-    def __init__(self, servant: OpaqueRpc) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: OpaqueRpc = self._servant
-        match operation:
-            case "begin":
-                return self._call_(
-                    operation,
-                    servant.begin,
-                    arguments,
-                    2,
-                    (OpaqueRpc_Failed,),
-                )
-            case "more":
-                return self._call_(
-                    operation,
-                    servant.more,
-                    arguments,
-                    1,
-                    (OpaqueRpc_Failed,),
-                )
-            case "end":
-                return self._call_(operation, servant.end, arguments, 0)
-            case "reset":
-                return self._call_(operation, servant.reset, arguments, 0)
-        return super().dispatch(operation, arguments)
-
-
-OpaqueRpc._stub_ = OpaqueRpcStub
-OpaqueRpc._skeleton_ = OpaqueRpcSkeleton
 OpaqueRpc._calls_ = ".opaque_rpc_calls"

@@ -2,14 +2,19 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """What stands in the global scope of IDL."""
 
-from ._idl.motor_board import (
-    MotorBoard as MotorBoard,
-    MotorBoardSkeleton as MotorBoardSkeleton,
-    MotorBoardStub as MotorBoardStub,
-    NAME_SIZE as NAME_SIZE,
-    WHEELS as WHEELS,
-    tagWheelState as tagWheelState,
-)
+from typing import TYPE_CHECKING
+
+from rtgen.runtime.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from ._idl.motor_board import (
+        MotorBoard,
+        MotorBoardSkeleton,
+        MotorBoardStub,
+        NAME_SIZE,
+        WHEELS,
+        tagWheelState,
+    )
 
 __all__ = [
     "MotorBoard",
@@ -19,3 +24,16 @@ __all__ = [
     "WHEELS",
     "tagWheelState",
 ]
+__getattr__ = lazy_names(
+    __name__,
+    {
+        "._idl.motor_board": (
+            "MotorBoard",
+            "MotorBoardSkeleton",
+            "MotorBoardStub",
+            "NAME_SIZE",
+            "WHEELS",
+            "tagWheelState",
+        ),
+    },
+)

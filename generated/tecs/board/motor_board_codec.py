@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+
 from typing import ClassVar
 
 from rtgen.runtime.opaque_rpc.codecs import (
@@ -13,15 +14,14 @@ from rtgen.runtime.opaque_rpc.codecs import (
     More,
     REPLY_LIMIT,
     REQUEST_LIMIT,
-    ReplyOrder,
     Room,
     Text,
     argument_error,
     exactly,
     is_rpc_error,
-    magic_error,
     within,
 )
+from rtgen.runtime.opaque_rpc.functions import Messages
 from rtgen.runtime.opaque_rpc.tdr import (
     EOP_NOTHING_FOLLOWS,
     EOP_REPLY_FOLLOWS,
@@ -35,74 +35,36 @@ from rtgen.runtime.opaque_rpc.tdr import (
 from ._types import tagWheelState
 
 
-class MotorBoardCodec(Codec):
-    """Encodes and reads the messages of `sMotorBoard`; see `Codec` for the methods."""
+class IdentifyMessages(Messages[[], tuple[int, str]]):
+    """`ER ([out, string(32)] char_t *name)`."""
 
-    name: ClassVar[str] = "sMotorBoard"
-    ids: ClassVar[Mapping[str, int]] = {
-        "identify": 1,
-        "setLimits": 2,
-        "drive": 3,
-        "getState": 4,
-        "stop": 5,
-        "release": 6,
-    }
+    results = 2
+    error_code = True
 
-    def __init__(
-        self,
-        tdr: Tdr = NETWORK,
-        *,
-        reply: ReplyOrder = "tecsgen",
-        encoding: str = "latin-1",
-        limit: int = REQUEST_LIMIT,
-        reply_limit: int = REPLY_LIMIT,
-    ) -> None:
-        super().__init__(
-            tdr,
-            reply=reply,
-            encoding=encoding,
-            limit=limit,
-            reply_limit=reply_limit,
-        )
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
         self._run1 = tdr.struct("HHH")
         self._run2 = tdr.struct("HnH")
         self._run3 = tdr.struct("Hni")
         self._run4 = tdr.struct("H")
         self._run5 = tdr.struct("Hn")
         self._run6 = tdr.struct("i")
-        self._run7 = tdr.struct("Hi")
-        self._run8 = tdr.struct("nH")
-        self._run9 = tdr.struct("HHddH")
-        self._run10 = tdr.struct("ddH")
-        self._run11 = tdr.struct("HHi")
-        self._run12 = tdr.struct("HnI2i2d??H")
-        self._run13 = tdr.struct("I2i2d??H")
-        self._run14 = tdr.struct("HI2i2d??nH")
-        self._items_d = Items(tdr, "d")
-        self._text = Text(tdr, encoding)
-        self._request1 = self._run1.pack(SOP_REQUEST, 1, EOP_REPLY_FOLLOWS)
-        self._request4 = self._run1.pack(SOP_REQUEST, 4, EOP_REPLY_FOLLOWS)
-        self._request5 = self._run1.pack(SOP_REQUEST, 5, EOP_NOTHING_FOLLOWS)
-        self._request6 = self._run1.pack(SOP_REQUEST, 6, EOP_REPLY_FOLLOWS)
-        self.identify_first = self._run7.size if self._paper else self._run5.size
-        self.setLimits_first = self._run2.size
-        self.drive_first = self._run14.size if self._paper else self._run5.size
-        self.getState_first = self._run14.size if self._paper else self._run5.size
-        self.release_first = self._run2.size
+        self._text = Text(tdr, codec.encoding)
+        self._request = self._run1.pack(SOP_REQUEST, self.id, EOP_REPLY_FOLLOWS)
+        self.first = self._run5.size
 
-    def encode_identify_request(self) -> bytes:
-        return self._request1
+    def encode_request(self) -> bytes:
+        return self._request
 
-    def read_identify_request(self, more: More) -> tuple[()]:
-        room = Room(self.limit)
-        if more(2) != self.awaiting_reply:
-            raise magic_error("sMotorBoard.identify", "no EOP")
+    def read_request(self, more: More) -> tuple[()]:
+        room = Room(self.request_limit)
+        if (eop_bytes := more(2)) != self.awaiting_reply:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop_bytes)
         room.take(32, 1)
         return ()
 
-    def encode_identify_reply(self, returned: int, name: str) -> bytes:
-        if self._paper:
-            return self._encode_identify_reply_in_paper_order(returned, name)
+    def encode_reply(self, returned: int, name: str) -> bytes:
         try:
             if is_rpc_error(returned):
                 return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
@@ -116,25 +78,19 @@ class MotorBoardCodec(Codec):
             )
         except FAILURES as failure:
             raise argument_error(
-                "sMotorBoard.identify",
+                self.function,
                 failure,
                 {"return": returned, "name": name},
             ) from failure
 
-    def read_identify_reply(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[str] | None]:
-        if self._paper:
-            return self._read_identify_reply_in_paper_order(first, more)
+    def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[str] | None]:
         room = Room(self.reply_limit)
         sop, returned = self._run5.unpack(first)
         if sop != SOP_REPLY:
-            raise magic_error("sMotorBoard.identify", "no SOP")
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
         if is_rpc_error(returned):
-            if more(2) != self.nothing_follows:
-                raise magic_error("sMotorBoard.identify", "no EOP")
+            if (eop_bytes := more(2)) != self.nothing_follows:
+                raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
             return returned, None
         (name_count,) = self._run6.unpack(more(self._run6.size))
         name_size = room.take(name_count, 1, 32)
@@ -142,118 +98,120 @@ class MotorBoardCodec(Codec):
         name = self._text.text(packet[:name_size])
         (eop,) = self._run4.unpack_from(packet, name_size)
         if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sMotorBoard.identify", "no EOP")
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
         return returned, (name,)
 
-    def _encode_identify_reply_in_paper_order(self, returned: int, name: str) -> bytes:
-        try:
-            name_units = self._text.units(name, 32)
-            return b"".join(
-                (
-                    self._run7.pack(SOP_REPLY, len(name_units)),
-                    name_units,
-                    self._run8.pack(returned, EOP_NOTHING_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "sMotorBoard.identify",
-                failure,
-                {"return": returned, "name": name},
-            ) from failure
+    def unset(self) -> tuple[str]:
+        return ("",)
 
-    def _read_identify_reply_in_paper_order(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[str] | None]:
-        room = Room(self.reply_limit)
-        sop, name_count = self._run7.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("sMotorBoard.identify", "no SOP")
-        name_size = room.take(name_count, 1, 32)
-        packet = more(name_size + self._run8.size)
-        name = self._text.text(packet[:name_size])
-        returned, eop = self._run8.unpack_from(packet, name_size)
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sMotorBoard.identify", "no EOP")
-        return returned, (name,)
 
-    def encode_setLimits_request(self, speed: float, acceleration: float) -> bytes:
+class SetLimitsMessages(Messages[[float, float], int]):
+    """`ER ([in] double64_t speed, [in] double64_t acceleration)`."""
+
+    results = 1
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHddH")
+        self._run2 = tdr.struct("ddH")
+        self._run3 = tdr.struct("HnH")
+        self.first = self._run3.size
+
+    def encode_request(self, speed: float, acceleration: float) -> bytes:
         try:
-            return self._run9.pack(
+            return self._run1.pack(
                 SOP_REQUEST,
-                2,
+                self.id,
                 speed,
                 acceleration,
                 EOP_REPLY_FOLLOWS,
             )
         except FAILURES as failure:
             raise argument_error(
-                "sMotorBoard.setLimits",
+                self.function,
                 failure,
                 {"speed": speed, "acceleration": acceleration},
             ) from failure
 
-    def read_setLimits_request(self, more: More) -> tuple[float, float]:
-        speed, acceleration, eop = self._run10.unpack(more(self._run10.size))
+    def read_request(self, more: More) -> tuple[float, float]:
+        speed, acceleration, eop = self._run2.unpack(more(self._run2.size))
         if eop != EOP_REPLY_FOLLOWS:
-            raise magic_error("sMotorBoard.setLimits", "no EOP")
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
         return (speed, acceleration)
 
-    def encode_setLimits_reply(self, returned: int) -> bytes:
+    def encode_reply(self, returned: int) -> bytes:
         try:
-            return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
         except FAILURES as failure:
             raise argument_error(
-                "sMotorBoard.setLimits",
+                self.function,
                 failure,
                 {"return": returned},
             ) from failure
 
-    def read_setLimits_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
-        sop, returned, eop = self._run2.unpack(first)
+    def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
+        sop, returned, eop = self._run3.unpack(first)
         if sop != SOP_REPLY:
-            raise magic_error("sMotorBoard.setLimits", "no SOP")
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
         if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sMotorBoard.setLimits", "no EOP")
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
         return returned, ()
 
-    def encode_drive_request(self, speed: Sequence[float], count: int) -> bytes:
+
+class DriveMessages(Messages[[Sequence[float], int], tuple[int, tagWheelState]]):
+    """`ER ([in, size_is(count, 2)] const double64_t *speed, [in] int32_t count, [out] struct tagWheelState *state)`."""
+
+    results = 2
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHi")
+        self._run2 = tdr.struct("H")
+        self._run3 = tdr.struct("i")
+        self._run4 = tdr.struct("HnH")
+        self._run5 = tdr.struct("HnI2i2d??H")
+        self._run6 = tdr.struct("Hn")
+        self._run7 = tdr.struct("I2i2d??H")
+        self._items_d = Items(tdr, "d")
+        self.first = self._run6.size
+
+    def encode_request(self, speed: Sequence[float], count: int) -> bytes:
         try:
             return b"".join(
                 (
-                    self._run11.pack(SOP_REQUEST, 3, count),
+                    self._run1.pack(SOP_REQUEST, self.id, count),
                     self._items_d.pack(exactly(speed, within(count, 2))),
-                    self._run4.pack(EOP_REPLY_FOLLOWS),
+                    self._run2.pack(EOP_REPLY_FOLLOWS),
                 ),
             )
         except FAILURES as failure:
             raise argument_error(
-                "sMotorBoard.drive",
+                self.function,
                 failure,
                 {"speed": speed, "count": count},
             ) from failure
 
-    def read_drive_request(self, more: More) -> tuple[list[float], int]:
-        room = Room(self.limit)
-        (count,) = self._run6.unpack(more(self._run6.size))
+    def read_request(self, more: More) -> tuple[list[float], int]:
+        room = Room(self.request_limit)
+        (count,) = self._run3.unpack(more(self._run3.size))
         speed_count = count
         speed_size = room.take(speed_count, self._items_d.width, 2)
-        packet = more(speed_size + self._run4.size)
+        packet = more(speed_size + self._run2.size)
         speed = self._items_d.floats(packet, speed_count)
-        (eop,) = self._run4.unpack_from(packet, speed_size)
+        (eop,) = self._run2.unpack_from(packet, speed_size)
         if eop != EOP_REPLY_FOLLOWS:
-            raise magic_error("sMotorBoard.drive", "no EOP")
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
         return (speed, count)
 
-    def encode_drive_reply(self, returned: int, state: tagWheelState) -> bytes:
-        if self._paper:
-            return self._encode_drive_reply_in_paper_order(returned, state)
+    def encode_reply(self, returned: int, state: tagWheelState) -> bytes:
         try:
             if is_rpc_error(returned):
-                return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-            return self._run12.pack(
+                return self._run4.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            return self._run5.pack(
                 SOP_REPLY,
                 returned,
                 state.time,
@@ -265,26 +223,24 @@ class MotorBoardCodec(Codec):
             )
         except FAILURES as failure:
             raise argument_error(
-                "sMotorBoard.drive",
+                self.function,
                 failure,
                 {"return": returned, "state": state},
             ) from failure
 
-    def read_drive_reply(
+    def read_reply(
         self,
         first: bytes,
         more: More,
     ) -> tuple[int, tuple[tagWheelState] | None]:
-        if self._paper:
-            return self._read_drive_reply_in_paper_order(first, more)
-        sop, returned = self._run5.unpack(first)
+        sop, returned = self._run6.unpack(first)
         if sop != SOP_REPLY:
-            raise magic_error("sMotorBoard.drive", "no SOP")
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
         if is_rpc_error(returned):
-            if more(2) != self.nothing_follows:
-                raise magic_error("sMotorBoard.drive", "no EOP")
+            if (eop_bytes := more(2)) != self.nothing_follows:
+                raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
             return returned, None
-        unpacked = self._run13.unpack(more(self._run13.size))
+        unpacked = self._run7.unpack(more(self._run7.size))
         state = tagWheelState(
             unpacked[0],
             list(unpacked[1:3]),
@@ -294,69 +250,43 @@ class MotorBoardCodec(Codec):
         )
         eop = unpacked[7]
         if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sMotorBoard.drive", "no EOP")
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
         return returned, (state,)
 
-    def _encode_drive_reply_in_paper_order(
-        self,
-        returned: int,
-        state: tagWheelState,
-    ) -> bytes:
-        try:
-            return self._run14.pack(
-                SOP_REPLY,
-                state.time,
-                *exactly(state.count, 2),
-                *exactly(state.speed, 2),
-                state.stopped,
-                state.watchdog,
-                returned,
-                EOP_NOTHING_FOLLOWS,
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "sMotorBoard.drive",
-                failure,
-                {"return": returned, "state": state},
-            ) from failure
+    def unset(self, speed: Sequence[float], count: int) -> tuple[tagWheelState]:
+        return (tagWheelState(),)
 
-    def _read_drive_reply_in_paper_order(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[tagWheelState] | None]:
-        unpacked = self._run14.unpack(first)
-        sop = unpacked[0]
-        state = tagWheelState(
-            unpacked[1],
-            list(unpacked[2:4]),
-            list(unpacked[4:6]),
-            unpacked[6],
-            unpacked[7],
-        )
-        returned = unpacked[8]
-        eop = unpacked[9]
-        if sop != SOP_REPLY:
-            raise magic_error("sMotorBoard.drive", "no SOP")
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sMotorBoard.drive", "no EOP")
-        return returned, (state,)
 
-    def encode_getState_request(self) -> bytes:
-        return self._request4
+class GetStateMessages(Messages[[], tuple[int, tagWheelState]]):
+    """`ER ([out] struct tagWheelState *state)`."""
 
-    def read_getState_request(self, more: More) -> tuple[()]:
-        if more(2) != self.awaiting_reply:
-            raise magic_error("sMotorBoard.getState", "no EOP")
+    results = 2
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHH")
+        self._run2 = tdr.struct("HnH")
+        self._run3 = tdr.struct("HnI2i2d??H")
+        self._run4 = tdr.struct("Hn")
+        self._run5 = tdr.struct("I2i2d??H")
+        self._request = self._run1.pack(SOP_REQUEST, self.id, EOP_REPLY_FOLLOWS)
+        self.first = self._run4.size
+
+    def encode_request(self) -> bytes:
+        return self._request
+
+    def read_request(self, more: More) -> tuple[()]:
+        if (eop_bytes := more(2)) != self.awaiting_reply:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop_bytes)
         return ()
 
-    def encode_getState_reply(self, returned: int, state: tagWheelState) -> bytes:
-        if self._paper:
-            return self._encode_getState_reply_in_paper_order(returned, state)
+    def encode_reply(self, returned: int, state: tagWheelState) -> bytes:
         try:
             if is_rpc_error(returned):
                 return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-            return self._run12.pack(
+            return self._run3.pack(
                 SOP_REPLY,
                 returned,
                 state.time,
@@ -368,26 +298,24 @@ class MotorBoardCodec(Codec):
             )
         except FAILURES as failure:
             raise argument_error(
-                "sMotorBoard.getState",
+                self.function,
                 failure,
                 {"return": returned, "state": state},
             ) from failure
 
-    def read_getState_reply(
+    def read_reply(
         self,
         first: bytes,
         more: More,
     ) -> tuple[int, tuple[tagWheelState] | None]:
-        if self._paper:
-            return self._read_getState_reply_in_paper_order(first, more)
-        sop, returned = self._run5.unpack(first)
+        sop, returned = self._run4.unpack(first)
         if sop != SOP_REPLY:
-            raise magic_error("sMotorBoard.getState", "no SOP")
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
         if is_rpc_error(returned):
-            if more(2) != self.nothing_follows:
-                raise magic_error("sMotorBoard.getState", "no EOP")
+            if (eop_bytes := more(2)) != self.nothing_follows:
+                raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
             return returned, None
-        unpacked = self._run13.unpack(more(self._run13.size))
+        unpacked = self._run5.unpack(more(self._run5.size))
         state = tagWheelState(
             unpacked[0],
             list(unpacked[1:3]),
@@ -397,84 +325,93 @@ class MotorBoardCodec(Codec):
         )
         eop = unpacked[7]
         if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sMotorBoard.getState", "no EOP")
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
         return returned, (state,)
 
-    def _encode_getState_reply_in_paper_order(
-        self,
-        returned: int,
-        state: tagWheelState,
-    ) -> bytes:
-        try:
-            return self._run14.pack(
-                SOP_REPLY,
-                state.time,
-                *exactly(state.count, 2),
-                *exactly(state.speed, 2),
-                state.stopped,
-                state.watchdog,
-                returned,
-                EOP_NOTHING_FOLLOWS,
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "sMotorBoard.getState",
-                failure,
-                {"return": returned, "state": state},
-            ) from failure
+    def unset(self) -> tuple[tagWheelState]:
+        return (tagWheelState(),)
 
-    def _read_getState_reply_in_paper_order(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[tagWheelState] | None]:
-        unpacked = self._run14.unpack(first)
-        sop = unpacked[0]
-        state = tagWheelState(
-            unpacked[1],
-            list(unpacked[2:4]),
-            list(unpacked[4:6]),
-            unpacked[6],
-            unpacked[7],
-        )
-        returned = unpacked[8]
-        eop = unpacked[9]
-        if sop != SOP_REPLY:
-            raise magic_error("sMotorBoard.getState", "no SOP")
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sMotorBoard.getState", "no EOP")
-        return returned, (state,)
 
-    def encode_stop_request(self) -> bytes:
-        return self._request5
+class StopMessages(Messages[[], None]):
+    """`[oneway] void (void)`."""
 
-    def read_stop_request(self, more: More) -> tuple[()]:
-        if more(2) != self.nothing_follows:
-            raise magic_error("sMotorBoard.stop", "no EOP")
+    is_void = True
+    oneway = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHH")
+        self._request = self._run1.pack(SOP_REQUEST, self.id, EOP_NOTHING_FOLLOWS)
+
+    def encode_request(self) -> bytes:
+        return self._request
+
+    def read_request(self, more: More) -> tuple[()]:
+        if (eop_bytes := more(2)) != self.nothing_follows:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
         return ()
 
-    def encode_release_request(self) -> bytes:
-        return self._request6
 
-    def read_release_request(self, more: More) -> tuple[()]:
-        if more(2) != self.awaiting_reply:
-            raise magic_error("sMotorBoard.release", "no EOP")
+class ReleaseMessages(Messages[[], int]):
+    """`ER (void)`."""
+
+    results = 1
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHH")
+        self._run2 = tdr.struct("HnH")
+        self._request = self._run1.pack(SOP_REQUEST, self.id, EOP_REPLY_FOLLOWS)
+        self.first = self._run2.size
+
+    def encode_request(self) -> bytes:
+        return self._request
+
+    def read_request(self, more: More) -> tuple[()]:
+        if (eop_bytes := more(2)) != self.awaiting_reply:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop_bytes)
         return ()
 
-    def encode_release_reply(self, returned: int) -> bytes:
+    def encode_reply(self, returned: int) -> bytes:
         try:
             return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
         except FAILURES as failure:
             raise argument_error(
-                "sMotorBoard.release",
+                self.function,
                 failure,
                 {"return": returned},
             ) from failure
 
-    def read_release_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
+    def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
         sop, returned, eop = self._run2.unpack(first)
         if sop != SOP_REPLY:
-            raise magic_error("sMotorBoard.release", "no SOP")
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
         if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sMotorBoard.release", "no EOP")
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
         return returned, ()
+
+
+class MotorBoardCodec(Codec):
+    """The messages of `sMotorBoard`, by function."""
+
+    signature: ClassVar[str] = "sMotorBoard"
+    digest: ClassVar[str] = "edbe3ea40f33c206"
+
+    def __init__(
+        self,
+        tdr: Tdr = NETWORK,
+        *,
+        encoding: str = "latin-1",
+        limit: int = REQUEST_LIMIT,
+        reply_limit: int = REPLY_LIMIT,
+    ) -> None:
+        super().__init__(tdr, encoding=encoding, limit=limit, reply_limit=reply_limit)
+        self.identify = IdentifyMessages(self, "identify", 1)
+        self.setLimits = SetLimitsMessages(self, "setLimits", 2)
+        self.drive = DriveMessages(self, "drive", 3)
+        self.getState = GetStateMessages(self, "getState", 4)
+        self.stop = StopMessages(self, "stop", 5)
+        self.release = ReleaseMessages(self, "release", 6)

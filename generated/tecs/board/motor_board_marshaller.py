@@ -5,19 +5,26 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
-from rtgen.runtime import RTC_OK, ReturnCode_t
-from rtgen.runtime.opaque_rpc import Channel, RpcError, send
+from rtgen.runtime import (
+    Component,
+    ComponentProfile,
+    RTC_OK,
+    ReturnCode_t,
+    service_port,
+)
+from rtgen.runtime.opaque_rpc import Channel, CommunicationChannel, ProxyServant
 
 from . import MotorBoard, tagWheelState as tagWheelState_
-from ..opaque_rpc_communication import CommunicationChannel
+from .. import OpaqueRpc
 from ._types import tagWheelState
 from ._views import idl_tagWheelState
-from .components.motor_board_marshaller import MotorBoardMarshallerBase
 from .motor_board_codec import MotorBoardCodec
+from .motor_board_server import MotorBoardTarget
 
 
-class MotorBoardProxy:
+class MotorBoardProxy(MotorBoardTarget):
     """Calls `sMotorBoard` of a board; values are of CDL's types."""
 
     def __init__(self, channel: Channel, codec: MotorBoardCodec | None = None) -> None:
@@ -25,113 +32,28 @@ class MotorBoardProxy:
         self.codec = codec or MotorBoardCodec()
 
     def identify(self) -> tuple[int, str]:
-        """`ER identify([out] char_t *name)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_identify_request()
-        try:
-            head = channel.begin(request, codec.identify_first)
-            try:
-                returned, outs = codec.read_identify_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code, ""
-        if outs is None:
-            return returned, ""
-        return returned, *outs
+        return self.codec.identify.call(self.channel)
 
     def setLimits(self, speed: float, acceleration: float) -> int:
-        """`ER setLimits([in] double64_t speed, [in] double64_t acceleration)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_setLimits_request(speed, acceleration)
-        try:
-            head = channel.begin(request, codec.setLimits_first)
-            try:
-                returned, _ = codec.read_setLimits_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code
-        return returned
+        return self.codec.setLimits.call(self.channel, speed, acceleration)
 
     def drive(self, speed: Sequence[float], count: int) -> tuple[int, tagWheelState]:
-        """`ER drive([in] const double64_t *speed, [in] int32_t count, [out] struct tagWheelState *state)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_drive_request(speed, count)
-        try:
-            head = channel.begin(request, codec.drive_first)
-            try:
-                returned, outs = codec.read_drive_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code, tagWheelState()
-        if outs is None:
-            return returned, tagWheelState()
-        return returned, *outs
+        return self.codec.drive.call(self.channel, speed, count)
 
     def getState(self) -> tuple[int, tagWheelState]:
-        """`ER getState([out] struct tagWheelState *state)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_getState_request()
-        try:
-            head = channel.begin(request, codec.getState_first)
-            try:
-                returned, outs = codec.read_getState_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code, tagWheelState()
-        if outs is None:
-            return returned, tagWheelState()
-        return returned, *outs
+        return self.codec.getState.call(self.channel)
 
     def stop(self) -> None:
-        """`[oneway] void stop(void)`."""
-        request = self.codec.encode_stop_request()
-        send(self.channel, request)
+        self.codec.stop.call(self.channel)
 
     def release(self) -> int:
-        """`ER release(void)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_release_request()
-        try:
-            head = channel.begin(request, codec.release_first)
-            try:
-                returned, _ = codec.read_release_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code
-        return returned
+        return self.codec.release.call(self.channel)
 
 
-class _MotorBoardServant(MotorBoard):
+class _MotorBoardServant(ProxyServant, MotorBoard):
     """Carries out calls of `MotorBoard` by a proxy."""
 
-    def __init__(self, proxy: MotorBoardProxy) -> None:
-        self._proxy = proxy
-
-    def identify(self) -> tuple[int, str]:
-        return self._proxy.identify()
-
-    def setLimits(self, speed: float, acceleration: float) -> int:
-        return self._proxy.setLimits(speed, acceleration)
+    _proxy: MotorBoardProxy
 
     def drive(
         self,
@@ -145,18 +67,44 @@ class _MotorBoardServant(MotorBoard):
         returned, state_out = self._proxy.getState()
         return returned, idl_tagWheelState(state_out)
 
-    def stop(self) -> None:
-        self._proxy.stop()
 
-    def release(self) -> int:
-        return self._proxy.release()
-
-
-class MotorBoardMarshaller(MotorBoardMarshallerBase):
+class MotorBoardMarshaller(Component):
     """Carries calls of sMotorBoard to a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        "MotorBoardMarshaller",
+        category="TECS",
+        vendor="rtgen",
+        description="Carries calls of sMotorBoard to a TECS board",
+        rate=10.0,
+        max_instances=0,
+        ports=(
+            service_port(
+                "provider",
+                "motor_board",
+                MotorBoard,
+                "What sMotorBoard offers.",
+            ),
+            service_port(
+                "consumer",
+                "communication",
+                OpaqueRpc,
+                "The board's channel.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.motor_board = self.add_provider("motor_board", "motor_board", MotorBoard)
+        self.communication = self.add_consumer(
+            "communication",
+            "communication",
+            OpaqueRpc,
+        )
 
     def on_initialize(self) -> ReturnCode_t:
         """Makes the proxy behind the service port."""
-        channel = CommunicationChannel(self.communication.object)
-        self.motor_board.set_servant(_MotorBoardServant(MotorBoardProxy(channel)))
+        proxy = MotorBoardProxy(CommunicationChannel(self.communication))
+        self.motor_board.set_servant(_MotorBoardServant.of(proxy))
         return RTC_OK

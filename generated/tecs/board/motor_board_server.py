@@ -7,7 +7,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
-from rtgen.runtime.opaque_rpc import Handlers, More
+from rtgen.runtime.opaque_rpc import Dispatcher
 
 from ._types import tagWheelState
 from .motor_board_codec import MotorBoardCodec
@@ -18,7 +18,7 @@ class MotorBoardTarget(ABC):
 
     @abstractmethod
     def identify(self) -> tuple[int, str]:
-        """`ER identify([out] char_t *name)`."""
+        """`ER identify([out, string(32)] char_t *name)`."""
 
     @abstractmethod
     def setLimits(self, speed: float, acceleration: float) -> int:
@@ -26,7 +26,7 @@ class MotorBoardTarget(ABC):
 
     @abstractmethod
     def drive(self, speed: Sequence[float], count: int) -> tuple[int, tagWheelState]:
-        """`ER drive([in] const double64_t *speed, [in] int32_t count, [out] struct tagWheelState *state)`."""
+        """`ER drive([in, size_is(count, 2)] const double64_t *speed, [in] int32_t count, [out] struct tagWheelState *state)`."""
 
     @abstractmethod
     def getState(self) -> tuple[int, tagWheelState]:
@@ -41,7 +41,7 @@ class MotorBoardTarget(ABC):
         """`ER release(void)`."""
 
 
-class MotorBoardUnmarshaller:
+class MotorBoardUnmarshaller(Dispatcher):
     """Takes requests of `sMotorBoard` apart, calls the target and makes the replies."""
 
     def __init__(
@@ -49,43 +49,5 @@ class MotorBoardUnmarshaller:
         target: MotorBoardTarget,
         codec: MotorBoardCodec | None = None,
     ) -> None:
-        self.target = target
-        self.codec = codec or MotorBoardCodec()
-        functions = {
-            1: self._handle_identify,
-            2: self._handle_setLimits,
-            3: self._handle_drive,
-            4: self._handle_getState,
-            5: self._handle_stop,
-            6: self._handle_release,
-        }
-        self.handlers: Handlers = {
-            head: functions[number] for head, number in self.codec.heads.items()
-        }
-
-    def _handle_identify(self, more: More) -> bytes:
-        self.codec.read_identify_request(more)
-        results = self.target.identify()
-        return self.codec.encode_identify_reply(*results)
-
-    def _handle_setLimits(self, more: More) -> bytes:
-        result = self.target.setLimits(*self.codec.read_setLimits_request(more))
-        return self.codec.encode_setLimits_reply(result)
-
-    def _handle_drive(self, more: More) -> bytes:
-        results = self.target.drive(*self.codec.read_drive_request(more))
-        return self.codec.encode_drive_reply(*results)
-
-    def _handle_getState(self, more: More) -> bytes:
-        self.codec.read_getState_request(more)
-        results = self.target.getState()
-        return self.codec.encode_getState_reply(*results)
-
-    def _handle_stop(self, more: More) -> None:
-        self.codec.read_stop_request(more)
-        self.target.stop()
-
-    def _handle_release(self, more: More) -> bytes:
-        self.codec.read_release_request(more)
-        result = self.target.release()
-        return self.codec.encode_release_reply(result)
+        codec = codec or MotorBoardCodec()
+        super().__init__(target, codec)

@@ -49,6 +49,9 @@ class Options:
     type, where the project says it; `skeleton_path` leads from the output folder to the one that
     makes skeletons importable. `small` is the room that the target small has for items of a
     sequence and octets of a string without bound, and for unread samples of an InPort.
+    `marshalled`: whether calls of interfaces, and sequences by themselves, have codecs;
+    `tecs_corba`: whether those of TECS boards are to have them without OpenRTM, too.
+    `lazy`: packages import their modules when a name is asked for.
     """
 
     package: str
@@ -61,6 +64,9 @@ class Options:
     factories: Mapping[str, str] = field(default_factory=dict)
     skeleton_path: str = "../src"
     small: tuple[int, int, int] = (1024, 128, 2)
+    marshalled: bool = True
+    tecs_corba: bool = False
+    lazy: bool = False
 
     @property
     def folder(self) -> str:

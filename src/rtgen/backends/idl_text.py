@@ -10,6 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from decimal import Decimal
 
+from rtgen.backends.quoting.idl import (
+    characters,
+    comment_lines,
+    readable_string,
+    repository_id,
+)
 from rtgen.model import (
     Annotation,
     ArrayType,
@@ -68,8 +74,6 @@ _PORTS = {
 _TYPED = ("default", "min", "max")
 """Annotations whose argument is a value of what they belong to."""
 
-_PLAIN = frozenset(map(chr, range(32, 127))).difference("\\\"'")
-
 
 def idl_text(
     model: Model,
@@ -121,8 +125,7 @@ def literal(model: Model, type_: Type, value: ConstantValue) -> str:
         case str():
             is_text = isinstance(type_, StringType)
             quote = '"' if is_text else "'"
-            body = "".join(_character(c, wide) for c in value)
-            return f"{'L' if wide else ''}{quote}{body}{quote}"
+            return f"{'L' if wide else ''}{quote}{characters(value, wide)}{quote}"
         case float():
             return _float(value)
         case Decimal():
@@ -141,20 +144,6 @@ def _float(value: float) -> str:
     if value in (float("inf"), float("-inf")):
         return "1e999" if value > 0 else "-1e999"
     return repr(value)
-
-
-def _character(character: str, wide: bool) -> str:
-    if character in _PLAIN:
-        return character
-    code = ord(character)
-    return f"\\u{code:04x}" if wide else f"\\x{code:02x}"
-
-
-def _readable(character: str) -> str:
-    """A character of a text for people: others than ASCII's stay."""
-    if character.isprintable() and character not in '\\"':
-        return character
-    return _character(character, False)
 
 
 def _to(scope: ScopedName, wanted: ScopedName) -> Iterator[str]:
@@ -242,7 +231,7 @@ class _Writer:
         text = declaration.repository_id
         if text and text != _default_id(declaration.name):
             name = "::".join(map(escaped, declaration.name))
-            yield f'#pragma ID ::{name} "{text}"'
+            yield repository_id(name, text)
 
     def _definition(self, declaration: Declaration) -> Iterator[str]:
         """The text up to the semicolon."""
@@ -424,7 +413,7 @@ class _Writer:
         text = entry.repository_id
         if text and text != _default_id((*holder.name, entry.name)):
             name = "::".join(map(escaped, (*holder.name, entry.name)))
-            yield f'#pragma ID ::{name} "{text}"'
+            yield repository_id(name, text)
 
     def _call(self, operation: Operation, scope: ScopedName) -> str:
         names = [p.name for p in operation.parameters]
@@ -436,7 +425,7 @@ class _Writer:
         raised = self._raises(operation.raises, scope)
         text += f" raises {raised}" if raised else ""
         if operation.context:
-            told = ", ".join(f'"{name}"' for name in operation.context)
+            told = ", ".join(map(readable_string, operation.context))
             text += f" context ({told})"
         return text
 
@@ -447,7 +436,7 @@ class _Writer:
     # What stands above a declaration or member.
 
     def _above(self, entry: Documented) -> Iterator[str]:
-        doc = entry.doc.replace("*/", "* /").split("\n") if entry.doc else []
+        doc = comment_lines(entry.doc)
         if len(doc) == 1:
             yield f"/** {doc[0]} */"
         elif doc:
@@ -474,7 +463,7 @@ class _Writer:
         if isinstance(value, str):
             wide = plain in (StringType(wide=True), PrimitiveType(Primitive.WCHAR))
             if not wide:
-                return '"' + "".join(map(_readable, value)) + '"'
+                return readable_string(value)
             return literal(self._model, StringType(wide=True), value)
         if plain is None or isinstance(plain, SequenceType | ArrayType):
             plain = PrimitiveType(

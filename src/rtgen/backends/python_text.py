@@ -1,4 +1,4 @@
-"""Python text in black's form, by construction: line fitter, literals, docstrings, header.
+"""Python text in black's form, by construction: line fitter, header.
 
 A statement is written on one line; `fit` splits it if it is longer than 88 columns, as black
 would: a bracket pair is opened, one item a line with a trailing comma (which keeps black from
@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from typing import TypeAlias
 
 from rtgen.backends import Owner
+from rtgen.backends.quoting.code import HashComment
+from rtgen.backends.quoting.python import comment_text
 
 WIDTH = 88
 """Columns of a line, as black has them."""
@@ -22,12 +24,25 @@ WIDTH = 88
 SKIPPED = "  # fmt: skip"
 """What marks a line that black is to leave as it is."""
 
+_OFF, _ON = "# fmt: off", "# fmt: on"
 _STEP = 4
 _CLOSING = {"(": ")", "[": "]", "{": "}"}
-_CONTROL = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff]")
 _TOKEN = re.compile(
     r"""("(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*'|[()\[\]{}]|, ?| for | = |[^"'()\[\]{},\s]+|\s)"""
 )
+
+
+_LITERAL = re.compile(r''''(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*"''')
+
+
+def _split(text: str, separator: str, most: int = -1) -> list[str]:
+    """`text.split(separator, most)`, but what stands inside of string literals stays whole."""
+    hidden = _LITERAL.sub(lambda found: "\0" * len(found[0]), text)
+    parts, start = [], 0
+    for part in hidden.split(separator, most):
+        parts.append(text[start : start + len(part)])
+        start += len(part) + len(separator)
+    return parts
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,15 +100,18 @@ def fit(statement: str, indent: int = 0) -> str:
 def fit_text(text: str) -> str:
     """A module with its long statements split; docstrings and comments stay as they are.
 
-    So does a line that is marked. A docstring has to begin and to end at a line of its own, as
-    `docstring` makes them.
+    So does a line that is marked, and what is between `# fmt: off` and `# fmt: on`. A docstring
+    has to begin and to end at a line of its own, as `docstring` makes them.
     """
     lines: list[str] = []
-    inside = False
+    inside = off = False
     for text_line in text.split("\n"):
         bare = text_line.lstrip()
-        quotes = text_line.count('"""') if inside or bare.startswith('"""') else 0
-        kept = bare.startswith("#") or bare.endswith(SKIPPED)
+        begins = bare.startswith('"""') and not off
+        quotes = text_line.count('"""') if inside or begins else 0
+        if not inside and bare in (_OFF, _ON):
+            off = bare == _OFF
+        kept = off or bare.startswith("#") or bare.endswith(SKIPPED)
         if len(text_line) <= WIDTH or inside or quotes or kept:
             lines.append(text_line)
         else:
@@ -135,7 +153,7 @@ def _with_result_wrapped(lines: list[str], indent: int) -> list[str]:
         return lines
     inner = [" " * (indent + _STEP) + result]
     if len(inner[0]) > WIDTH:
-        first, *others = result.split(" | ")
+        first, *others = _split(result, " | ")
         inner = [
             " " * (indent + _STEP) + text
             for text in (first, *(f"| {o}" for o in others))
@@ -154,8 +172,8 @@ def _open_choice(
     text = "".join(_one_line(p) for p in value)
     body = [margin + text]
     if len(body[0]) > WIDTH:
-        chosen, _, rest = text.partition(" if ")
-        condition, _, other = rest.partition(" else ")
+        chosen, rest = _split(text, " if ", 1)
+        condition, other = _split(rest, " else ", 1)
         body = [margin + chosen, f"{margin}if {condition}", f"{margin}else {other}"]
     head = "".join(_one_line(p) for p in target)
     return [f"{' ' * indent}{head}(", *body, " " * indent + ")"]
@@ -189,12 +207,13 @@ def _item(parts: tuple[_Part, ...], indent: int, ending: str) -> list[str]:
 def _union(text: str, indent: int, ending: str) -> list[str]:
     """An item `A | None`, or `name: A | None`, whose type black splits before each `|`."""
     margin = " " * indent
-    name, colon, annotation = text.partition(": ")
-    if not colon:
-        first, *others = text.split(" | ")
+    name, *annotations = _split(text, ": ", 1)
+    if not annotations:
+        first, *others = _split(text, " | ")
         lines = [margin + first, *(f"{margin}| {other}" for other in others)]
         return [*lines[:-1], lines[-1] + ending]
-    if " | " not in annotation:
+    [annotation] = annotations
+    if len(_split(annotation, " | ")) == 1:
         return [margin + text + ending]
     body = [margin + " " * _STEP + annotation]
     if len(body[0]) > WIDTH:
@@ -256,46 +275,6 @@ def _group(closing: str, items: list[list[_Part]], comprehension: bool) -> _Grou
     return _Group(opening, lines, closing, comma, lone)
 
 
-def string_literal(value: str) -> str:
-    """A string literal as black leaves it: double quotes unless that needs more escapes."""
-    body = repr(value + '"' + "'")[1:-4].replace("\\'", "'")
-    if value.count('"') <= value.count("'"):
-        return '"' + body.replace('"', '\\"') + '"'
-    return "'" + body.replace("'", "\\'") + "'"
-
-
-def number_literal(value: float) -> str:
-    """A number as black leaves it: no plus sign in an exponent."""
-    return repr(value).replace("e+", "e")
-
-
-def docstring(text: str, indent: int) -> str:
-    """The text as a docstring at that indent, with the newline at its end; empty for no text."""
-    lines = _CONTROL.sub(" ", text.expandtabs().replace("\\", "\\\\")).split("\n")
-    body = (
-        "\n".join(line.rstrip() for line in lines).strip().replace('"""', '\\"\\"\\"')
-    )
-    if not body:
-        return ""
-    if body.startswith('"'):
-        body = " " + body
-    margin = " " * indent
-    head, *rest = body.split("\n")
-    common = min((len(line) - len(line.lstrip()) for line in rest if line), default=0)
-    lines = [margin + '"""' + head]
-    lines.extend(margin + line[common:] if line else "" for line in rest)
-    if rest:
-        lines.append(margin + '"""')
-    else:
-        lines[0] += ' """' if body.endswith('"') else '"""'
-    return "\n".join(lines) + "\n"
-
-
-def comment_text(text: str) -> str:
-    """The text in one line, for a comment: control characters and line ends become spaces."""
-    return " ".join(_CONTROL.sub(" ", text).split())
-
-
 def header(
     version: str, sources: Sequence[tuple[str, str]], owner: Owner = Owner.RTGEN
 ) -> tuple[str, ...]:
@@ -324,6 +303,7 @@ def header(
 
 def header_comment(
     version: str, sources: Sequence[tuple[str, str]], owner: Owner = Owner.RTGEN
-) -> str:
-    """The header as a Python comment, with the newline at its end."""
-    return "".join(f"# {text}\n" for text in header(version, sources, owner))
+) -> HashComment:
+    """The header as a comment of Python and the like, with the newline at its end."""
+    lines = header(version, sources, owner)
+    return HashComment("".join(f"# {text}\n" for text in lines))

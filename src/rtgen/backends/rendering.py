@@ -1,51 +1,105 @@
-"""Templates: one environment for text and one that escapes for XML, strict about missing names."""
+"""Templates: an environment for each output language, strict about missing names.
+
+The suffix of a template's file before `.j2` says the language, which decides what becomes of a
+value that is inserted: `Code` of the language stays as it is, any other text is quoted, or refused
+where only code or a name can stand. So a text of a definition cannot become code by a filter that
+was forgotten.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from functools import cache
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from markupsafe import Markup, escape
+from markupsafe import Markup
+
+from rtgen.backends.quoting import properties, python, scripts, xml
 
 if TYPE_CHECKING:
     from jinja2 import Environment
 
 _FOLDER = Path(__file__).resolve().parents[1] / "templates"
-_XML_SPACE = str.maketrans({"\t": "&#9;", "\n": "&#10;", "\r": "&#13;"})
+
+
+@dataclass(frozen=True)
+class Language:
+    """An output language: what makes any value insertable, the type of that, further filters."""
+
+    quote: Callable[[object], str]
+    code: type[str]
+    filters: Mapping[str, Callable[..., str]] = field(default_factory=dict)
+
+    def join(self, values: Iterable[object], separator: str = "") -> str:
+        """The filter `join`: the values are quoted, the separator is the template's own."""
+        return self.code(separator.join(map(self.quote, values)))
+
+
+_XML = Language(xml.quote_xml, Markup, {"comment": xml.xml_comment})
+LANGUAGES: Mapping[str, Language] = {
+    ".py": Language(
+        python.quote,
+        python.Python,
+        {
+            "literal": python.string_literal,
+            "in_docstring": python.in_docstring,
+            "comment": python.comment_text,
+            "code": python.Python,
+        },
+    ),
+    ".conf": Language(
+        properties.quote_conf,
+        properties.Conf,
+        {"key": properties.conf_key, "comment": properties.conf_comment},
+    ),
+    ".txt": Language(properties.quote_entry, properties.Entries),
+    ".sh": Language(
+        scripts.quote_shell, scripts.Shell, {"comment": scripts.shell_comment}
+    ),
+    ".bat": Language(
+        scripts.quote_batch, scripts.Batch, {"comment": scripts.batch_comment}
+    ),
+    ".rb": Language(
+        scripts.quote_ruby,
+        scripts.Ruby,
+        {"literal": scripts.ruby_string, "comment": scripts.ruby_comment},
+    ),
+    ".xml": _XML,
+    ".svg": _XML,
+}
+"""The output languages by the suffix of their files."""
 
 
 def render(template: str, **values: object) -> str:
-    """The text of a template below `rtgen/templates`, with nothing escaped."""
-    return _environment(False).get_template(template).render(values)
+    """The text of a template below `rtgen/templates`: code of the template's language.
 
-
-def render_xml(template: str, **values: object) -> str:
-    """The same with values escaped for XML text and attributes, their line breaks too."""
-    return _environment(True).get_template(template).render(values)
+    Raises UnquotableError for a text that the language cannot hold where the template has it.
+    """
+    suffix = PurePosixPath(template).suffixes[-2]
+    text = _environment(suffix).get_template(template).render(values)
+    return LANGUAGES[suffix].code(text)
 
 
 @cache
-def _environment(xml: bool) -> Environment:
+def _environment(suffix: str) -> Environment:
     from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+    language = LANGUAGES[suffix]
     environment = Environment(
         loader=FileSystemLoader(_FOLDER),
         undefined=StrictUndefined,
-        autoescape=xml,
-        finalize=_for_xml if xml else None,
+        # Macros give markup then, which is not quoted again.
+        autoescape=language.code is Markup,
+        finalize=language.quote,
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
-    environment.filters["length_text"] = _length_text
+    environment.filters |= {"length_text": _length_text, "join": language.join}
+    environment.filters |= language.filters
     return environment
-
-
-def _for_xml(value: object) -> Markup:
-    if isinstance(value, Markup):
-        return value
-    return Markup(str(escape(value)).translate(_XML_SPACE))
 
 
 def _length_text(value: float) -> str:

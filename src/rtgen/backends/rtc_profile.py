@@ -6,7 +6,6 @@ definition, so the same input gives the same bytes.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,7 +13,7 @@ from rtgen.backends import Artifact, Emission, Options
 from rtgen.backends.components.checks import check, components_of
 from rtgen.backends.components.places import package_folder, source_of, summary
 from rtgen.backends.python_text import header
-from rtgen.backends.rendering import render_xml
+from rtgen.backends.rendering import render
 from rtgen.diagnostics import has_errors
 from rtgen.model import (
     Component,
@@ -44,7 +43,6 @@ _DATA_PORTS = {
     PortKind.INPORT: ("DataInPort", "LEFT"),
     PortKind.OUTPORT: ("DataOutPort", "RIGHT"),
 }
-_DOUBLE_HYPHEN = re.compile("-(?=-)")
 _POLARITIES = {PortKind.PROVIDER: "Provided", PortKind.CONSUMER: "Required"}
 _COMPARISONS = {
     Operator.EQUAL: "propertyIsEqualTo",
@@ -141,9 +139,9 @@ def profile_text(model: Model, component: Component, options: Options) -> str:
     parameters = Parameters(model)
     source = source_of(model, component)
     comment = header(options.version, [(source.key, source.sha256)])
-    return render_xml(
+    return render(
         "rtc_profile/RTC.xml.j2",
-        header=[_DOUBLE_HYPHEN.sub("- ", line) for line in comment],
+        header=comment,
         component=component,
         id=profile_id(component),
         name=component.name[-1],
@@ -257,7 +255,7 @@ def _interface(model: Model, port: Port) -> _Interface:
         identifier=port.identifier,
         direction=_POLARITIES[port.kind],
         instance=port.instance,
-        type=str(port.type),
+        type=port.type_name or str(port.type),
         idl_file=profile_facts.file_of(model, port),
         doc=written(port.doc),
     )

@@ -6,14 +6,12 @@ there: an abstract, dates, an execution context for each component, composite ty
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from rtgen.backends.rendering import render_xml
+from rtgen.backends.rendering import render
 from rtgen.model import Connection, PortReference, System
 
-_DOUBLE_HYPHEN = re.compile("-(?=-)")
 _ATTRIBUTES = {
     "dataport.data_type": "",
     "dataport.interface_type": "corba_cdr",
@@ -74,9 +72,9 @@ def system_text(
         )
         for number, c in enumerate(system.components)
     ]
-    return render_xml(
+    return render(
         "rts_profile/system.xml.j2",
-        header=[_DOUBLE_HYPHEN.sub("- ", line) for line in header],
+        header=header,
         system=replace(system, id=system.id or f"RTSystem:rtgen:{system.name}:1.0.0"),
         components=components,
         ports=connected_ports(system) if ports is None else ports,

@@ -26,8 +26,9 @@ def adopt(
 ) -> int:
     """Make a definition of a component of OpenRTM-aist-Python, on standard output.
 
-    FILE is a module as RTCBuilder, rtc-template or rtgen make it. It is read, never executed: what
-    is computed when it runs is told, and left out.
+    FILE is a module as RTCBuilder, rtc-template or rtgen make it, or as people write it; modules of
+    the same repository that it imports are read, too. Nothing is executed: what only running the
+    module settles is reported.
     """
     from rtgen.cli.adopted import adopted
     from rtgen.cli.component_text import component_idl

@@ -10,6 +10,7 @@ from rtgen import compiler
 from rtgen.backends.components.places import summary
 from rtgen.backends.openrtm.plan import openrtm_port_name
 from rtgen.backends.openrtm.rules import OTHER_PROFILE
+from rtgen.component_profiles import declared_in, type_names
 from rtgen.diagnostics import Diagnostic, Span, has_errors, in_order
 from rtgen.frontends import openrtm_python
 from rtgen.frontends.rtc_profile import Profiles
@@ -35,21 +36,19 @@ class Adopted:
 
 def adopted(path: Path, include: Sequence[Path]) -> Adopted:
     """What a module says; of one that rtgen made what its profile says, if that is the same."""
-    module = openrtm_python.read(path)
+    module = openrtm_python.read(path, include)
     if module.profile is None:
-        return Adopted(
-            None, Model(), module.diagnostics, {path.as_posix(): module.source}
-        )
+        return Adopted(None, Model(), module.diagnostics, module.sources)
     shown = module.profile.file
     profiles = Profiles(
         (module.profile,),
         (SourceFile(name=shown, key=path.name, sha256="", main=True),),
         module.diagnostics,
-        {shown: module.source},
+        dict(module.sources),
     )
     beside = path.with_name(_PROFILE)
     if not module.generated or not beside.is_file():
-        return _with_types(_definitions(include), shown, profiles)
+        return _with_neighbours(path, include, shown, profiles)
     alone = with_arguments(
         load(), paths=(str(beside),), include=[str(folder) for folder in include]
     )
@@ -58,18 +57,48 @@ def adopted(path: Path, include: Sequence[Path]) -> Adopted:
         told.model, told.component, module.profile
     ):
         return told
-    plain = _with_types(_definitions(include), shown, profiles)
+    plain = _with_neighbours(path, include, shown, profiles)
     message = f"{beside.as_posix()} says something else"
     other = OTHER_PROFILE.at(Span(shown, 1, 1, 1, 2), message)
     return replace(plain, diagnostics=tuple(in_order([*plain.diagnostics, other])))
 
 
-def _definitions(include: Sequence[Path]) -> Project:
+def _with_neighbours(
+    path: Path, include: Sequence[Path], shown: str, profiles: Profiles
+) -> Adopted:
+    """The component with types of IDL files beside the module, if those can be read.
+
+    They are in its folder, or in a folder `idl` there or next to it, and declare what a port needs.
+    """
+    wanted = type_names(profiles)
+    folders = [
+        path.parent,
+        *(path.parent / each for each in ("idl", "../idl")),
+    ]
+    beside = [
+        file
+        for folder in folders
+        for file in sorted(folder.glob("*.idl"))
+        if not wanted.isdisjoint(declared_in(file))
+    ]
+    plain = _definitions(include, ())
+    given = {file.resolve() for file in plain.sources}
+    beside = [file for file in beside if file.resolve() not in given]
+    if beside:
+        found = _with_types(_definitions(include, beside), shown, profiles)
+        if found.component is not None:
+            return found
+    return _with_types(plain, shown, profiles)
+
+
+def _definitions(include: Sequence[Path], beside: Sequence[Path]) -> Project:
     """The project with the IDL files of the folders as well, and what else may declare types."""
     project = load()
     files = [path for folder in include for path in sorted(folder.glob("*.idl"))]
+    files += beside
     files += [p for p in project.sources if p.suffix.lower() in _WITH_TYPES]
-    included = (*include, *project.include)
+    folders = dict.fromkeys(file.parent for file in beside)
+    included = (*include, *folders, *project.include)
     return replace(project, sources=tuple(files), include=included, adapters=())
 
 

@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtgen import runtime
-from rtgen.cli.factories import Factories
+from rtgen.cli.common import BAD_INPUT, FAILED, Console, ReportedError
+from rtgen.cli.factories import Factories, FactoryImportError
+from rtgen.cli.failures import FailureOptions, FailureReport
 from rtgen.diagnostics import (
     Diagnostic,
     InputError,
@@ -21,6 +23,7 @@ from rtgen.diagnostics import (
 from rtgen.frontends.suggestions import nearest
 from rtgen.model import Connection, System, SystemComponent
 from rtgen.runtime.conf_file import read as read_conf
+from rtgen.runtime.watchdog import calling
 from rtgen.system_rules import (
     CONNECTION,
     NO_COMPONENT,
@@ -30,6 +33,14 @@ from rtgen.system_rules import (
 )
 from rtgen.timeline import SECOND, Action, Ask, Connect, Disconnect, SetParameter, Step
 from rtgen.typemap.connector_properties import own_properties
+from rtgen.typemap.openrtm_ports import (
+    IN,
+    OUT,
+    SERVICE,
+    InstancePorts,
+    registered_names,
+    with_definition_names,
+)
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import CorbaTransport
@@ -46,6 +57,7 @@ def assemble(
     steps: Sequence[Step],
     transport: CorbaTransport | None = None,
     patience: float = 0.0,
+    report: FailureReport | None = None,
 ) -> runtime.System:
     """The system, its components INACTIVE, with its start and the steps on its timeline.
 
@@ -64,7 +76,9 @@ def assemble(
         if c.type not in factories
     ]
     _raise_if_any(findings)
+    report = report or FailureReport(Console("text", False, False), FailureOptions())
     system = runtime.System(clock, transport)
+    system.on_failure = report
     folder = Path(profile.file).absolute().parent
     for c in profile.components:
         findings += _add(
@@ -73,8 +87,16 @@ def assemble(
             factories,
             folder,
             [s for s in settings if s.instance == c.instance],
+            report,
         )
     _raise_if_any(findings)
+    if report.interrupt is not None:
+        raise report.interrupt
+    if report.raised:
+        raise ReportedError(BAD_INPUT)
+    profile = with_definition_names(
+        profile, {name: _ports(system.component(name)) for name in system.instances}
+    )
     for connection in profile.connections:
         action = Connect(
             connection.name,
@@ -90,7 +112,7 @@ def assemble(
             findings += _findings(PARAMETER, step.span, _checking(system, step.action))
     _raise_if_any(findings)
     before: list[str] = []
-    for time, instance in _start(profile):
+    for time, instance in _start(profile, system):
         if instance in system.instances:
             activate = _performing(system, Ask("activate", instance))
             if transport is not None and before:
@@ -102,6 +124,27 @@ def assemble(
     for step in steps:
         system.at(step.time, _at_its_place(step, _performing(system, step.action)))
     return system
+
+
+def _ports(component: runtime.Component) -> InstancePorts:
+    """The names of a component's ports, and the types of its interfaces."""
+    providers, consumers = component.providers, component.consumers
+    keys = [
+        *((IN, name) for name in component.in_ports),
+        *((OUT, name) for name in component.out_ports),
+        *((SERVICE, port) for port, _ in (*providers, *consumers)),
+    ]
+    interfaces = [
+        *((p, "provided", i, each.interface) for (p, i), each in providers.items()),
+        *((p, "required", i, each.interface) for (p, i), each in consumers.items()),
+    ]
+    return InstancePorts(
+        registered_names(keys),
+        {
+            (port, polarity, instance): interface._descriptor_.name
+            for port, polarity, instance, interface in interfaces
+        },
+    )
 
 
 def _blamed(system: runtime.System, connection: Connection) -> tuple[Span, str | None]:
@@ -145,13 +188,17 @@ def _add(
     factories: Factories,
     folder: Path,
     settings: Iterable[SetParameter],
+    report: FailureReport,
 ) -> Iterator[Diagnostic]:
-    factory = factories[c.type]
     try:
-        component = factory(c.instance)
-    except Exception as error:
-        message = f"the factory of {c.type} raised {type(error).__name__}: {error}"
-        yield NO_COMPONENT.at(c.span, message)
+        factory = factories[c.type]
+    except FactoryImportError as failed:
+        report.cannot_import(failed, c.span)
+        raise ReportedError(FAILED) from failed
+    try:
+        component = calling(c.instance, "__init__", factory, c.instance)
+    except BaseException as error:
+        report.cannot_make(c.instance, "__init__", error, c.span)
         return
     if not isinstance(component, runtime.Component):
         yield NO_COMPONENT.at(c.span, f"the factory of {c.type} gives no component")
@@ -160,9 +207,17 @@ def _add(
     findings = [*_configure(component, c, folder, settings)]
     yield from findings
     if not findings:
-        yield from _findings(
-            NO_COMPONENT, c.span, partial(system.add, component, c.rate)
-        )
+        try:
+            system.add(component, c.rate)
+        except runtime.InitializationError as error:
+            if error.__cause__ is None:
+                yield NO_COMPONENT.at(c.span, str(error))
+            else:
+                report.cannot_make(c.instance, "on_initialize", error.__cause__, c.span)
+        except runtime.TransportError as error:
+            raise ToolError(str(error)) from error
+        except runtime.RtcError as error:
+            yield NO_COMPONENT.at(c.span, str(error))
 
 
 def _configure(
@@ -173,7 +228,7 @@ def _configure(
 ) -> Iterator[Diagnostic]:
     """Gives the component its values, each source over the one before."""
     sets = component.configuration_sets
-    values = [(s, p, t) for s, pairs in c.configuration for p, t in pairs]
+    values = [(s, p, t) for s, pairs in c.parameter_sets for p, t in pairs]
     for name in dict.fromkeys((c.type, c.instance)):
         file = folder / f"{name}.conf"
         if file.is_file():
@@ -193,15 +248,20 @@ def _load_conf(sets: runtime.ConfigurationSets, file: Path) -> None:
     sets.load(read_conf(file))
 
 
-def _start(profile: System) -> Iterator[tuple[int, str]]:
-    """When each component is activated, in ns: all at once, unless the system says otherwise."""
+def _start(profile: System, system: runtime.System) -> Iterator[tuple[int, str]]:
+    """When each component is activated, in ns: all at once, unless the system says otherwise.
+
+    At one instant those that provide services come before those that consume them.
+    """
+    instants: dict[int, list[str]] = {}
     if not profile.activation:
-        yield from ((0, c.instance) for c in profile.components)
-        return
+        instants[0] = [c.instance for c in profile.components]
     time = 0
     for step in profile.activation:
         time += step.wait_ms * _MILLISECOND
-        yield time, step.instance
+        instants.setdefault(time, []).append(step.instance)
+    for instant, instances in instants.items():
+        yield from ((instant, name) for name in system.activation_order(instances))
 
 
 def _when(

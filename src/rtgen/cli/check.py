@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import click
 
-from rtgen import cache, compiler
+from rtgen import behaviours, cache, compiler
 from rtgen import output as writer
+from rtgen.cli.can.common import counted
 from rtgen.cli.common import (
     BAD_INPUT,
     NO,
@@ -41,8 +42,8 @@ def check(
     """Compare the tree with what generate would make.
 
     PATH is read as by generate. Exit code 0: the same; 1: files are changed, missing, no longer
-    made, or not rtgen's; a unified diff is printed. Files that a user owns are not looked into.
-    Nothing is written.
+    made, or not rtgen's, and a unified diff is printed; or a behaviour uses a component or a port
+    that no definition has. Nothing is written.
     """
     project = project_of(
         definitions, output, add=output is None, node_id=node_id, target=target
@@ -53,18 +54,27 @@ def check(
     if run.failed:
         return BAD_INPUT
     planned = writer.plan(project, run.artifacts, run.inputs)
+    found = [*behaviours.check(project, run.artifacts)]
+    console.findings(found)
     strays = (*planned.strays, *planned.leftovers)
     if not planned.changes and not strays:
-        return OK
+        return NO if found else OK
     from rtgen.cli.diffs import diff
 
     write_out(
         diff(planned.changes)
         + "".join(f"Only in the tree: {shown(s)}\n" for s in strays)
     )
-    differing = len(planned.changes) + len(strays)
-    console.say(
-        f"{shown(project.output)}: {differing} file{'s' * (differing > 1)} differ"
-        f"{'s' * (differing == 1)} from the definitions; run rtgen generate"
-    )
+    where = shown(project.output)
+    stale = len(planned.changes) + len(planned.leftovers)
+    if stale:
+        console.say(
+            f"{where}: {counted(stale, 'file')} differ{'s' * (stale == 1)} from the"
+            " definitions; run rtgen generate"
+        )
+    if planned.strays:
+        console.say(
+            f"{where}: {counted(len(planned.strays), 'file')} not made by rtgen, which"
+            " generate leaves; move what is yours elsewhere, delete the rest"
+        )
     return NO

@@ -8,7 +8,7 @@ import math
 import os
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import Any, Concatenate, ParamSpec
 
 import click
@@ -30,6 +30,8 @@ P = ParamSpec("P")
 OK, NO, BAD_INPUT, FAILED = range(4)
 """Exit codes."""
 
+_DOCUMENTS = ("json", "sarif")
+
 
 class Refusal(click.ClickException):
     """What the command line names is not there, or is no such thing."""
@@ -50,6 +52,14 @@ class FiniteRange(click.FloatRange):
         return number
 
 
+class ReportedError(Exception):
+    """What ends a command is on the console already; `code` is the exit code."""
+
+    def __init__(self, code: int) -> None:
+        self.code = code
+        super().__init__(code)
+
+
 @dataclass(frozen=True, slots=True)
 class Console:
     """Standard error, as the options want it: its form for findings, colour, and quiet."""
@@ -57,21 +67,35 @@ class Console:
     form: str
     colour: bool
     quiet: bool
+    _held: list[Sequence[Diagnostic]] = field(default_factory=list)
 
     def findings(
         self,
         diagnostics: Sequence[Diagnostic],
         sources: Mapping[str, str] | None = None,
     ) -> None:
-        """Prints findings; a form for machines is printed even if there are none."""
-        if not diagnostics and self.form in ("text", "github"):
-            return
-        from rtgen.report import report, summary
+        """Prints findings: text at once, forms of a single document when the command ends.
 
-        text = report(diagnostics, sources or {}, self.form, colour=self.colour)
-        sys.stderr.write(text)
-        if self.form == "text" and not self.quiet:
-            sys.stderr.write(f"{summary(diagnostics)}\n")
+        A document is printed even if there are no findings.
+        """
+        if self.form in _DOCUMENTS:
+            self._held.append(diagnostics)
+        elif diagnostics:
+            from rtgen.report import report, summary
+
+            text = report(diagnostics, sources or {}, self.form, colour=self.colour)
+            sys.stderr.write(text)
+            if self.form == "text" and not self.quiet:
+                sys.stderr.write(f"{summary(diagnostics)}\n")
+
+    def close(self) -> None:
+        """Prints the document of all findings so far, if there is one to print."""
+        if self._held:
+            from rtgen.report import report
+
+            found = [d for diagnostics in self._held for d in diagnostics]
+            self._held.clear()
+            sys.stderr.write(report(found, {}, self.form))
 
     def say(self, text: str) -> None:
         """Prints a line for people: not if quiet, nor beside findings for machines."""
@@ -125,6 +149,8 @@ def with_console(
         console = Console(form, _in_colour(color), quiet)
         try:
             return function(console, *args, **kwargs)
+        except ReportedError as error:
+            return error.code
         except InputError as error:
             console.findings(error.diagnostics)
             return BAD_INPUT
@@ -135,6 +161,8 @@ def with_console(
 
             console.findings([ENVIRONMENT.at(None, error.message, hint=error.hint)])
             return FAILED
+        finally:
+            console.close()
 
     return wrapped
 
@@ -237,6 +265,7 @@ def with_target(function: Callable[P, int]) -> Callable[P, int]:
     return click.option(
         "--target",
         type=click.Choice(TARGETS),
+        metavar=f"[{'|'.join(AVAILABLE_TARGETS)}]",
         help="What the components run on; default: what rtgen.toml says, else embedded.",
     )(function)
 

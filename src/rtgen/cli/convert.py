@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
-from rtgen.diagnostics import InputError, has_errors
+from rtgen.diagnostics import InputError, has_errors, in_order
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.model import Component, Model
 from rtgen.project import Project, is_component_profile
@@ -106,6 +106,7 @@ def _component(
     include: tuple[str, ...],
 ) -> int:
     from rtgen import compiler
+    from rtgen.backends.components.checks import check_component
     from rtgen.cli.component_text import component_idl
     from rtgen.project import load, with_arguments
 
@@ -113,10 +114,13 @@ def _component(
         raise _wrong_form(form, _OF_COMPONENTS, "a component")
     project = with_arguments(load(), paths=(file,), include=include)
     read = compiler.read(project, lowered=True)
-    console.findings(read.diagnostics, read.sources)
-    if has_errors(read.diagnostics):
+    found = list(read.diagnostics)
+    component = None if has_errors(found) else _chosen(read.model, file, name)
+    if component is not None and form != "idl":
+        found = in_order([*found, *check_component(read.model, component)])
+    console.findings(found, read.sources)
+    if component is None or has_errors(found):
         return BAD_INPUT
-    component = _chosen(read.model, file, name)
     if form == "idl":
         write_out(component_idl(read.model, component))
         return OK

@@ -8,10 +8,13 @@ from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from importlib import import_module, metadata
 from pathlib import Path
+from types import ModuleType
 
 from rtgen.diagnostics import ToolError
 from rtgen.project import Project
 from rtgen.runtime import Component
+from rtgen.runtime.callbacks import ends_run
+from rtgen.runtime.watchdog import calling
 
 GROUP = "rtgen.components"
 
@@ -48,22 +51,41 @@ class Factories:
         return type_name in self._targets
 
     def __getitem__(self, type_name: str) -> Factory:
-        """The factory of a known type; ToolError if it cannot be imported."""
+        """The factory of a known type.
+
+        Raises FactoryImportError if it cannot be imported, ToolError if it cannot be called.
+        """
         target = self._targets[type_name]
         module, _, attribute = target.partition(":")
         try:
-            factory: object = import_module(module)
+            factory: object = calling(type_name, "import", import_module, module)
             for part in attribute.split("."):
                 factory = getattr(factory, part)
-        except Exception as error:
-            raise ToolError(
-                f"the factory {target} of {type_name} cannot be loaded: "
-                f"{type(error).__name__}: {error}",
-                hint="is its package installed, and `rtgen generate` done?",
-            ) from error
+        except BaseException as error:
+            if ends_run(error):
+                raise
+            message = f"{target}, the factory of {type_name}, cannot be imported"
+            raise FactoryImportError(message, _advice(error, module)) from error
         if not callable(factory):
             raise ToolError(f"the factory {target} of {type_name} cannot be called")
         return factory
+
+
+class FactoryImportError(ToolError):
+    """The module of a component cannot be imported; the cause is what it raised."""
+
+
+def _advice(error: BaseException, module: str) -> str | None:
+    """What helps if a factory cannot be imported."""
+    match error:
+        case ModuleNotFoundError(name=str(missing)):
+            if module == missing or module.startswith(f"{missing}."):
+                return "is its package installed, and `rtgen generate` done?"
+            return f"is {missing.partition('.')[0]} installed in this environment?"
+        case AttributeError(name=str(name), obj=ModuleType() as found):
+            close = get_close_matches(name, vars(found), n=1)
+            return f"did you mean {close[0]}?" if close else None
+    return None
 
 
 class _EntryPoints(configparser.ConfigParser):

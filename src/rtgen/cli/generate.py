@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from rtgen import cache, compiler
+from rtgen import behaviours, cache, compiler
 from rtgen import output as writer
 from rtgen.cli.common import (
     BAD_INPUT,
@@ -123,7 +123,8 @@ def perform(console: Console, request: Request) -> tuple[int, Iterable[Path]]:
         console.findings(run.diagnostics, run.sources)
         return OK, looked_for
     done = writer.write(project, run.artifacts, run.inputs)
-    console.findings(run.diagnostics, run.sources)
+    found = [*run.diagnostics, *behaviours.check(project, run.artifacts)]
+    console.findings(found, run.sources)
     console.say(_told(project, done))
     return OK, looked_for
 

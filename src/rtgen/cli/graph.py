@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
-from rtgen import compiler
+from rtgen import compiler, timeline
 from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
 from rtgen.diagnostics import Diagnostic, ToolError, has_errors, in_order
-from rtgen.model import Component
+from rtgen.model import Bus, Component
 from rtgen.project import load
 
 
@@ -18,14 +19,29 @@ from rtgen.project import load
 @click.option(
     "-o", "output", metavar="FILE", help="Write there instead of standard output."
 )
+@click.option(
+    "--timeline",
+    "timeline_file",
+    metavar="FILE",
+    help="Draw the connections that it makes; by default timeline.toml of the folder.",
+)
 @with_console
-def graph(console: Console, system: str, output: str | None) -> int:
-    """Draw a system's components and connections as SVG.
+def graph(
+    console: Console, system: str, output: str | None, timeline_file: str | None
+) -> int:
+    """Draw a system's components, connections and buses as SVG.
 
-    SYSTEM is an RtsProfile or a folder with system.xml. The project's definitions, if there are
-    any, tell the ports that are not connected and the types of all.
+    SYSTEM is an RtsProfile or a folder with system.xml and perhaps timeline.toml. The project's
+    definitions, if there are any, state the ports that are not connected, the types of all ports,
+    and the buses and lines that components are attached to.
     """
-    from rtgen.backends.wiring import ComponentView, render, view_of
+    from rtgen import systems
+    from rtgen.backends.wiring import (
+        ComponentView,
+        TimedConnection,
+        render,
+        view_of,
+    )
 
     path = Path(system)
     profile, found, sources = compiler.read_system(
@@ -33,19 +49,29 @@ def graph(console: Console, system: str, output: str | None) -> int:
     )
     diagnostics: list[Diagnostic] = list(found)
     profiles: dict[str, ComponentView] = {}
+    buses: Sequence[Bus] = ()
     project = load()
     if project.sources and not has_errors(diagnostics):
         result = compiler.read(project, lowered=True)
         diagnostics += result.diagnostics
         sources = {**sources, **result.sources}
         declarations = result.model.declarations
+        buses = result.model.buses
         profiles = {
             d.name[-1]: view_of(d) for d in declarations if isinstance(d, Component)
         }
+        if profile is not None:
+            [profile] = systems.as_defined([profile], [result.model])
     console.findings(in_order(diagnostics), sources)
     if profile is None or has_errors(diagnostics):
         return BAD_INPUT
-    picture = render(profile, profiles)
+    plan = timeline.of_system(path, timeline_file, profile)
+    timed = [
+        TimedConnection(action.source, action.target, step.time / timeline.SECOND)
+        for step in plan.steps
+        if isinstance(action := step.action, timeline.Connect)
+    ]
+    picture = render(profile, profiles, timed, buses)
     if output is None:
         write_out(picture)
         return OK

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -93,42 +93,82 @@ def draw(
     path: str, title: str, robots: Sequence[str], samples: Sequence[Sample]
 ) -> None:
     """The trajectories with starts, ends and goals, heading arrows, and equal axes."""
-    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    goals = list(dict.fromkeys(s.goal for s in samples if s.goal is not None))
-    everywhere = [*goals, *(pose for s in samples for pose in s.poses)]
-    scale = _ARROW * max(_extent(everywhere), 0.5)
-    with rc_context({"svg.hashsalt": "rtgen", "font.family": "DejaVu Sans"}):
-        figure = Figure(figsize=(7.0, 7.0), layout="constrained")
+    with reproducible():
+        figure = Figure(figsize=(7.0, 7.6), layout="constrained")
         axes = figure.add_subplot()
-        for number, robot in enumerate(robots):
-            alone = len(robots) == 1
-            colour = "tab:blue" if alone else f"C{number % 10}"
-            begin = "tab:green" if alone else "black"
-            poses = [s.poses[number] for s in samples]
-            axes.plot(
-                [p[0] for p in poses],
-                [p[1] for p in poses],
-                color=colour,
-                label="robot" if alone else robot,
-            )
-            _mark(axes, poses[:1], begin, _only(number, "start"), scale)
-            _mark(axes, poses[-1:], colour, _only(number, "end"), scale)
-        _mark(axes, goals, "tab:red", "goal", scale)
-        axes.margins(0.12)
-        axes.set_aspect("equal", adjustable="datalim")
-        axes.set_xlabel("x [m]")
-        axes.set_ylabel("y [m]")
+        draw_trajectories(axes, robots, samples)
         axes.set_title(title)
-        axes.grid(visible=True, alpha=0.3)
-        axes.legend(loc="best")
+        add_legend(figure, [axes])
         save_picture(figure, Path(path))
 
 
-def _only(number: int, label: str) -> str:
-    """The label for the first one; matplotlib leaves out those with an underscore."""
-    return label if number == 0 else f"_{label}"
+def reproducible() -> AbstractContextManager[None]:
+    """Settings of matplotlib with which the same data give the same file."""
+    from matplotlib import rc_context
+
+    return rc_context({"svg.hashsalt": "rtgen", "font.family": "DejaVu Sans"})
+
+
+_STROKES = (("-", 4.5, 0.45), ("-", 1.4, 1.0), ("--", 1.8, 1.0), (":", 2.4, 1.0))
+"""Style, width and opacity by number: a line on top of another leaves both visible."""
+
+
+def stroke(number: int, count: int) -> dict[str, Any]:
+    """Colour and form of one of so many lines in one diagram."""
+    style, width, alpha = ("-", 1.8, 1.0)
+    if count > 1:
+        style, width, alpha = _STROKES[number % len(_STROKES)]
+    return {
+        "color": f"C{number % 10}",
+        "linestyle": style,
+        "linewidth": width,
+        "alpha": alpha,
+    }
+
+
+def add_legend(figure: Figure, axes: Sequence[Axes], most: int = 4) -> None:
+    """One legend below all axes, where it covers no data; `most` entries in a row."""
+    found: dict[str, Any] = {}
+    for each in axes:
+        for handle, label in zip(*each.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    if found:
+        columns = min(most, len(found))
+        figure.legend(
+            found.values(), found.keys(), loc="outside lower center", ncols=columns
+        )
+
+
+def draw_trajectories(
+    axes: Axes, robots: Sequence[str], samples: Sequence[Sample]
+) -> None:
+    """Draw the trajectories of robots: a hollow square where each begins, a dot where it ends."""
+    goals = list(dict.fromkeys(s.goal for s in samples if s.goal is not None))
+    everywhere = [*goals, *(pose for s in samples for pose in s.poses)]
+    scale = _ARROW * max(_extent(everywhere), 0.5)
+    alone = len(robots) == 1
+    _mark(axes, goals, "tab:red", "goal", scale, marker="o", size=14)
+    for number, robot in enumerate(robots):
+        line = stroke(number, len(robots))
+        poses = [s.poses[number] for s in samples]
+        axes.plot(
+            [p[0] for p in poses],
+            [p[1] for p in poses],
+            **line,
+            label="robot" if alone else robot,
+        )
+        _mark(axes, poses[:1], line["color"], "", scale, marker="s", size=9)
+        _mark(axes, poses[-1:], line["color"], "", scale, marker="o", filled=True)
+    grey: dict[str, Any] = {"color": "0.4", "linestyle": "none"}
+    axes.plot([], [], marker="s", fillstyle="none", label="start", **grey)
+    axes.plot([], [], marker="o", label="end", **grey)
+    axes.margins(0.12)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("x [m]")
+    axes.set_ylabel("y [m]")
+    axes.grid(visible=True, alpha=0.3)
 
 
 def save_picture(figure: Figure, path: Path) -> None:
@@ -147,12 +187,29 @@ def _extent(poses: Sequence[Pose]) -> float:
 
 
 def _mark(
-    axes: Axes, poses: Sequence[Pose], colour: str, label: str, scale: float
+    axes: Axes,
+    poses: Sequence[Pose],
+    colour: str,
+    label: str,
+    scale: float,
+    *,
+    marker: str,
+    size: float = 6,
+    filled: bool = False,
 ) -> None:
     if not poses:
         return
     xs, ys = [p[0] for p in poses], [p[1] for p in poses]
-    axes.plot(xs, ys, "o", color=colour, label=label)
+    axes.plot(
+        xs,
+        ys,
+        marker,
+        color=colour,
+        markersize=size,
+        fillstyle="full" if filled else "none",
+        markeredgewidth=1.8,
+        label=label or None,
+    )
     axes.quiver(
         xs,
         ys,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
@@ -15,32 +14,35 @@ from rtgen import compiler, measures, runtime, timeline
 from rtgen.cli import shares, transports
 from rtgen.cli.assembly import assemble
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
+from rtgen.cli.curves import Curves, divided, draw_curves, write_curves
+from rtgen.cli.ending import ending
 from rtgen.cli.factories import Factories
+from rtgen.cli.failures import FailureOptions, FailureReport, logged, with_failures
 from rtgen.cli.progress import Progress, progress
 from rtgen.cli.recording import (
-    Pose,
     Sample,
     check_picture,
     draw,
     opened,
     write_csv,
 )
-from rtgen.cli.signals import terminable
-from rtgen.cli.summary import Outcome, Row, summary
+from rtgen.cli.run_view import View, name_of
+from rtgen.cli.summary import summary
 from rtgen.cli.transports import TransportOptions, with_transport
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
-from rtgen.measures import Course, Measure, Result
+from rtgen.measures import Measure
 from rtgen.model import System
 from rtgen.project import load
+from rtgen.runtime.callbacks import ends_run
 from rtgen.runtime.recording import JsonLinesRecorder
+from rtgen.runtime.watchdog import Watchdog
 from rtgen.system_checks import check_properties
 from rtgen.system_rules import CONDITION, MEASURE, OBSERVABLE
-from rtgen.timeline import SECOND, Condition, Timeline
+from rtgen.timeline import SECOND, Condition
 
 _LONGEST = 600 * SECOND
 """Where a run in simulated time ends that waits for a state only."""
 _SAMPLE_PERIOD = SECOND // 50
-_NOWHERE = (math.nan, math.nan, math.nan)
 _LOOK_PERIOD = SECOND // 10
 
 
@@ -67,12 +69,25 @@ _LOOK_PERIOD = SECOND // 10
     metavar="FILE",
     help="What happens meanwhile; by default timeline.toml of the folder.",
 )
-@click.option("--csv", "csv_file", metavar="FILE", help="Write the trajectory as CSV.")
-@click.option("--plot", metavar="FILE", help="Draw the trajectory (.svg, .png, .pdf).")
+@click.option(
+    "--csv",
+    "table",
+    multiple=True,
+    metavar="FILE|INSTANCE.PORT",
+    help="Write the trajectory as CSV, or values of ports and observables.",
+)
+@click.option(
+    "--plot",
+    "picture",
+    multiple=True,
+    metavar="FILE|INSTANCE.PORT",
+    help="Draw the trajectory (.svg, .png, .pdf), or values of ports and observables.",
+)
 @click.option(
     "--log", metavar="FILE", help="Write state changes and samples as JSON lines."
 )
 @with_transport
+@with_failures
 @with_console
 def run(
     console: Console,
@@ -81,16 +96,23 @@ def run(
     until: str | None,
     settings: tuple[str, ...],
     timeline_file: str | None,
-    csv_file: str | None,
-    plot: str | None,
+    table: tuple[str, ...],
+    picture: tuple[str, ...],
     log: str | None,
     carrying: TransportOptions,
+    shown_failures: FailureOptions,
 ) -> int:
     """Run a system on the embedded runtime.
 
     SYSTEM is an RtsProfile, or a folder with system.xml and perhaps timeline.toml. Exit code 0:
     the condition of --until, or of the system's property rtgen.run.until, was met; 1: the time
-    was over before. A run in simulated time that waits for a state only ends after ten minutes.
+    was over before, the robot ended beyond rtgen.run.tolerance, or a component's own code raised
+    an exception; 3: the module of a component cannot be imported. A run in simulated time that
+    waits for a state only ends after ten minutes.
+
+    --csv and --plot can be given several times: INSTANCE.PORT, INSTANCE.PORT.member and
+    INSTANCE.PORT[index] are values over time, anything else is the file, by default values.csv and
+    values.svg below build. Without any of them the file gets the trajectory.
 
     With --transport corba service calls go over omniORB. With --only this process runs a part of
     the system, and calls go to the processes that run the rest.
@@ -106,9 +128,8 @@ def run(
     console.findings(in_order(found), sources)
     if profile is None or has_errors(found):
         return BAD_INPUT
-    plan = _timeline(folder, timeline_file, profile)
+    plan = timeline.of_system(path, timeline_file, profile)
     steps, wanted = plan.steps, plan.measures
-    check_picture(plot)
     condition = _condition(until, profile)
     values = [timeline.assignment(text, profile) for text in settings]
     if carrying.only is not None:
@@ -118,6 +139,11 @@ def run(
         steps = shares.steps_here(steps, profile, here)
         wanted = shares.measures_here(wanted, here)
         profile = shares.share(profile, here)
+    csv_file, in_table = divided(table, "--csv", profile)
+    plot, in_picture = divided(picture, "--plot", profile)
+    csv_file = csv_file or (_result(profile, ".csv") if in_table else None)
+    plot = plot or (_result(profile, ".svg") if in_picture else None)
+    check_picture(plot)
     if condition == Condition() and simulated:
         hint = "--until SECONDS, or --until INSTANCE=STATE"
         raise InputError(
@@ -125,51 +151,90 @@ def run(
         )
     factories = Factories(load())
     watch = runtime.SimulatedClock() if simulated else runtime.RealClock()
+    report = FailureReport(console, shown_failures, simulated=simulated)
     with (
         ExitStack() as files,
+        logged(report, console, shown_failures),
+        ending(report.waiting) as end,
+        Watchdog(report.blocked),
         transports.opened(carrying, console, simulated=simulated) as transport,
         assemble(
-            profile, factories, watch, values, steps, transport, carrying.patience
+            profile,
+            factories,
+            watch,
+            values,
+            steps,
+            transport,
+            carrying.patience,
+            report,
         ) as running,
     ):
-        view = _View(running, profile)
-        if (csv_file or plot) and not view.poses:
+        report.end_run = running.end_run
+        # Whoever asks for a stretch of the run by --until does not ask where it ends.
+        judged = until is None or condition.instance is not None
+        view = View(running, profile, simulated=simulated, judged=judged)
+        curves = Curves(running, (*in_table, *in_picture))
+        of_poses = (csv_file and not in_table) or (plot and not in_picture)
+        if of_poses and not view.poses:
             message = (
                 f"{profile.file}: no property rtgen.run.pose, so there is no trajectory"
             )
-            raise InputError([OBSERVABLE.at(None, message)])
+            hint = "--plot INSTANCE.PORT and --csv INSTANCE.PORT show values of ports"
+            raise InputError([OBSERVABLE.at(None, message, hint=hint)])
         _check_measures(wanted, view)
         if folder is not None and wanted:
             csv_file, plot = _files(console, folder, csv_file, plot)
-        table = opened(files, csv_file)
+        csv_stream = opened(files, csv_file)
         if (log_stream := opened(files, log)) is not None:
             running.add_listener(JsonLinesRecorder(log_stream))
         samples: list[Sample] = []
-        if csv_file or plot or wanted:
+        if of_poses or wanted:
             running.every(_SAMPLE_PERIOD, lambda: samples.append(view.sample()))
         with ExitStack() as shown:
             quiet = console.quiet or console.form != "text"
-            _show(running, progress(shown, condition.limit, quiet=quiet))
+            bar = progress(shown, condition.limit, quiet=quiet)
+            report.before_debugging = shown.close
+            shown.enter_context(report.breakpoints())
+            _show(running, bar)
             if transport is not None:
                 transports.await_others(transport, carrying.patience)
-            met, wall = _run(running, condition, simulated=simulated)
+            end.of(running.end_run)
+            met, wall = _run(running, condition, report, simulated=simulated)
         course = view.course(samples)
         measured = [measures.evaluate(measure, course) for measure in wanted]
-        outcome = view.outcome(wall, measured)
-        if table is not None:
-            write_csv(table, view.robots, samples)
-    if plot is not None:
+        end_met = _end(condition, met)
+        blocked = report.still_blocked()
+        outcome = view.outcome(wall, measured, end_met, blocked)
+        if csv_stream is not None and in_table:
+            write_curves(csv_stream, curves.of(in_table))
+        elif csv_stream is not None:
+            write_csv(csv_stream, view.robots, samples)
+    report.close()
+    if plot is not None and in_picture:
+        draw_curves(plot, profile.name, curves.of(in_picture), view.time_axis)
+    elif plot is not None:
         draw(plot, profile.name, view.robots, samples)
-    write_out(summary(outcome))
-    return OK if met and all(result.kept for result in measured) else NO
+    if in_table or in_picture:
+        console.say(f"results: {', '.join(filter(None, (csv_file, plot)))}")
+    if not console.quiet:
+        write_out(summary(outcome))
+    kept = all(result.kept for result in measured) and not outcome.missed
+    return OK if met and kept and not report.raised else NO
 
 
-def _timeline(folder: Path | None, named: str | None, profile: System) -> Timeline:
-    if named is not None:
-        return timeline.load(Path(named), profile)
-    if folder is not None and (folder / "timeline.toml").is_file():
-        return timeline.load(folder / "timeline.toml", profile)
-    return Timeline()
+def _result(profile: System, ending: str) -> str:
+    """Where values go, unless the command line says otherwise."""
+    return str(_results_of(profile.name) / f"values{ending}")
+
+
+def _results_of(name: str) -> Path:
+    """The folder for results. Raises ToolError."""
+    results = Path("build") / name
+    try:
+        results.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ToolError(f"cannot make {results}: {error.strerror}") from error
+    return results
 
 
 def _files(
@@ -177,11 +242,7 @@ def _files(
 ) -> tuple[str, str | None]:
     """Where the results of an experiment go, unless the command line says otherwise."""
     name = folder.resolve().name
-    results = Path("build") / name
-    try:
-        results.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ToolError(f"cannot make {results}: {error.strerror}") from error
+    results = _results_of(name)
     csv_file = csv_file or str(results / f"{name}.csv")
     if plot is None:
         if find_spec("matplotlib") is not None:
@@ -192,7 +253,7 @@ def _files(
     return csv_file, plot
 
 
-def _check_measures(wanted: Sequence[Measure], view: _View) -> None:
+def _check_measures(wanted: Sequence[Measure], view: View) -> None:
     known = ", ".join(view.poses) or "none"
     findings = [
         MEASURE.at(
@@ -214,11 +275,15 @@ def _condition(until: str | None, profile: System) -> Condition:
 
 
 def _run(
-    running: runtime.System, condition: Condition, *, simulated: bool
+    running: runtime.System,
+    condition: Condition,
+    report: FailureReport,
+    *,
+    simulated: bool,
 ) -> tuple[bool, float]:
     """Runs to the end; whether the condition was met, and the wall time in seconds.
 
-    Ctrl-C and SIGTERM end a run in order.
+    Ctrl-C, SIGTERM and the debugger's quit end a run in order.
     """
     limit = condition.limit
     if limit is None and simulated:
@@ -226,13 +291,22 @@ def _run(
     until = _reached(running, condition)
     begun = time.perf_counter()
     try:
-        with terminable():
-            met = running.run(limit, until)
-    except KeyboardInterrupt:
+        met = running.run(limit, until) or condition.instance is None
+    except runtime.ObservableError as error:
+        report.cannot_show(error)
+        met = False
+    except BaseException as error:
+        if not ends_run(error):
+            raise
         met = condition == Condition()
-    else:
-        met = met or condition.instance is None
     return met, time.perf_counter() - begun
+
+
+def _end(condition: Condition, met: bool) -> tuple[str, str] | None:
+    """What the report says of a condition that is a state."""
+    if condition.instance is None:
+        return None
+    return "met" if met else "not met", f"{condition.instance}={condition.state}"
 
 
 def _reached(
@@ -256,75 +330,9 @@ def _show(running: runtime.System, view: Progress) -> None:
             state = running.state(instance)
             if state is not before:
                 known[instance] = state
-                view.state(now, instance, _name(state))
+                reason = running.statistics(instance).reason
+                is_error = state is runtime.ERROR_STATE and reason
+                text = f"{name_of(state)} ({reason})" if is_error else name_of(state)
+                view.state(now, instance, text)
 
     running.every(_LOOK_PERIOD, look)
-
-
-def _name(state: runtime.LifeCycleState) -> str:
-    return state.name.removesuffix("_STATE")
-
-
-class _View:
-    """What the system's properties say about its report: where the robot is, where it goes."""
-
-    def __init__(self, running: runtime.System, profile: System) -> None:
-        properties = dict(profile.properties)
-        self._running = running
-        names = properties.get("rtgen.run.pose", "").split(",")
-        self.poses = [
-            n for n in (self._checked(profile, n.strip()) for n in names) if n
-        ]
-        self._goal_name = self._checked(profile, properties.get("rtgen.run.goal"))
-
-    @property
-    def robots(self) -> list[str]:
-        """The instances whose poses are shown."""
-        return [name.rpartition(".")[0] for name in self.poses]
-
-    def _checked(self, profile: System, name: str | None) -> str | None:
-        if name:
-            timeline.require_instance(name.partition(".")[0], profile, None)
-            try:
-                self._running.observable(name)
-            except runtime.RtcError as error:
-                raise InputError(
-                    [OBSERVABLE.at(None, f"{profile.file}: {error}")]
-                ) from None
-        return name
-
-    def sample(self) -> Sample:
-        """The present."""
-        poses = tuple(self._pose(name) or _NOWHERE for name in self.poses)
-        return Sample(self._running.time / SECOND, poses, self._pose(self._goal_name))
-
-    def course(self, samples: Sequence[Sample]) -> Course:
-        """The samples as they are measured."""
-        return Course(
-            [sample.t for sample in samples],
-            {
-                name: [sample.poses[number] for sample in samples]
-                for number, name in enumerate(self.poses)
-            },
-        )
-
-    def outcome(self, wall: float, measured: Sequence[Result]) -> Outcome:
-        """The end."""
-        poses = zip(self.robots, map(self._pose, self.poses), strict=True)
-        return Outcome(
-            rows=[self._row(instance) for instance in self._running.instances],
-            goal=self._pose(self._goal_name),
-            poses=[(robot, pose) for robot, pose in poses if pose is not None],
-            simulated=self._running.time / SECOND,
-            wall=wall,
-            measured=measured,
-        )
-
-    def _row(self, instance: str) -> Row:
-        s = self._running.statistics(instance)
-        why = f"waits for {s.awaited}" if s.awaited else s.reason
-        return Row(instance, _name(s.state), s.ticks, s.overruns, s.lost, why)
-
-    def _pose(self, name: str | None) -> Pose | None:
-        values = self._running.observable(name) if name else ()
-        return (values[0], values[1], values[2]) if len(values) == 3 else None

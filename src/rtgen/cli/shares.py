@@ -44,6 +44,11 @@ def share(profile: System, here: Collection[str]) -> System:
         and not (c.source.instance in here and c.target.instance in here)
     )
     others = {c.instance for c in profile.components} - {*here}
+    elsewhere = {
+        name
+        for name, value in profile.properties
+        if name in _OBSERVABLES and _without(others, value) != value
+    }
     return replace(
         profile,
         components=tuple(c for c in profile.components if c.instance in here),
@@ -52,6 +57,8 @@ def share(profile: System, here: Collection[str]) -> System:
             (name, kept)
             for name, value in profile.properties
             if (kept := _without(others, value) if name in _OBSERVABLES else value)
+            # Only the process that has pose and goal can judge the end.
+            and not (elsewhere and name == "rtgen.run.tolerance")
         ),
     )
 
@@ -136,7 +143,8 @@ def _between(
     return ELSEWHERE.at(
         span,
         f"{name}: data ports of two processes, {source} and {target}, cannot be connected",
-        hint="name both instances in --only, or neither",
+        hint="name both instances in --only, or neither; between processes samples go over OpenRTM"
+        " (rtgen generate --target openrtm), or use a service port",
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from rtgen.cli.recording import Pose
 from rtgen.measures import Result
@@ -14,35 +15,77 @@ _NEVER = 1e9
 _HEADER = ("instance", "state", "ticks", "overruns", "lost")
 
 
+class Tolerance(NamedTuple):
+    """How far from its goal a robot may be at the end of a run [m, rad]."""
+
+    distance: float
+    turn: float = math.inf
+
+
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A component at the end of a run; `reason` says why it is in ERROR, or what it waits for."""
+    """A component at the end of a run.
+
+    `notes` say why it is in ERROR, what it waits for, and what was lost where and why.
+    """
 
     instance: str
     state: str
     ticks: int
     overruns: int
     lost: int
-    reason: str
+    notes: Sequence[str] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A run: its components, its end in the plane if it has one, times in seconds.
+    """A run: its components, its end in the plane if it has one, and `time` since its start [s].
 
-    `poses` are those of the robots at the end, by name; the goal is that of a single one.
+    `wall` is the time that a run in simulated time took [s]; None in real time.
+
+    `poses` are those of the robots at the end, by name; the goal is that of a single one, which
+    has to be within `tolerance` of it, if that is given.
     """
 
     rows: Sequence[Row]
     goal: Pose | None
     poses: Sequence[tuple[str, Pose]]
-    simulated: float
-    wall: float
+    time: float
+    wall: float | None
     measured: Sequence[Result] = ()
+    tolerance: Tolerance | None = None
+    end: tuple[str, str] | None = None
+    """`met` or `not met`, and the condition, of a run that waited for a state."""
+
+    @property
+    def errors(self) -> tuple[float, float] | None:
+        """Distance [m] and angle [rad] between goal and pose; None unless both are known."""
+        if self.goal is None or len(self.poses) != 1:
+            return None
+        [(_, pose)] = self.poses
+        goal = self.goal
+        distance = math.hypot(goal[0] - pose[0], goal[1] - pose[1])
+        return distance, abs(math.remainder(goal[2] - pose[2], math.tau))
+
+    @property
+    def missed(self) -> str:
+        """Why the end is not within the tolerance; empty if it is, or if there is none."""
+        if self.tolerance is None:
+            return ""
+        if self.errors is None:
+            return "no goal, or no pose, to judge the end by"
+        distance, turn = self.errors
+        if not distance <= self.tolerance.distance:
+            return (
+                f"{distance:.3f} m from the goal, allowed {self.tolerance.distance:g} m"
+            )
+        if not turn <= self.tolerance.turn:
+            return f"{turn:.3f} rad off the goal's heading, allowed {self.tolerance.turn:g} rad"
+        return ""
 
 
 def summary(outcome: Outcome) -> str:
-    """The table, the lines, and the reasons of components in ERROR or waiting."""
+    """The table, the lines, and the notes on components."""
     cells = [
         (r.instance, r.state, str(r.ticks), str(r.overruns), str(r.lost))
         for r in outcome.rows
@@ -53,7 +96,9 @@ def summary(outcome: Outcome) -> str:
     lines += [f"{name:<{width}}  {value}" for name, value in results]
     if outcome.measured:
         lines += ["", *_table(_MEASURES, map(_measured, outcome.measured), (0, 5, 6))]
-    reasons = [f"{row.instance}: {row.reason}" for row in outcome.rows if row.reason]
+    reasons = [note for row in outcome.rows for note in row.notes]
+    if outcome.missed:
+        reasons.append(f"the goal is not reached: {outcome.missed}")
     if reasons:
         lines += ["", *reasons]
     return "".join(f"{line}\n" for line in lines)
@@ -98,16 +143,19 @@ def _results(outcome: Outcome) -> list[tuple[str, str]]:
     alone = len(outcome.poses) == 1
     for name, pose in outcome.poses:
         results.append(("final pose" if alone else f"final pose {name}", _pose(pose)))
-    if goal is not None and alone:
-        [(_, pose)] = outcome.poses
-        distance = math.hypot(goal[0] - pose[0], goal[1] - pose[1])
-        turn = abs(math.remainder(goal[2] - pose[2], math.tau))
+    if outcome.errors is not None:
+        distance, turn = outcome.errors
         results.append(("position error [m]", f"{distance:.6f}"))
         results.append(("heading error [rad]", f"{turn:.6f}"))
-    results.append(("simulated [s]", f"{outcome.simulated:.3f}"))
-    results.append(("wall [s]", f"{outcome.wall:.3f}"))
-    ratio = outcome.simulated / outcome.wall if outcome.wall > 0.0 else math.inf
-    results.append(("ratio", f"{ratio:.1f}"))
+    if outcome.wall is None:
+        results.append(("elapsed [s]", f"{outcome.time:.3f}"))
+    else:
+        ratio = outcome.time / outcome.wall if outcome.wall > 0.0 else math.inf
+        results.append(("simulated [s]", f"{outcome.time:.3f}"))
+        results.append(("wall [s]", f"{outcome.wall:.3f}"))
+        results.append(("ratio", f"{ratio:.1f}"))
+    if outcome.end is not None:
+        results.append(outcome.end)
     return results
 
 

@@ -68,6 +68,8 @@ def _attempt(console: Console, request: Request) -> tuple[Path, ...]:
         from rtgen.project_rules import ENVIRONMENT
 
         console.findings([ENVIRONMENT.at(None, error.message, hint=error.hint)])
+    finally:
+        console.close()
     return ()
 
 

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from hashlib import sha256
+from operator import itemgetter
 from typing import Any, TypeAlias
 
 from rtgen.resources import grammar_file
@@ -53,6 +55,14 @@ class UnexpectedTokenError(Exception):
 
 class UnexpectedCharacterError(Exception):
     """A character that no terminal begins with; the parser's `position` is its place."""
+
+
+class TooDeepError(Exception):
+    """Nesting that goes too deep at a token."""
+
+    def __init__(self, found: Token) -> None:
+        super().__init__(f"nested too deeply at {found.start_pos}")
+        self.token = found
 
 
 class Grammar:
@@ -108,6 +118,11 @@ def key(text: str) -> str:
 class Parser:
     """A run over a text. `position` and the stacks are open to a user who mends mistakes."""
 
+    watched: frozenset[str] = frozenset()
+    """The terminals whose tokens `shifted` is called for."""
+    most = sys.maxsize
+    """How deep the stack may grow: a token beyond raises TooDeepError."""
+
     def __init__(self, grammar: Grammar, text: str) -> None:
         self.position = 0
         self.states = [grammar.start]
@@ -121,7 +136,17 @@ class Parser:
 
         Raises UnexpectedTokenError and UnexpectedCharacterError; the run can go on after either.
         """
-        states, feed, word = self.states, self.feed, self.word
+        self._feed(self._tokens())
+        return self.feed(token(END, len(self._text)))
+
+    def feed(self, found: Token) -> Any:
+        """Shift a token after the reductions that it calls for; gives the result at the end."""
+        self._feed((found,))
+        return self.values[0] if found.type == END else None
+
+    def _tokens(self) -> Iterator[Token]:
+        """The tokens from `position` on, each made when those before it are shifted."""
+        states, word = self.states, self.word
         actions, reserved = self._grammar.actions, self._grammar.reserved
         while self.position < self._end:
             scanned = self._grammar.scanner.finditer(
@@ -140,35 +165,47 @@ class Parser:
                 found.end_pos = end
                 if kind not in row:
                     found = self.other(found)
-                feed(found)
+                yield found
                 if found.end_pos != end:
                     self.position = found.end_pos
                     break
-        return feed(token(END, len(self._text)))
 
-    def feed(self, found: Token) -> Any:
-        """Shift a token after the reductions that it calls for; gives the result at the end."""
-        states, values = self.states, self.values
+    def _feed(self, tokens: Iterable[Token]) -> None:
+        states, values, watched = self.states, self.values, self.watched
         actions, rules = self._grammar.actions, self._grammar.rules
-        kind = found.type
-        while True:
-            action = actions[states[-1]].get(kind)
-            if action is None:
-                raise UnexpectedTokenError(found)
-            if action >= 0:
-                states.append(action)
-                values.append(found)
-                return values[0] if kind == END else None
-            size, origin, make = rules[~action]
-            if make is None:
-                states.pop()
-            elif size:
-                children = values[-size:]
-                del values[-size:], states[-size:]
-                values.append(make(children))
-            else:
-                values.append(make([]))
-            states.append(actions[states[-1]][origin])
+        for found in tokens:
+            kind = found.type
+            if len(states) > self.most:
+                raise TooDeepError(found)
+            row = actions[states[-1]]
+            while True:
+                if kind not in row:
+                    raise UnexpectedTokenError(found)
+                action = row[kind]
+                if action >= 0:
+                    states.append(action)
+                    values.append(found)
+                    break
+                size, origin, make = rules[~action]
+                if size == 1:
+                    if make is not None:
+                        values[-1] = make(values[-1:])
+                    row = actions[states[-2]]
+                    states[-1] = row[origin]
+                elif size:
+                    children = values[-size:]
+                    del values[-size:], states[-size:]
+                    values.append(make(children))  # type: ignore[misc]  # of one part alone
+                    states.append(actions[states[-1]][origin])
+                else:
+                    values.append(make([]))  # type: ignore[misc]
+                    states.append(row[origin])
+                row = actions[states[-1]]
+            if kind in watched:
+                self.shifted(found)
+
+    def shifted(self, found: Token) -> None:
+        """Called when a token of a watched terminal is shifted."""
 
     def word(self, text: str, end: int) -> str:
         """The terminal of a word that is not reserved and ends there."""
@@ -237,8 +274,32 @@ def _rule(
     make: Make = _as_they_are if name is None else getattr(builder, name)
     if kept is None:
         return size, origin, make
-    if name is None and [tuple(part) for part in kept] == [(0, True), (1, False)]:
+    indexes = [index for index, _ in kept]
+    spreads = [index for index, spread in kept if spread]
+    if not spreads:
+        if single and len(indexes) == 1:
+            return size, origin, itemgetter(*indexes)
+        return size, origin, lambda parts: make([parts[i] for i in indexes])
+    if name is None and spreads == [0] and indexes[1:] == [size - 1]:
         return size, origin, _appended
+    if not single and len(spreads) == 1 and indexes == list(range(size)):
+        place = spreads[0]
+        if place == 0:
+
+            def spread_first(parts: list[Any]) -> Any:
+                found: list[Any] = parts[
+                    0
+                ]  # no copy, for a list that grows on the left
+                found += parts[1:]
+                return make(found)
+
+            return size, origin, spread_first
+
+        def spread_one(parts: list[Any]) -> Any:
+            parts[place : place + 1] = parts[place]
+            return make(parts)
+
+        return size, origin, spread_one
 
     def select(parts: list[Any]) -> Any:
         found: list[Any] = []

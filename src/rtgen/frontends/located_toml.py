@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import re
-import tomllib
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 from rtgen.diagnostics import Span
+from rtgen.toml_text import parse
 
 Path: TypeAlias = tuple[str | int, ...]
 """Keys from the root on; the number of an entry in an array of tables."""
 
-_PLACE = re.compile(r"\s*\(at line (\d+), column (\d+)\)$")
 _HEADER = re.compile(r"\s*(\[\[?)\s*(.*?)\s*\]")
 _KEY = re.compile(
     r"""\s*((?:[\w-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[\w-]+|"[^"]*"|'[^']*'))*)\s*="""
@@ -19,35 +18,12 @@ _KEY = re.compile(
 _NAME = re.compile(r"""[\w-]+|"[^"]*"|'[^']*'""")
 
 
-class TomlError(Exception):
-    """The text is no TOML; `span` says where."""
-
-    def __init__(self, message: str, span: Span) -> None:
-        super().__init__(message)
-        self.span = span
-
-
 class Toml:
     """A TOML text, shown as `file`. Raises TomlError."""
 
     def __init__(self, text: str, file: str) -> None:
         self.file = file
-        try:
-            self.content: dict[str, Any] = tomllib.loads(text)
-        except (
-            ValueError
-        ) as error:  # not only TOMLDecodeError: a number may be too long
-            place = _PLACE.search(str(error))
-            lines = text.split("\n")
-            line, column = (
-                (int(place[1]), int(place[2]))
-                if place
-                else (len(lines), len(lines[-1]) + 1)
-            )
-            message = _PLACE.sub("", str(error)).removesuffix(" (at end of document)")
-            raise TomlError(message, self._span(line, column, 1)) from None
-        except RecursionError:
-            raise TomlError("nested too deeply", self._span(1, 1, 1)) from None
+        self.content = parse(text, file)
         self._places: dict[Path, Span] = {}
         self._find(text)
 

@@ -193,6 +193,10 @@ class _Reader:
             connections=tuple(self._connections(root)),
             activation=self._activation(root.first(RTS, "Activation")),
             properties=tuple(_properties(root).items()),
+            places={
+                item.get(RTS_EXT, "name"): item.place("value")
+                for item in root.all(RTS_EXT, "Properties")
+            },
             created=root.get(RTS, "creationDate") or NO_DATE,
             updated=root.get(RTS, "updateDate") or NO_DATE,
         )

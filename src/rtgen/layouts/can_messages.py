@@ -2,14 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from rtgen.layouts.can_supervision import guard_time, heartbeat
 from rtgen.layouts.can_timing import NANOSECONDS, Message
 from rtgen.model.can_bus import Bus, BusNode
 from rtgen.model.canopen import EXTENDED, Pdo, PdoDirection, resolved
 
-_SYNC = 0x080
-_ERROR_CONTROL = 0x700
-_HEARTBEAT_TIME = 0x1017
+HOST = "host"
+"""The queue of the manager and the proxies: what their process sends keeps its order."""
+SPORADIC = 1.0
+"""The least time in seconds between two messages that come now and then: NMT commands, the request
+and the answer of an SDO client and a node, emergencies without inhibit time."""
+
+_NMT, _SYNC, _EMERGENCY = 0x000, 0x080, 0x080
+_SDO_RESPONSE, _SDO_REQUEST, _ERROR_CONTROL = 0x580, 0x600, 0x700
+_EMERGENCY_INHIBIT = 0x1015
 _LAST_SYNCHRONOUS = 240
+
+
+@dataclass(frozen=True, slots=True)
+class Writing:
+    """How a component writes to an RPDO's port; `jitter`: how long a sample may wait. In s."""
+
+    period: float
+    jitter: float = 0.0
+
+
+Writings: TypeAlias = Mapping[tuple[str, int], Writing]
+"""By the node's name and the RPDO's number."""
 
 
 def identifier_of(pdo: Pdo, node: BusNode) -> int | None:
@@ -21,59 +44,84 @@ def identifier_of(pdo: Pdo, node: BusNode) -> int | None:
     return told & (0x1FFFFFFF if told & EXTENDED else 0x7FF)
 
 
-def messages(bus: Bus) -> list[Message]:
-    """SYNC, heartbeats, and the PDOs that nodes and their proxies send.
+def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
+    """What nodes, their proxies and the manager send.
 
-    An RPDO that no link feeds comes from the node's proxy, as often as SYNC, else as the bus
-    file's `event` says.
+    An RPDO that no link feeds comes from the node's proxy: a synchronous one once per SYNC, others
+    as its inhibit time, `writings`, or else the bus file's `event` says.
     """
-    found = []
+    found = [_host("NMT", _NMT, 2, SPORADIC)] if bus.nodes else []
     if bus.sync:
         octets = 1 if bus.sync_counter else 0
-        found.append(Message("SYNC", _SYNC, octets, _nanoseconds(bus.sync)))
+        found.append(_host("SYNC", _SYNC, octets, bus.sync))
     if bus.heartbeat:
-        found.append(_heartbeat("manager", bus.manager, bus.heartbeat))
+        can_id = _ERROR_CONTROL + bus.manager
+        found.append(_host("manager heartbeat", can_id, 1, bus.heartbeat))
     fed = {link.target for link in bus.links}
     for node in bus.nodes:
-        time = node.device.find(_HEARTBEAT_TIME)
-        if time is not None and isinstance(time.current, int) and time.current:
-            found.append(_heartbeat(node.name, node.id, time.current / 1000))
+        found += _services(node)
         for pdo in node.device.pdos:
             identifier = identifier_of(pdo, node)
-            received = pdo.direction is PdoDirection.RPDO
-            if identifier is None or (received and (node.name, pdo.number) in fed):
-                continue
-            name = f"{node.name}.{pdo.direction}{pdo.number}"
-            found.append(
-                Message(
-                    name,
-                    identifier,
-                    (pdo.bits + 7) // 8,
-                    _nanoseconds(_period(pdo, bus)),
-                    extended=identifier > 0x7FF,
-                )
-            )
+            if identifier is not None and (
+                pdo.direction is PdoDirection.TPDO or (node.name, pdo.number) not in fed
+            ):
+                found.append(_pdo(pdo, identifier, node, bus, writings or {}))
     return found
 
 
-def _heartbeat(name: str, node_id: int, period: float) -> Message:
+def _services(node: BusNode) -> Iterator[Message]:
+    """What a node has besides PDOs: supervision, emergencies, SDO."""
+    name, can_id = node.name, _ERROR_CONTROL + node.id
+    if period := heartbeat(node):
+        yield Message(f"{name} heartbeat", can_id, 1, _nanoseconds(period / 1000))
+    if period := guard_time(node):
+        time = _nanoseconds(period / 1000)
+        # The answer comes when the request does: as late as that can be.
+        yield Message(f"{name} guarding", can_id, 1, time, jitter=time)
+        yield Message(
+            f"{name} guarding request", can_id, 0, time, remote=True, queue=HOST
+        )
+    inhibit = node.device.find(_EMERGENCY_INHIBIT)
+    told = None if inhibit is None else inhibit.current
+    pause = told / 10_000 if isinstance(told, int) and told else SPORADIC
+    yield Message(f"{name} emergency", _EMERGENCY + node.id, 8, _nanoseconds(pause))
+    yield _host(f"{name} SDO request", _SDO_REQUEST + node.id, 8, SPORADIC)
+    sporadic = _nanoseconds(SPORADIC)
+    yield Message(f"{name} SDO answer", _SDO_RESPONSE + node.id, 8, sporadic)
+
+
+def _pdo(
+    pdo: Pdo, identifier: int, node: BusNode, bus: Bus, writings: Writings
+) -> Message:
+    received = pdo.direction is PdoDirection.RPDO
+    kind = pdo.transmission_type
+    synchronous = kind is not None and kind <= _LAST_SYNCHRONOUS and bus.sync > 0
+    jitter = 0.0
+    if synchronous:
+        period = bus.sync * (1 if received else max(kind or 0, 1))
+    elif pdo.inhibit_time:
+        period = pdo.inhibit_time / 10_000
+    elif received:
+        writing = writings.get((node.name, pdo.number), Writing(bus.event))
+        period, jitter = writing.period, writing.jitter
+    elif pdo.event_timer:
+        period = min(pdo.event_timer / 1000, bus.event)
+    else:
+        period = bus.event
     return Message(
-        f"{name} heartbeat", _ERROR_CONTROL + node_id, 1, _nanoseconds(period)
+        f"{node.name}.{pdo.direction}{pdo.number}",
+        identifier,
+        (pdo.bits + 7) // 8,
+        _nanoseconds(period),
+        jitter=round(jitter * NANOSECONDS),
+        extended=identifier > 0x7FF,
+        queue=HOST if received else "",
+        trigger="SYNC" if synchronous else "",
     )
 
 
-def _period(pdo: Pdo, bus: Bus) -> float:
-    """The least time between two of them in seconds."""
-    kind = pdo.transmission_type
-    if kind is not None and kind <= _LAST_SYNCHRONOUS and bus.sync:
-        return bus.sync * max(kind, 1)
-    if pdo.direction is PdoDirection.RPDO:
-        return bus.sync or bus.event
-    if pdo.inhibit_time:
-        return pdo.inhibit_time / 10_000
-    if pdo.event_timer:
-        return min(pdo.event_timer / 1000, bus.event)
-    return bus.event
+def _host(name: str, can_id: int, octets: int, period: float) -> Message:
+    return Message(name, can_id, octets, _nanoseconds(period), queue=HOST)
 
 
 def _nanoseconds(seconds: float) -> int:

@@ -9,14 +9,23 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rtgen.layouts.can_values import CanValueError, octets
-from rtgen.model.can_bus import BusNode
-from rtgen.model.canopen import INVALID, Pdo, Variable, resolved
+from rtgen.model.can_bus import BusNode, DeviceKind
+from rtgen.model.canopen import (
+    INVALID,
+    DataType,
+    Device,
+    NodeRelative,
+    Pdo,
+    Variable,
+    resolved,
+)
 
 _CONSUMER, _PRODUCER = 0x1016, 0x1017
 _STORE = (0x1010, 0x1011)
+_COB_ID = DataType.UNSIGNED32
 _PROFILES = 0x2000
 _NOT_ON_DOWNLOAD = 1 << 0
 """Flag of an object (CiA 306, 4.6.3.2): it is not written with a configuration."""
@@ -26,13 +35,14 @@ _NOT_ON_DOWNLOAD = 1 << 0
 class StartWrite:
     """A value that is written; `why` tells what for, in a few words.
 
-    `verify` says that it can be read back.
+    `verify` says that it can be read back, `relative` that the node-id is to be added to the value.
     """
 
     variable: Variable
     value: bytes
     why: str = ""
     verify: bool = True
+    relative: bool = False
 
 
 def start_up(node: BusNode) -> tuple[StartWrite, ...]:
@@ -42,25 +52,77 @@ def start_up(node: BusNode) -> tuple[StartWrite, ...]:
 
     Raises CanValueError for a value that has no octets.
     """
-    return tuple(_StartUp(node).writes())
+    asked = {number for number, _ in node.values}
+    # The manager goes by the heartbeat, whatever the device beats by itself.
+    beats = {(v.index, v.subindex) for v in node.device.variables if _beats(v)}
+    return tuple(_StartUp(node.device, node.id, asked | beats).writes())
+
+
+def configuration(kind: DeviceKind) -> tuple[StartWrite, ...]:
+    """What a description configures by itself, and the mappings that the kind's values give.
+
+    For a node that is in no network. Values without octets are left out: in a network they are
+    EDS0805.
+    """
+    device = configured(kind)
+    writable = tuple(
+        replace(o, variables=tuple(map(_writable, o.variables))) for o in device.objects
+    )
+    try:
+        return tuple(_StartUp(replace(device, objects=writable), 0, set()).writes())
+    except CanValueError:
+        # A mapping or COB-ID of a data type that has no values: no PDO of it has a port either.
+        return ()
+
+
+def _writable(variable: Variable) -> Variable:
+    """The variable, without its configured value if that cannot be sent."""
+    value = resolved(variable.value, 0)
+    try:
+        if value is not None:
+            octets(variable.data_type, value)
+    except CanValueError:
+        return replace(variable, value=None)
+    return variable
+
+
+def configured(kind: DeviceKind) -> Device:
+    """The device as its description configures it, with the mappings of its kind."""
+    own, common = kind.described or kind.device, kind.device
+    mappings = {pdo.mapping for pdo in common.pdos}
+    by_index = {o.index: o for o in common.objects if o.index in mappings}
+    entries = {(p.direction, p.number): p.entries for p in common.pdos}
+    return replace(
+        own,
+        objects=tuple(by_index.get(o.index, o) for o in own.objects),
+        pdos=tuple(
+            replace(pdo, entries=entries[pdo.direction, pdo.number]) for pdo in own.pdos
+        ),
+    )
+
+
+def _beats(variable: Variable) -> bool:
+    return variable.index == _PRODUCER and bool(variable.current)
 
 
 class _StartUp:
-    def __init__(self, node: BusNode) -> None:
-        self._id = node.id
-        self._device = node.device
-        asked = {number for number, _ in node.values}
+    """`asked` are the numbers of variables that are written whatever their default is."""
+
+    def __init__(
+        self, device: Device, node_id: int, asked: set[tuple[int, int]]
+    ) -> None:
+        self._id = node_id
+        self._device = device
         self._changed = {
             (v.index, v.subindex): v
-            for v in node.device.variables
+            for v in device.variables
             if self._differs(v, (v.index, v.subindex) in asked)
         }
 
     def _differs(self, variable: Variable, asked: bool) -> bool:
         if not variable.access.writable or variable.current is None:
             return False
-        # The manager goes by the heartbeat, whatever the device beats by itself.
-        if asked or (variable.index == _PRODUCER and variable.current):
+        if asked:
             return True
         default, value = (
             resolved(told, self._id) for told in (variable.default, variable.value)
@@ -102,7 +164,8 @@ class _StartUp:
         if switched:
             assert cob_id is not None
             assert isinstance(told, int)
-            yield self._write(cob_id, f"{name} off", told | INVALID)
+            off = replace(self._write(cob_id), value=octets(_COB_ID, told | INVALID))
+            yield replace(off, why=f"{name} off")
         for variable in parameters:
             if variable is not cob_id:
                 yield self._write(variable)
@@ -141,7 +204,8 @@ class _StartUp:
             written = octets(variable.data_type, told)
         except CanValueError as error:
             raise CanValueError(f"{variable.name}: {error}") from None
-        return StartWrite(variable, written, why, verify)
+        relative = value is None and isinstance(variable.current, NodeRelative)
+        return StartWrite(variable, written, why, verify, relative)
 
 
 def _order(variable: Variable) -> tuple[float, int]:

@@ -2,27 +2,35 @@
 
 After R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien: "Controller Area Network (CAN)
 schedulability analysis: Refuted, revisited and revised", Real-Time Systems 35 (2007): the longest
-response among all instances of a message in its busy period, not that of the first one alone. All
-times are whole nanoseconds.
+response among all instances of a message in its busy period, not that of the first one alone; and,
+for messages that leave a station in the order in which they came, R. I. Davis, N. Navet:
+"Controller Area Network (CAN) schedulability analysis for messages with arbitrary deadlines in FIFO
+and work-conserving queues" (2012). All times are whole nanoseconds.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
+from typing import TypeAlias
 
 NANOSECONDS = 1_000_000_000
 
 _MOST_STEPS = 20_000
 """Steps of the iteration for a message; a bus so full that more are needed counts as overloaded."""
+_MOST_ROUNDS = 200
+"""Rounds until jitters that depend on responses are stable."""
 
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """A data frame that is sent again and again.
+    """A frame that is sent again and again.
 
     `identifier` is that of 11 bits, or of 29 bits if `extended`; `octets` are its data. `period` is
-    the least time between two of them; `jitter` how late one can be queued.
+    the least time between two of them; `jitter` how late one can be queued. Messages of the same
+    `queue` leave their station in the order in which they came; others compete by priority. One
+    with a `trigger` is queued when the message of that name has ended.
     """
 
     name: str
@@ -31,13 +39,19 @@ class Message:
     period: int
     jitter: int = 0
     extended: bool = False
+    remote: bool = False
+    queue: str = ""
+    trigger: str = ""
 
     @property
-    def priority(self) -> tuple[int, bool, int]:
-        """What arbitration decides by: the least wins, a frame of 11 bits before one of 29."""
+    def priority(self) -> tuple[int, int, int]:
+        """What arbitration decides by: the least wins.
+
+        Among equal identifiers a data frame of 11 bits wins, then a remote frame, then 29 bits.
+        """
         if not self.extended:
-            return self.identifier, False, 0
-        return self.identifier >> 18, True, self.identifier & 0x3FFFF
+            return self.identifier, int(self.remote), 0
+        return self.identifier >> 18, 2, self.identifier & 0x3FFFF
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,12 +86,127 @@ def response_times(messages: Sequence[Message], bit_rate: int) -> Iterator[Timin
     A response time is that from the event that a message tells of to the end of its frame.
     """
     ordered = sorted(messages, key=lambda m: m.priority)
-    for place, message in enumerate(ordered):
-        higher, lower = ordered[:place], ordered[place + 1 :]
-        response = None
-        if load([*higher, message], bit_rate) < 1:
-            response = _response(message, higher, lower, bit_rate)
+    delays = _Delays(ordered, bit_rate)
+    for _ in range(_MOST_ROUNDS):
+        if not delays.improve():
+            break
+    else:
+        delays.give_up()
+    for message, response in zip(ordered, delays.responses, strict=True):
         yield Timing(message, _transmission(message, bit_rate), response)
+
+
+_Arriving: TypeAlias = tuple[int, int, int]
+"""How a message comes to arbitration: period, jitter, transmission time."""
+
+
+class _Delays:
+    """Responses, and what they depend on: jitters grow with the responses of triggers and queues.
+
+    `messages` are in the order of their priorities. Every round the jitters can only grow; None
+    stands for what has no bound.
+    """
+
+    def __init__(self, messages: Sequence[Message], bit_rate: int) -> None:
+        self.responses: list[int | None] = [None] * len(messages)
+        self._messages = messages
+        self._bit = bit_time(bit_rate)
+        self._costs = [_transmission(m, bit_rate) for m in messages]
+        self._blocking = _greatest_behind(self._costs)
+        shares = (c / m.period for c, m in zip(self._costs, messages, strict=True))
+        self._loads = list(accumulate(shares))
+        self._places = {message.name: n for n, message in enumerate(messages)}
+        self._jitters: list[int | None] = [message.jitter for message in messages]
+        self._waits: dict[str, int | None] = {m.queue: 0 for m in messages if m.queue}
+
+    def improve(self) -> bool:
+        """Works all responses out anew; whether a jitter has changed since."""
+        arriving = list(map(self._arriving, range(len(self._messages))))
+        waits = {queue: self._queue_wait(queue, arriving) for queue in self._waits}
+        bounded = True
+        for place, message in enumerate(self._messages):
+            if message.queue:
+                own = min(self._costs[n] for n in self._members(message.queue))
+                wait = waits[message.queue]
+                response = _sum(wait, self._jitters[place], own)
+            else:
+                response = self._response(place, arriving) if bounded else None
+            self.responses[place] = response
+            bounded = bounded and arriving[place] is not None
+        jitters = [
+            (
+                _sum(m.jitter, self.responses[self._places[m.trigger]])
+                if m.trigger
+                else m.jitter
+            )
+            for m in self._messages
+        ]
+        changed = (jitters, waits) != (self._jitters, self._waits)
+        self._jitters, self._waits = jitters, waits
+        return changed
+
+    def give_up(self) -> None:
+        """Nothing has a bound."""
+        self.responses = [None] * len(self._messages)
+
+    def _arriving(self, place: int) -> _Arriving | None:
+        """How a message comes to arbitration; None if it may be late without bound."""
+        message = self._messages[place]
+        queued = self._waits[message.queue] if message.queue else 0
+        jitter = _sum(self._jitters[place], queued)
+        return None if jitter is None else (message.period, jitter, self._costs[place])
+
+    def _members(self, queue: str) -> list[int]:
+        return [n for n, m in enumerate(self._messages) if m.queue == queue]
+
+    def _response(self, place: int, arriving: list[_Arriving | None]) -> int | None:
+        own = arriving[place]
+        if own is None or self._loads[place] >= 1:
+            return None
+        interference = [each for each in arriving[:place] if each is not None]
+        return _response(own, interference, self._blocking[place], self._bit)
+
+    def _queue_wait(self, queue: str, arriving: list[_Arriving | None]) -> int | None:
+        """How long the last message of a queue may wait for its turn on the bus.
+
+        Each message is in the queue once at most: otherwise there is no bound.
+        """
+        places = self._members(queue)
+        last = places[-1]
+        others = [n for n in range(last) if self._messages[n].queue != queue]
+        higher = [each for n in others if (each := arriving[n]) is not None]
+        if len(higher) < len(others) or self._loads[last] >= 1:
+            return None
+        costs = [self._costs[n] for n in places]
+        blocking = max(*costs, self._blocking[last])
+        before = blocking + sum(costs) - min(costs)
+        wait = before
+        for _ in range(_MOST_STEPS):
+            longer = before + _demand(higher, wait + self._bit)
+            if longer == wait:
+                break
+            wait = longer
+        else:
+            return None
+        for place in places:
+            response = _sum(self._jitters[place], wait, min(costs))
+            if response is None or response > self._messages[place].period:
+                return None
+        return wait
+
+
+def _greatest_behind(costs: Sequence[int]) -> list[int]:
+    """For each place the greatest of the costs behind it."""
+    found, greatest = [], 0
+    for cost in reversed(costs):
+        found.append(greatest)
+        greatest = max(greatest, cost)
+    return found[::-1]
+
+
+def _sum(*times: int | None) -> int | None:
+    known = [time for time in times if time is not None]
+    return sum(known) if len(known) == len(times) else None
 
 
 def _transmission(message: Message, bit_rate: int) -> int:
@@ -85,12 +214,11 @@ def _transmission(message: Message, bit_rate: int) -> int:
 
 
 def _response(
-    message: Message, higher: Sequence[Message], lower: Sequence[Message], bit_rate: int
+    message: _Arriving, interference: Sequence[_Arriving], blocking: int, bit: int
 ) -> int | None:
-    own = _transmission(message, bit_rate)
-    blocking = max((_transmission(m, bit_rate) for m in lower), default=0)
-    interference = [(m.period, m.jitter, _transmission(m, bit_rate)) for m in higher]
-    urgent = [*interference, (message.period, message.jitter, own)]
+    """The longest response among the instances of a busy period."""
+    period, jitter, own = message
+    urgent = [*interference, message]
     steps = 0
     busy = own
     while (longer := blocking + _demand(urgent, busy)) != busy:
@@ -98,26 +226,24 @@ def _response(
         steps += 1
         if steps > _MOST_STEPS:
             return None
-    instances = _ceiling(busy + message.jitter, message.period)
+    instances = _ceiling(busy + jitter, period)
     worst = waiting = 0
     for instance in range(instances):
         before = blocking + instance * own
         waiting = max(waiting, before)
-        while (
-            longer := before + _demand(interference, waiting + bit_time(bit_rate))
-        ) != waiting:
+        while (longer := before + _demand(interference, waiting + bit)) != waiting:
             waiting = longer
             steps += 1
         steps += 1
         if steps > _MOST_STEPS:
             return None
-        response = message.jitter + waiting - instance * message.period + own
+        response = jitter + waiting - instance * period + own
         worst = max(worst, response)
     return worst
 
 
-def _demand(messages: Sequence[tuple[int, int, int]], time: int) -> int:
-    """The bus time that (period, jitter, transmission) ask for within a time."""
+def _demand(messages: Sequence[_Arriving], time: int) -> int:
+    """The bus time that messages ask for within a time."""
     return sum(_ceiling(time + jitter, period) * c for period, jitter, c in messages)
 
 

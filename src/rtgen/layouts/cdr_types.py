@@ -52,6 +52,7 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
+from rtgen.model.graphs import in_circles, leading_to
 
 ATOMS: dict[Primitive, Atom] = {
     Primitive.SHORT: Atom("h", 2, 2),
@@ -110,10 +111,13 @@ class CdrTypes:
         self._rename = rename
         self._nodes: dict[ScopedName, Node] = {}
         uses = _uses(model)
-        self._recursive = frozenset(n for n in uses if n in _reachable(uses, n))
+        self._recursive = frozenset(in_circles(uses))
         self._places = {d.name: i for i, d in enumerate(model.declarations)}
-        self._dynamic = _holders(model, uses, self._holds_dynamic)
-        self._headed = _holders(model, uses, self._holds_headers)
+        composites = [d for d in model.declarations if isinstance(d, Struct | Union)]
+        dynamic = [d.name for d in composites if self._holds_dynamic(d)]
+        headed = [d.name for d in composites if self._holds_headers(d)]
+        self._dynamic = leading_to(uses, dynamic)
+        self._headed = leading_to(uses, headed)
 
     def is_recursive(self, name: ScopedName) -> bool:
         """Whether values of the struct or union can contain values of the same type."""
@@ -378,24 +382,6 @@ def _uses(model: Model) -> dict[ScopedName, set[ScopedName]]:
     }
 
 
-def _holders(
-    model: Model,
-    uses: dict[ScopedName, set[ScopedName]],
-    holds: Callable[[Struct | Union], bool],
-) -> frozenset[ScopedName]:
-    """The structs and unions that hold something themselves, or have parts that do."""
-    found = {
-        declaration.name
-        for declaration in model.declarations
-        if isinstance(declaration, Struct | Union) and holds(declaration)
-    }
-    return frozenset(
-        name
-        for name in uses
-        if name in found or not found.isdisjoint(_reachable(uses, name))
-    )
-
-
 def _leaves(model: Model, type_: Type) -> list[Type]:
     """The types that a type is made of, down to names and basic types."""
     type_ = model.unalias(type_)
@@ -410,16 +396,3 @@ def _leaves(model: Model, type_: Type) -> list[Type]:
 def _names(model: Model, type_: Type) -> set[ScopedName]:
     leaves = _leaves(model, type_)
     return {leaf.name for leaf in leaves if isinstance(leaf, NamedType)}
-
-
-def _reachable(
-    uses: dict[ScopedName, set[ScopedName]], start: ScopedName
-) -> set[ScopedName]:
-    found: set[ScopedName] = set()
-    waiting = list(uses[start])
-    while waiting:
-        name = waiting.pop()
-        if name not in found:
-            found.add(name)
-            waiting.extend(uses.get(name, ()))
-    return found

@@ -36,6 +36,7 @@ from rtgen.layouts.tdr import (
     references,
     sizes_of,
 )
+from rtgen.limits import MOST_LEVELS, MOST_VALUES
 from rtgen.model.tecs import (
     BinaryExpression,
     CArrayType,
@@ -273,6 +274,7 @@ class _Nodes:
             d.name: d for d in unit.declarations if isinstance(d, TecsStruct)
         }
         self._open: set[tuple[str, ...]] = set()
+        self._counts: dict[tuple[str, ...], int] = {}
         self.records: dict[tuple[str, ...], Record] = {}
 
     def parameter(self, parameter: TecsParameter) -> Item:
@@ -360,6 +362,9 @@ class _Nodes:
             raise TransferError(span, f"struct {scoped} contains itself")
         if tag not in self._structs:
             raise TransferError(span, f"struct {scoped} is declared without members")
+        if len(self._open) == MOST_LEVELS:
+            reason = f"structs that hold each other for more than {MOST_LEVELS} levels"
+            raise TransferError(span, reason)
         struct = self._structs[tag]
         self._open.add(tag)
         items = tuple(
@@ -375,8 +380,23 @@ class _Nodes:
         ordered = _in_order(items, items)
         _check_members(struct, ordered)
         steps = _steps([s for item in ordered for s in _value(item, flag=False)])
+        values = sum(self._values(item.node) for item in items)
+        if values > MOST_VALUES:
+            reason = f"struct {scoped} has more than {MOST_VALUES:,} values in place"
+            hint = "put less into it, or a size_is array in place of a long one"
+            raise TransferError(span, reason, hint)
+        self._counts[tag] = values
         self.records[tag] = Record(struct, items, steps)
         return self.records[tag]
+
+    def _values(self, node: Node) -> int:
+        """How many values have a place of their own in messages with the node."""
+        match node:
+            case Record(struct):
+                return self._counts[struct.name]
+            case FixedArray(element, count) if not isinstance(element, Basic):
+                return count * self._values(element)
+        return 1
 
 
 def _check_members(struct: TecsStruct, ordered: Sequence[Item]) -> None:

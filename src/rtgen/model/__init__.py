@@ -167,6 +167,22 @@ class Model:
         """The declaration of that scoped name; KeyError where there is none."""
         return self._by_name[name]
 
+    def bases(self, declaration: Interface | Valuetype) -> list[Interface | Valuetype]:
+        """All that it inherits from, directly or not, each once and behind its own bases."""
+        found: dict[ScopedName, Interface | Valuetype] = {}
+        waiting = [*reversed(declaration.bases)]
+        while waiting:
+            name = waiting[-1]
+            base = self._by_name[name]
+            assert isinstance(base, Interface | Valuetype), "the front end saw to it"
+            missing = [each for each in reversed(base.bases) if each not in found]
+            if missing:
+                waiting += missing
+            else:
+                found.setdefault(name, base)
+                waiting.pop()
+        return [*found.values()]
+
     def unalias(self, type_: Type) -> Type:
         """The type behind typedefs: never a NamedType that names a Typedef."""
         while isinstance(type_, NamedType):

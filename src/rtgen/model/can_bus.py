@@ -15,7 +15,7 @@ class DeviceKind:
     `ports` is `pdo` (a port for each PDO) or `object` (one for each object). `parameters` are the
     objects that become configuration parameters, by (index, sub-index), as keys of `factors`
     (physical value = factor * value) and `units` are. `device` is the description with the values
-    of the kind, for no node in particular.
+    of the kind, for no node in particular, `described` the one without, where there are any.
     """
 
     name: str
@@ -27,6 +27,7 @@ class DeviceKind:
     parameters: tuple[tuple[int, int], ...] = ()
     factors: tuple[tuple[tuple[int, int], float], ...] = ()
     units: tuple[tuple[tuple[int, int], str], ...] = ()
+    described: Device | None = None
 
 
 def kind_of(device: Device) -> DeviceKind:
@@ -47,7 +48,9 @@ class BusNode:
     Times are in seconds; without a `heartbeat_timeout` of its own it has three periods. After an
     error the manager resets it up to `restarts` times. One that is not `mandatory` may be missing.
     With `start` it is started when it is configured, with `lss` it may have no node-id yet.
-    `revision` and `serial` are checked if they are given.
+    `revision` and `serial` are checked if they are given. `emergency_stop` has the patterns of
+    codes that stop its proxy, separated by commas, empty for the default; `recoveries` is how often
+    in a row its proxy leaves ERROR by itself.
     """
 
     name: str
@@ -62,6 +65,8 @@ class BusNode:
     mandatory: bool = True
     start: bool = True
     lss: bool = False
+    emergency_stop: str = ""
+    recoveries: int = 0
     revision: int | None = None
     serial: int | None = None
 

@@ -29,7 +29,8 @@ class Port(Documented):
 
     `name` is the outside name (`@name`, else the identifier), `identifier` the IDL identifier.
     For an interface `port` is the service port it belongs to (`@port`, else `name`) and
-    `instance` its instance name there (`@instance`, else the unscoped interface name).
+    `instance` its instance name there (`@instance`, else the unscoped interface name). `type_name`
+    is the name that OpenRTM knows the interface's type by (`@type_name`), empty for the scoped one.
     """
 
     kind: PortKind
@@ -39,6 +40,7 @@ class Port(Documented):
     port: str = ""
     instance: str = ""
     unit: str = ""
+    type_name: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,6 +109,7 @@ class Adapter:
 class SystemComponent:
     """A component of a system. `configuration` maps set id to (parameter, text) pairs.
 
+    Tools save OpenRTM's `__widget__`, `__constraints__` and `__type__` like sets of parameters.
     `conf` is the text of the `.conf` files beside the system that are the component's, and
     `places` says where its parameters stand, by set id and parameter.
     """
@@ -125,6 +128,11 @@ class SystemComponent:
     places: Mapping[tuple[str, str], Span] = field(
         default_factory=dict, compare=False, repr=False
     )
+
+    @property
+    def parameter_sets(self) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...]:
+        """The configuration without the sets that inform tools: `__widget__`, ..."""
+        return tuple(each for each in self.configuration if each[0][:2] != "__")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -171,8 +179,9 @@ class Activation:
 class System:
     """A system of components, as an RtsProfile tells it; `activation` in its order.
 
-    `created` and `updated` are dates as xsd:dateTime; `key` and `sha256` are as a SourceFile has
-    them, `folder` leads from the output folder to that of the file.
+    `places` says where its properties stand. `created` and `updated` are dates as xsd:dateTime;
+    `key` and `sha256` are as a SourceFile has them, `folder` leads from the output folder to that
+    of the file.
     """
 
     name: str
@@ -183,6 +192,7 @@ class System:
     connections: tuple[Connection, ...]
     activation: tuple[Activation, ...] = ()
     properties: tuple[tuple[str, str], ...] = ()
+    places: Mapping[str, Span] = field(default_factory=dict, compare=False, repr=False)
     created: str = NO_DATE
     updated: str = NO_DATE
     key: str = ""

@@ -89,7 +89,8 @@ def service_pairs(
 def interface_key(end: PortReference, port: Port) -> str:
     """How a property of a connector names an interface of a service port."""
     polarity = "provided" if port.kind is PortKind.PROVIDER else "required"
-    return f"{end.instance}.port.{end.port}.{polarity}.{port.type}.{port.instance}"
+    type_name = port.type_name or port.type
+    return f"{end.instance}.port.{end.port}.{polarity}.{type_name}.{port.instance}"
 
 
 def interfaces(end: PortReference, ends: Mapping[str, Known]) -> list[Port]:
@@ -100,14 +101,10 @@ def interfaces(end: PortReference, ends: Mapping[str, Known]) -> list[Port]:
 
 def _serves(model: Model, provider: Port, consumer: Port) -> bool:
     """Whether the provider's interface is the consumer's, or derived from it."""
-    wanted = str(consumer.type)
-    waiting = [model.unalias(provider.type)]
-    while waiting:
-        type_ = waiting.pop()
-        if str(type_) == wanted:
-            return True
-        if isinstance(type_, NamedType):
-            declaration = model.find(type_.name)
-            if isinstance(declaration, Interface):
-                waiting += [NamedType(base) for base in declaration.bases]
-    return False
+    type_ = model.unalias(provider.type)
+    served = [type_]
+    if isinstance(type_, NamedType):
+        declaration = model.find(type_.name)
+        if isinstance(declaration, Interface):
+            served += [NamedType(base.name) for base in model.bases(declaration)]
+    return str(consumer.type) in map(str, served)

@@ -6,7 +6,7 @@ visible: a use of a typedef is a `CTypedefType`, and `resolve` looks through it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeAlias
 
@@ -46,16 +46,25 @@ class Scalar(StrEnum):
     DOUBLE64 = "double64_t"
 
 
+_PLAIN = {
+    Scalar.CHAR: "char",
+    Scalar.SCHAR: "signed char",
+    Scalar.UCHAR: "unsigned char",
+}
+
+
 @dataclass(frozen=True, slots=True)
 class CScalarType:
-    """A basic type with its qualifiers."""
+    """A basic type with its qualifiers; `plain` tells that `char_t` was written as C's `char`."""
 
     kind: Scalar
     const: bool = False
     volatile: bool = False
+    plain: bool = field(default=False, compare=False)
 
     def __str__(self) -> str:
-        return _qualified(self.kind.value, self.const, self.volatile)
+        text = _PLAIN[self.kind] if self.plain else self.kind.value
+        return _qualified(text, self.const, self.volatile)
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,8 +116,7 @@ class CPointerType:
     volatile: bool = False
 
     def __str__(self) -> str:
-        behind = " const" * self.const + " volatile" * self.volatile
-        return f"{self.target}*{behind}"
+        return _declared(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,13 +127,7 @@ class CArrayType:
     size: int | None
 
     def __str__(self) -> str:
-        # C writes the outer dimension first: int32_t[2][3] is an array of two int32_t[3].
-        dimensions = ""
-        type_: CType = self
-        while isinstance(type_, CArrayType):
-            dimensions += "[]" if type_.size is None else f"[{type_.size}]"
-            type_ = type_.element
-        return f"{type_}{dimensions}"
+        return _declared(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +138,7 @@ class CFunctionType:
     parameters: tuple[CType, ...]
 
     def __str__(self) -> str:
-        return f"{self.returns}({', '.join(str(p) for p in self.parameters) or 'void'})"
+        return _declared(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,6 +168,23 @@ def resolve(type_: CType) -> CType:
     while isinstance(type_, CTypedefType):
         type_ = type_.target
     return type_
+
+
+def _declared(type_: CType, inner: str = "") -> str:
+    """A type as C writes it without a name: `int16_t(*)[2]` is a pointer to an array."""
+    match type_:
+        case CPointerType(target=target):
+            qualifiers = " const" * type_.const + " volatile" * type_.volatile
+            text = f"*{qualifiers}{inner}"
+            if isinstance(target, CArrayType | CFunctionType):
+                text = f"({text})"
+            return _declared(target, text)
+        case CArrayType(element=element, size=size):
+            return _declared(element, f"{inner}[{'' if size is None else size}]")
+        case CFunctionType(returns=returns, parameters=parameters):
+            listed = ", ".join(map(str, parameters)) or "void"
+            return _declared(returns, f"{inner}({listed})")
+    return f"{type_}{inner}"
 
 
 def _qualified(text: str, const: bool, volatile: bool) -> str:

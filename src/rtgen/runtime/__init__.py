@@ -5,6 +5,7 @@ from rtgen.runtime.buffers import (
     EmptyPolicy,
     FullPolicy,
 )
+from rtgen.runtime.callbacks import Failure
 from rtgen.runtime.clocks import (
     SECOND,
     Clock,
@@ -24,6 +25,7 @@ from rtgen.runtime.data_ports import (
 )
 from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.errors import (
+    BlockedError,
     ConfFileError,
     ConfigurationError,
     ConnectError,
@@ -33,10 +35,12 @@ from rtgen.runtime.errors import (
     DuplicateInstanceError,
     DuplicatePortError,
     InitializationError,
+    ObservableError,
     ParameterValueError,
     PolarityError,
     PortTypeError,
     RateError,
+    ReturnValueError,
     RtcError,
     SampleTypeError,
     ServedElsewhereError,
@@ -56,6 +60,7 @@ from rtgen.runtime.profiles import (
     ComponentProfile,
     ParameterProfile,
     PortProfile,
+    service_port,
 )
 from rtgen.runtime.recording import JsonLinesRecorder
 from rtgen.runtime.records import (
@@ -63,6 +68,7 @@ from rtgen.runtime.records import (
     Record,
     SampleRecord,
     StateRecord,
+    Statistics,
 )
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
@@ -97,10 +103,7 @@ from rtgen.runtime.services import (
     Stub,
     UnknownException,
 )
-from rtgen.runtime.system import (
-    Statistics,
-    System,
-)
+from rtgen.runtime.system import System
 
 __all__ = [
     "ACTIVE_STATE",
@@ -117,6 +120,7 @@ __all__ = [
     "SECOND",
     "UNSUPPORTED",
     "BadOperation",
+    "BlockedError",
     "BufferSettings",
     "CallTimeout",
     "Clock",
@@ -139,6 +143,7 @@ __all__ = [
     "EmptyPolicy",
     "ExecutionContext",
     "ExecutionKind",
+    "Failure",
     "FullPolicy",
     "InPort",
     "InitializationError",
@@ -146,6 +151,7 @@ __all__ = [
     "LifeCycleState",
     "Listener",
     "ObjectNotExist",
+    "ObservableError",
     "OutPort",
     "ParameterProfile",
     "ParameterValueError",
@@ -159,6 +165,7 @@ __all__ = [
     "RealClock",
     "Record",
     "ReturnCode_t",
+    "ReturnValueError",
     "RtcError",
     "SampleRecord",
     "SampleTypeError",
@@ -180,4 +187,5 @@ __all__ = [
     "UnknownObservableError",
     "UnknownParameterError",
     "UnknownPortError",
+    "service_port",
 ]

@@ -1,24 +1,71 @@
-"""Calling a component's callback: what counts as success, and where a failure is noted."""
+"""Calling a component's own code: what counts as success, and how a failure is reported.
+
+The rule for users is in `docs/runtime.md`, section Failures.
+"""
 
 from __future__ import annotations
 
 import logging
+import sys
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from rtgen.runtime.clocks import SECOND
+from rtgen.runtime.errors import ReturnValueError
 from rtgen.runtime.return_codes import RTC_ERROR, RTC_OK, ReturnCode_t
 
 if TYPE_CHECKING:
     from rtgen.runtime.component import Component
 
 log = logging.getLogger("rtgen.runtime")
-log.addHandler(logging.NullHandler())
+
+ON_ERROR = "on_error"
+_CODES = frozenset(map(int, ReturnCode_t))
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """A call of a component's own code that failed, at `time` [ns since the start].
+
+    `error` is the exception, a ReturnValueError for a callback that returned no ReturnCode_t, and
+    None for a callback that returned a ReturnCode_t other than RTC_OK. `repeated`: the callback
+    failed in the same way the last time it failed.
+    """
+
+    instance: str
+    callback: str
+    time: int
+    reason: str
+    error: BaseException | None = None
+    repeated: bool = False
+
+    def __str__(self) -> str:
+        what = self.reason if self.error is None else described(self.error)
+        return f"{self.instance}.{self.callback} at {self.time / SECOND:.3f} s: {what}"
+
+
+def log_failure(failure: Failure) -> None:
+    """Reports a failure to the logger `rtgen.runtime`: the traceback once, not for each tick."""
+    if failure.error is not None and ends_run(failure.error):
+        log.info("%s", failure)  # The run raises it.
+        return
+    is_transition = failure.callback.startswith("on_") and failure.callback != ON_ERROR
+    if failure.repeated and not is_transition:
+        log.debug("%s", failure)
+    elif failure.error is None or failure.repeated:
+        log.warning("%s", failure)
+    elif isinstance(failure.error, ReturnValueError) and failure.error.code:
+        code = failure.error.code
+        log.error("%s (%s, line %d)", failure, code.co_filename, code.co_firstlineno)
+    else:
+        log.error("%s", failure, exc_info=failure.error)
 
 
 def succeeds(component: Component, callback: str, *arguments: int) -> bool:
-    """Calls it; False if it returned anything but RTC_OK, or raised. The reason is noted."""
+    """Calls it; False if it returned anything but RTC_OK, or raised. The failure is reported."""
     try:
         code = getattr(component, callback)(*arguments)
-    except Exception as error:
+    except BaseException as error:
         note_exception(component, callback, error)
         return False
     if is_ok(code):
@@ -32,20 +79,39 @@ def is_ok(code: object) -> bool:
     return code is RTC_OK or (type(code) is int and code == RTC_OK)
 
 
-def note_exception(component: Component, callback: str, error: Exception) -> None:
-    """Notes that a callback raised."""
-    log.debug("%s.%s", component.instance_name, callback, exc_info=error)
-    told = str(error)
-    _keep_answer(component, callback, RTC_ERROR)
+def ends_run(error: BaseException) -> bool:
+    """Whether an exception ends the run: KeyboardInterrupt, and the debugger's `quit`."""
+    debugger = sys.modules.get("bdb")
+    return isinstance(error, KeyboardInterrupt) or (
+        debugger is not None and isinstance(error, debugger.BdbQuit)
+    )
+
+
+def described(error: BaseException) -> str:
+    """`Kind: message`, or the kind alone."""
     kind = type(error).__name__
-    component._note_failure(callback, f"{kind}: {told}" if told else kind, forced=True)
+    try:
+        text = str(error)
+    except Exception:
+        text = "(its message cannot be shown: __str__ failed)"
+    return f"{kind}: {text}" if text else kind
+
+
+def note_exception(component: Component, callback: str, error: BaseException) -> None:
+    """Reports that a callback raised."""
+    _keep_answer(component, callback, RTC_ERROR)
+    component._failed(callback, f"{callback}: {described(error)}", error)
 
 
 def note_answer(component: Component, callback: str, code: object) -> None:
-    """Notes that a callback returned something else than RTC_OK."""
+    """Reports that a callback returned something else than RTC_OK."""
     _keep_answer(component, callback, code)
-    shown = getattr(code, "name", repr(code))
-    component._note_failure(callback, f"returned {shown}")
+    if isinstance(code, ReturnCode_t) or (type(code) is int and code in _CODES):
+        component._failed(callback, f"{callback}: returned {ReturnCode_t(code).name}")
+        return
+    function = getattr(component, callback, None)
+    error = ReturnValueError(repr(code), getattr(function, "__code__", None))
+    component._failed(callback, f"{callback}: returned {code!r}", error)
 
 
 def _keep_answer(component: Component, callback: str, code: object) -> None:

@@ -29,6 +29,7 @@ from rtgen.runtime.services import (
     Servant,
     ServiceError,
     UnknownException,
+    operations_of,
 )
 
 S = TypeVar("S", bound=Servant)
@@ -91,10 +92,10 @@ class Objects(Protocol):
 def calls_of(interface: type[Servant]) -> dict[str, Call]:
     """The calls of an interface and its bases by operation name.
 
-    Raises ServiceError for a local interface.
+    Raises ServiceError for a local interface, and for one whose calls have no codecs.
     """
+    name = interface._descriptor_.name
     if interface._descriptor_.local:
-        name = interface._descriptor_.name
         raise ServiceError(f"{name} is local: its objects do not leave their process")
     found: dict[str, Call] = {}
     for base in reversed(interface.__mro__):
@@ -102,6 +103,11 @@ def calls_of(interface: type[Servant]) -> dict[str, Call]:
             package = base.__module__.rpartition(".")[0]
             tables = import_module(base._calls_, package)._CALLS
             found |= tables[base._descriptor_.repository_id]
+    if not found and operations_of(interface):
+        raise ServiceError(
+            f"calls of {name} have no codecs; for a service of a TECS board set"
+            " corba = true in the section [tecs] of rtgen.toml"
+        )
     return found
 
 

@@ -8,7 +8,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
-from rtgen.runtime.callbacks import log, succeeds
+from rtgen.runtime.callbacks import (
+    Failure,
+    described,
+    ends_run,
+    log,
+    log_failure,
+    succeeds,
+)
 from rtgen.runtime.clocks import SECOND, Clock, SimulatedClock
 from rtgen.runtime.configuration import ConfigurationSets
 from rtgen.runtime.data_ports import InPort, OutPort
@@ -67,7 +74,7 @@ class Component:
         self.instance_name = instance_name or f"{self.profile.type_name}0"
         self.folder = Path()
         """Where relative file names in parameters start: the folder of the system file."""
-        self.observables: dict[str, Callable[[], Sequence[float]]] = {}
+        self.observables: dict[str, Callable[[], Sequence[float] | float]] = {}
         """What the component shows of its inside to reports and tests, by name."""
         self.reason = ""
         """Why the last callback failed, in ERROR why it got there; empty after a reset."""
@@ -83,9 +90,15 @@ class Component:
         self._clock: Clock = SimulatedClock()
         self._alive = False
         self._failing = ""
+        self._seen_failures: dict[str, object] = {}
+        """How each callback failed last, so that the same failure is reported once."""
+        self._report: Callable[[Failure], None] = log_failure
+        self._interrupt: BaseException | None = None
+        """What ends the run of a context that no system drives."""
         self._last_code = RTC_ERROR
         """What the callback that failed last has returned."""
         self._awaited = ""
+        self._condition = ""
         self._active_contexts = 0
         self._contexts: dict[int, ExecutionContext] = {}
         self._turn = threading.RLock()
@@ -205,6 +218,16 @@ class Component:
         self._failing = reason
         return RTC_ERROR
 
+    def report(self, condition: str) -> None:
+        """Say what hinders the component while it stays ACTIVE; empty once that is over.
+
+        Logged when it changes, and shown at the end of `rtgen run`. Leaving ACTIVE clears it.
+        """
+        if condition != self._condition:
+            self._condition = condition
+            if condition:
+                log.warning("%s: %s", self.instance_name, condition)
+
     @property
     def lost(self) -> int:
         """Samples that were lost on the way to the component's InPorts."""
@@ -240,12 +263,16 @@ class Component:
     def exit(self) -> ReturnCode_t:
         """Stops the contexts it owns, leaves all contexts, deactivated if need be, and finalizes.
 
-        PRECONDITION_NOT_MET if it is not alive.
+        PRECONDITION_NOT_MET if it is not alive; RTC_ERROR, without further callbacks, if a callback
+        does not return.
         """
         if not self._alive:
             return PRECONDITION_NOT_MET
-        for context in list(self._contexts.values()):
-            context._expel(self)
+        contexts = list(self._contexts.values())
+        ended = [context._expel(self) for context in contexts]
+        if not all(ended):
+            self._alive = False
+            return RTC_ERROR
         return self.finalize()
 
     def is_alive(self, context: ExecutionContext | None = None) -> bool:
@@ -299,6 +326,9 @@ class Component:
         """
         return RTC_OK
 
+    def _arrived(self) -> None:
+        """Takes what has come from outside between two ticks, after `ExecutionContext.wake`."""
+
     def _request_failure(self, reason: str) -> None:
         """Requests ERROR in every context, for a reason outside of the callbacks."""
         for context in list(self._contexts.values()):
@@ -317,9 +347,49 @@ class Component:
         for _ in range(len(chores)):
             chores.popleft()()
 
-    def _note_failure(self, callback: str, what: str, *, forced: bool = False) -> None:
-        told, self._failing = self._failing, ""
-        reason = told if told and not forced else f"{callback}: {what}"
+    def _failed(
+        self, callback: str, what: str, error: BaseException | None = None
+    ) -> None:
+        """Keeps the reason of a failure and reports it; an interrupt ends the run."""
+        given, self._failing = self._failing, ""
+        reason = given if given and error is None else what
         if callback not in ("on_aborting", "on_error"):
             self.reason = reason
-        log.warning("%s: %s", self.instance_name, reason)
+        self._report_failure(callback, reason, error)
+        if error is not None and ends_run(error):
+            self._end_run(error)
+
+    def _servant_failed(self, operation: str, error: BaseException) -> None:
+        """Reports what a servant of the component raised; its state is not concerned."""
+        self._report_failure(operation, described(error), error)
+
+    def _report_failure(
+        self, callback: str, reason: str, error: BaseException | None
+    ) -> None:
+        kind = reason if error is None else _kind(error)
+        repeated = self._seen_failures.get(callback) == kind
+        self._seen_failures[callback] = kind
+        self._report(
+            Failure(
+                self.instance_name,
+                callback,
+                self._clock.elapsed(),
+                reason,
+                error,
+                repeated,
+            )
+        )
+
+    def _end_run(self, error: BaseException) -> None:
+        """Lets whoever drives the component raise an interrupt. Set by a system."""
+        self._interrupt = error
+
+
+def _kind(error: BaseException) -> object:
+    """What makes two exceptions the same failure: their type and where they were raised."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    if trace is None:
+        return type(error), str(error)
+    return type(error), trace.tb_frame.f_code, trace.tb_lineno

@@ -59,7 +59,6 @@ _KEYS = (
     "dataport.dataflow_type",
     "dataport.subscription_type",
     "dataport.io_mode",
-    "dataport.data_type",
     "dataport.publisher.push_policy",
     "dataport.publisher.skip_count",
     "dataport.publisher.push_rate",
@@ -69,7 +68,11 @@ _KEYS = (
         for key in _BUFFER_KEYS
     ),
     "dataport.serializer.cdr.endian",
-    *(f"dataport.{end}marshaling_type" for end in ("", "inport.", "outport.")),
+    *(
+        f"dataport.{end}{key}"
+        for end in ("", "inport.", "outport.")
+        for key in ("data_type", "marshaling_type")
+    ),
     "dataport.fan_in",
     "dataport.fan_out",
     "dataport.allow_dup_connection",

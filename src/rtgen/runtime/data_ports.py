@@ -33,9 +33,9 @@ class InPort(Generic[T]):
         "_feed",
         "_guard",
         "_last",
-        "_lost_when_cut",
         "_sole",
         "_unread",
+        "lost_when_cut",
         "name",
         "owner",
         "type",
@@ -48,7 +48,8 @@ class InPort(Generic[T]):
         self._connectors: tuple[DataConnector[T], ...] = ()
         self._guard: Guard = SINGLE_THREAD
         self._last: T | None = None
-        self._lost_when_cut = 0
+        self.lost_when_cut = 0
+        """Samples lost on connections that are cut."""
         self._arrivals: deque[RingBuffer[T]] | None = None
         self._feed: Callable[[], None] | None = None
         """Brings a sample into a buffer of this port, if one waits elsewhere."""
@@ -104,9 +105,14 @@ class InPort(Generic[T]):
         return self._connectors
 
     @property
+    def last(self) -> T | None:
+        """The sample that was read last; None before the first."""
+        return self._last
+
+    @property
     def lost(self) -> int:
         """Samples lost on the way here: overwritten, refused, dropped, or unread when cut."""
-        return self._lost_when_cut + sum(
+        return self.lost_when_cut + sum(
             connector.lost for connector in self._connectors
         )
 
@@ -145,7 +151,7 @@ class InPort(Generic[T]):
     def _detach(self, connector: DataConnector[T]) -> None:
         with self._guard:
             self._connectors = tuple(c for c in self._connectors if c is not connector)
-            self._lost_when_cut += connector.lost
+            self.lost_when_cut += connector.lost
             self._rewire()
 
     def _rewire(self) -> None:
@@ -188,7 +194,7 @@ class OutPort(Generic[T]):
         self.unsent = 0
         """Samples written while there was no connection."""
         self._connectors: tuple[DataConnector[T], ...] = ()
-        self._record: Callable[[OutPort[T], T], None] | None = None
+        self._record: Callable[[T], None] | None = None
         self._ways: tuple[Callable[[T], PortStatus], ...] = ()
         self._write: Callable[[T], PortStatus] = self._write_to_nobody
 
@@ -212,7 +218,7 @@ class OutPort(Generic[T]):
         """The connections, oldest first."""
         return self._connectors
 
-    def _observe(self, record: Callable[[OutPort[T], T], None] | None) -> None:
+    def _observe(self, record: Callable[[T], None] | None) -> None:
         self._record = record
         self._rewire()
 
@@ -252,7 +258,7 @@ class OutPort(Generic[T]):
 
     def _write_and_record(self, value: T) -> PortStatus:
         if self._record is not None:
-            self._record(self, self._checked(value)._snapshot_())
+            self._record(self._checked(value))
         return self._write_to_all(value)
 
     def _checked(self, value: T) -> T:

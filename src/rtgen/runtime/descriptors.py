@@ -287,8 +287,7 @@ class InterfaceDescriptor(_Named):
 
     def is_a(self, repository_id: str) -> bool:
         """Whether it is the interface of that id or derives from it."""
-        own = self.repository_id == repository_id
-        return own or any(base.is_a(repository_id) for base in self.bases)
+        return repository_id in lineage(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -317,8 +316,22 @@ class ValueDescriptor(_Named):
 
     def is_a(self, repository_id: str) -> bool:
         """Whether it is the valuetype of that id or derives from it."""
-        own = self.repository_id == repository_id
-        return own or any(base.is_a(repository_id) for base in self.bases)
+        return repository_id in lineage(self)
+
+
+_Derived = TypeVar("_Derived", InterfaceDescriptor, ValueDescriptor)
+
+
+def lineage(descriptor: _Derived) -> dict[str, _Derived]:
+    """The descriptor and all that it derives from, each once, by repository id."""
+    found: dict[str, _Derived] = {}
+    waiting = [descriptor]
+    while waiting:
+        each = waiting.pop()
+        if each.repository_id not in found:
+            found[each.repository_id] = each
+            waiting += reversed(each.bases)
+    return found
 
 
 @dataclass(frozen=True, slots=True)

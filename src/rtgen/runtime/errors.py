@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from types import CodeType
+
+from rtgen.runtime.places import shown
+
 
 class RtcError(Exception):
     """Base of all errors of the runtime but those of service calls (`rtgen.runtime.services`)."""
@@ -9,6 +13,27 @@ class RtcError(Exception):
 
 class InitializationError(RtcError):
     """`on_initialize` failed, so the component cannot be added to a system."""
+
+
+class ReturnValueError(RtcError, TypeError):
+    """A callback returned something that is no ReturnCode_t; `code` is that of the callback."""
+
+    def __init__(self, returned: str, code: CodeType | None = None) -> None:
+        self.code = code
+        super().__init__(
+            f"the callback returned {returned}, which is no ReturnCode_t: "
+            "does it end with 'return RTC_OK'?"
+        )
+
+
+class BlockedError(RtcError):
+    """A callback did not return; `file` and `line` say where it was last seen."""
+
+    def __init__(self, callback: str, file: str, line: int) -> None:
+        self.callback = callback
+        self.file = file
+        self.line = line
+        super().__init__(f"{callback} has not returned ({shown(file)}, line {line})")
 
 
 class DuplicateInstanceError(RtcError):
@@ -53,6 +78,10 @@ class UnknownConnectionError(RtcError):
 
 class UnknownObservableError(RtcError):
     """The component shows no observable of that name."""
+
+
+class ObservableError(RtcError):
+    """A component's function for an observable raised, which is the cause, or gave no numbers."""
 
 
 class ConfigurationError(RtcError):

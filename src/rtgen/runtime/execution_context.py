@@ -19,7 +19,9 @@ from rtgen.runtime.return_codes import (
     ERROR_STATE,
     INACTIVE_STATE,
     PRECONDITION_NOT_MET,
+    RTC_ERROR,
     RTC_OK,
+    UNSUPPORTED,
     ExecutionKind,
     LifeCycleState,
     ReturnCode_t,
@@ -31,12 +33,18 @@ class Driver(Protocol):
 
     def started(self, context: ExecutionContext) -> None: ...
 
-    def stopped(self, context: ExecutionContext) -> None:
-        """Returns when no tick is under way any more (unless the tick itself asks)."""
+    def stopped(self, context: ExecutionContext) -> bool:
+        """Waits until no tick is under way (unless the tick itself asks).
+
+        False if one does not end in time: then nothing more is called of its components.
+        """
 
     def rate_changed(self, context: ExecutionContext) -> None: ...
 
     def cycle_changed(self, context: ExecutionContext) -> None: ...
+
+    def woken(self, context: ExecutionContext) -> None:
+        """Has `between_ticks` of the context called soon, where its ticks are called."""
 
 
 class Undriven:
@@ -45,8 +53,8 @@ class Undriven:
     def started(self, context: ExecutionContext) -> None:
         return None
 
-    def stopped(self, context: ExecutionContext) -> None:
-        return None
+    def stopped(self, context: ExecutionContext) -> bool:
+        return True
 
     def rate_changed(self, context: ExecutionContext) -> None:
         return None
@@ -54,11 +62,18 @@ class Undriven:
     def cycle_changed(self, context: ExecutionContext) -> None:
         return None
 
+    def woken(self, context: ExecutionContext) -> None:
+        return None
+
 
 StateListener = Callable[["Participant", LifeCycleState, LifeCycleState], None]
 
 
 _GOALS = {Request.ACTIVATE: ACTIVE_STATE, Request.DEACTIVATE: INACTIVE_STATE}
+
+
+def _nobody() -> str:
+    return ""
 
 
 class Participant:
@@ -69,9 +84,11 @@ class Participant:
         "_failure",
         "_requests",
         "_updates",
+        "activating",
         "component",
         "context",
         "handle",
+        "provider_awaited",
         "state",
         "ticks",
     )
@@ -83,6 +100,10 @@ class Participant:
         self.state = INACTIVE_STATE
         self.ticks = 0
         """How often `on_execute` was called."""
+        self.activating = False
+        """Whether ACTIVATE was requested and is not carried out yet."""
+        self.provider_awaited: Callable[[], str] = _nobody
+        """The name of a component that has to be activated before this one; empty if none."""
         self._requests: deque[Request] = deque()
         self._failure = ""
         self._chores = component._chores
@@ -95,6 +116,8 @@ class Participant:
             return PRECONDITION_NOT_MET
         if request not in self._requests:
             self._requests.append(request)
+        if request is Request.ACTIVATE:
+            self.activating = True
         return RTC_OK
 
     def fail(self, reason: str) -> ReturnCode_t:
@@ -112,11 +135,13 @@ class Participant:
                 self.ticks += 1
                 try:
                     code = self.component.on_execute(self.handle)
-                except Exception as error:
-                    self._abort("on_execute", error)
+                except BaseException as error:
+                    note_exception(self.component, "on_execute", error)
+                    self.enter(ERROR_STATE)
                 else:
                     if code is not RTC_OK and not is_ok(code):
-                        self._abort("on_execute", code)
+                        note_answer(self.component, "on_execute", code)
+                        self.enter(ERROR_STATE)
                     elif self._updates:
                         self.update()
             elif self.state is ERROR_STATE:
@@ -129,7 +154,10 @@ class Participant:
         before = self.state
         for _ in range(len(self._requests)):
             request = self._requests.popleft()
-            if request not in GATED or self._passes(request):
+            if request is Request.ACTIVATE and (awaited := self.provider_awaited()):
+                self.component._awaited = f"{awaited} to be activated"
+                self._requests.append(request)
+            elif request not in GATED or self._passes(request):
                 self.carry_out(request)
         return self.state is ERROR_STATE and before is not ERROR_STATE
 
@@ -146,6 +174,17 @@ class Participant:
         row = TRANSITIONS.get((self.state, Request.STATE_UPDATE))
         if row is not None and not succeeds(self.component, row.callback, self.handle):
             self.enter(row.failure)
+
+    def arrive(self) -> None:
+        """Takes what has come since the last tick, if the component is ACTIVE."""
+        if self.state is not ACTIVE_STATE:
+            return
+        try:
+            self.component._arrived()
+        except BaseException as error:
+            note_exception(self.component, "on_execute", error)
+            self.enter(ERROR_STATE)
+        self.finish()
 
     def finish(self) -> None:
         """The end of a tick: deliveries and configuration that were put off till now."""
@@ -165,6 +204,8 @@ class Participant:
             log.warning("%s: %s", self.component.instance_name, self._failure)
         done = not row.callback or succeeds(self.component, row.callback, self.handle)
         self.enter(row.success if done else row.failure)
+        if request is Request.ACTIVATE:
+            self.activating = False
 
     def enter(self, state: LifeCycleState) -> None:
         """Changes the state, and calls `on_aborting` on the way into ERROR."""
@@ -177,7 +218,7 @@ class Participant:
         )
         if before is ERROR_STATE:
             self.component.reason = ""
-        self.component._awaited = ""
+        self.component._awaited = self.component._condition = ""
         self.context._tell(self, before, state)
         if state is ERROR_STATE:
             succeeds(self.component, "on_aborting", self.handle)
@@ -192,7 +233,7 @@ class Participant:
             component.configuration_sets.apply()
         try:
             code = component._gate(request)
-        except Exception as error:
+        except BaseException as error:
             note_exception(component, request, error)
         else:
             if code is None:
@@ -202,14 +243,8 @@ class Participant:
                 return True
             note_answer(component, request, code)
         self.enter(ERROR_STATE)
+        self.activating = False
         return False
-
-    def _abort(self, callback: str, what: object) -> None:
-        if isinstance(what, Exception):
-            note_exception(self.component, callback, what)
-        else:
-            note_answer(self.component, callback, what)
-        self.enter(ERROR_STATE)
 
 
 class ExecutionContext:
@@ -233,6 +268,8 @@ class ExecutionContext:
         self.owner = owner
         self.overruns = 0
         """Instants at which no tick could begin, because one was still running (real time)."""
+        self.longest = 0
+        """The longest tick so far in ns, as of the last overrun."""
         self.cycle: Callable[[], None] = self._cycle_of_all
         """One tick, whether the context runs or not: for the driver."""
         self._rate = _checked_rate(rate_hz)
@@ -253,11 +290,33 @@ class ExecutionContext:
         return self._participants
 
     def tick(self) -> ReturnCode_t:
-        """One tick now, for a context that nothing else drives. PRECONDITION_NOT_MET if stopped."""
+        """One tick now, for a context that nothing else drives. PRECONDITION_NOT_MET if stopped.
+
+        Raises a KeyboardInterrupt that came in a callback, once the tick is over.
+        """
         if not self._running:
             return PRECONDITION_NOT_MET
         self.cycle()
+        for participant in self._participants:
+            component = participant.component
+            error, component._interrupt = component._interrupt, None
+            if error is not None:
+                raise error
         return RTC_OK
+
+    def wake(self) -> None:
+        """Lets the participants take what has come from outside, without waiting for a tick.
+
+        From any thread. A context that nothing drives does so at its next tick.
+        """
+        if self._running:
+            self._driver.woken(self)
+
+    def between_ticks(self) -> None:
+        """What `wake` asked for: for the driver, never while a tick is under way."""
+        for participant in self._participants:
+            with participant.component._turn:
+                participant.arrive()
 
     def is_running(self) -> bool:
         """Whether the context is started."""
@@ -276,12 +335,14 @@ class ExecutionContext:
     def stop(self) -> ReturnCode_t:
         """Ends the ticks, then calls every `on_shutdown`; states stay as they are.
 
-        PRECONDITION_NOT_MET if it is stopped already.
+        PRECONDITION_NOT_MET if it is stopped already; RTC_ERROR, without `on_shutdown`, if a tick
+        does not end.
         """
         if not self._running:
             return PRECONDITION_NOT_MET
         self._running = False
-        self._driver.stopped(self)
+        if not self._driver.stopped(self):
+            return RTC_ERROR
         for participant in self._participants:
             participant.carry_out(Request.SHUTDOWN)
         return RTC_OK
@@ -294,8 +355,11 @@ class ExecutionContext:
         """Sets the rate in Hz; `on_rate_changed` follows at the next tick.
 
         The next tick comes one new period after the last, or now if that has passed.
-        BAD_PARAMETER for a rate that is not above 0.
+        BAD_PARAMETER for a rate that is not above 0, UNSUPPORTED for a context that is not of
+        PERIODIC kind: its rate is that of its making.
         """
+        if self._kind is not ExecutionKind.PERIODIC:
+            return UNSUPPORTED
         if not _is_rate(rate):
             return BAD_PARAMETER
         self._rate = float(rate)
@@ -371,19 +435,21 @@ class ExecutionContext:
         found = (p for p in self._participants if p.component is component)
         return next(found, None)
 
-    def _expel(self, component: Component) -> None:
+    def _expel(self, component: Component) -> bool:
         """Ends a participation whatever the state, for a component that exits.
 
-        If it owns the context, that stops for all.
+        If it owns the context, that stops for all. False if a tick of the context does not end:
+        no further callback is called then.
         """
         participant = self._find(component)
         if participant is None:
-            return
+            return True
         leaving: tuple[Participant, ...] = (participant,)
         if was_running := self._running and component is self.owner:
             leaving = self._participants
             self._running = False
-            self._driver.stopped(self)
+            if not self._driver.stopped(self):
+                return False
         with component._turn:
             if participant.state is ACTIVE_STATE:
                 participant.carry_out(Request.DEACTIVATE)
@@ -394,6 +460,7 @@ class ExecutionContext:
                 tuple(p for p in self._participants if p is not participant)
             )
             component.detach_context(participant.handle)
+        return True
 
     def _tell(
         self, participant: Participant, before: LifeCycleState, now: LifeCycleState

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rtgen.runtime.services import Servant
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +47,30 @@ class PortProfile:
     instance: str = ""
     unit: str = ""
     description: str = ""
+
+
+def service_port(
+    kind: str,
+    name: str,
+    interface: type[Servant],
+    description: str = "",
+    python_name: str = "",
+) -> PortProfile:
+    """The profile of a service port whose one interface has the port's name.
+
+    `python_name` is the attribute of the component, where it is not that name.
+    """
+    described = interface._descriptor_
+    return PortProfile(
+        name=name,
+        python_name=python_name or name,
+        kind=kind,
+        type=described.name,
+        repository_id=described.repository_id,
+        port=name,
+        instance=name,
+        description=description,
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from heapq import heappop, heappush
 from typing import Any
 
+from rtgen.runtime import watchdog
 from rtgen.runtime.clocks import SECOND, RealClock, period_of
 from rtgen.runtime.component import Component
 from rtgen.runtime.connector_properties import Subscription
 from rtgen.runtime.connectors import Publisher
-from rtgen.runtime.execution_context import ExecutionContext
+from rtgen.runtime.errors import BlockedError
+from rtgen.runtime.execution_context import ExecutionContext, Participant
 from rtgen.runtime.scheduling import Action
+from rtgen.runtime.watchdog import (
+    Call,
+    Watchdog,
+    calls_under_way,
+    log_blocked,
+)
 
 _LOOK_AGAIN = 5_000_000
 """How often, in ns, a condition of `run` is looked at where no state changes."""
@@ -41,15 +49,20 @@ class PeriodicThread:
         action: Action,
         clock: RealClock,
         on_overrun: Callable[[int], None],
+        on_error: Callable[[BaseException], None],
     ) -> None:
         self.action = action
         self._period = period
         self._clock = clock
         self._on_overrun = on_overrun
+        self._on_error = on_error
         self._wake = threading.Condition()
         self._due = 0
         self._begun = False
+        self.longest = 0
+        """The longest action so far, in ns."""
         self._stopped = False
+        self._woken: Action | None = None
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     def start(self) -> PeriodicThread:
@@ -66,20 +79,46 @@ class PeriodicThread:
             self._period = period
             self._wake.notify()
 
-    def stop(self) -> None:
-        """Ends the thread, after the action that may be under way."""
+    def wake(self, action: Action) -> None:
+        """Calls another action in the thread, soon; the next instant makes up for it, too."""
+        with self._wake:
+            self._woken = action
+            self._wake.notify()
+
+    def stop(self) -> bool:
+        """Ends the thread, after the action that may be under way; False if that goes on."""
         with self._wake:
             self._stopped = True
             self._wake.notify()
         if self._thread.is_alive() and threading.current_thread() is not self._thread:
-            self._thread.join()
+            self._thread.join(watchdog.PATIENCE)
+            return not self._thread.is_alive()
+        return True
+
+    @property
+    def ident(self) -> int | None:
+        """The number of the thread."""
+        return self._thread.ident
 
     def _run(self) -> None:
         while self._wait():
-            self._begun = True
-            self.action()
+            woken, self._woken = self._woken, None
+            is_due = self._due <= self._clock.elapsed()
+            self._begun = self._begun or is_due
+            begun = self._clock.elapsed()
+            try:
+                if is_due:
+                    self.action()
+                elif woken is not None:
+                    woken()
+            except BaseException as error:
+                self._on_error(error)
+                return
+            if not is_due:
+                continue
             with self._wake:
                 now = self._clock.elapsed()
+                self.longest = max(self.longest, now - begun)
                 self._due, overruns = next_instant(self._due, self._period, now)
             if overruns:
                 self._on_overrun(overruns)
@@ -87,7 +126,9 @@ class PeriodicThread:
     def _wait(self) -> bool:
         with self._wake:
             while (
-                not self._stopped and (delay := self._due - self._clock.elapsed()) > 0
+                not self._stopped
+                and self._woken is None
+                and (delay := self._due - self._clock.elapsed()) > 0
             ):
                 self._wake.wait(delay / SECOND)
             return not self._stopped
@@ -101,15 +142,18 @@ class RealTimeScheduler:
         self._running = False
         self._contexts: dict[ExecutionContext, PeriodicThread | None] = {}
         self._delayed: list[Action] = []
-        self._closers: dict[int, Action] = {}
+        self._closers: dict[int, Callable[[], object]] = {}
         self._timeline: list[tuple[int, int, Action]] = []
         self._added = 0
         self._changed = threading.Condition()
+        self._end: BaseException | None = None
+        self._watchdog = Watchdog(log_blocked)
 
     def start(self) -> None:
         if self._running:
             return
         self._clock.restart()
+        self._watchdog.start()
         self._running = True
         for context in list(self._contexts):
             self._begin(context)
@@ -147,7 +191,12 @@ class RealTimeScheduler:
             if publisher.subscription is Subscription.PERIODIC:
                 period = period_of(publisher.rate)
                 thread = PeriodicThread(
-                    "rtgen publisher", period, publisher.publish, self._clock, _ignore
+                    "rtgen publisher",
+                    period,
+                    publisher.publish,
+                    self._clock,
+                    _ignore,
+                    self.end_run,
                 ).start()
                 self._closers[key] = thread.stop
             else:
@@ -173,10 +222,14 @@ class RealTimeScheduler:
         if self._running:
             self._begin(context)
 
-    def stopped(self, context: ExecutionContext) -> None:
+    def stopped(self, context: ExecutionContext) -> bool:
         thread = self._contexts.pop(context, None)
-        if thread is not None:
-            thread.stop()
+        if thread is None or thread.stop():
+            return True
+        for call in calls_under_way():
+            if call.thread == thread.ident:
+                _report_blocked(context.participants, call)
+        return False
 
     def rate_changed(self, context: ExecutionContext) -> None:
         thread = self._contexts.get(context)
@@ -188,16 +241,29 @@ class RealTimeScheduler:
         if thread is not None:
             thread.action = context.cycle
 
+    def woken(self, context: ExecutionContext) -> None:
+        thread = self._contexts.get(context)
+        if thread is not None:
+            thread.wake(context.between_ticks)
+
+    def end_run(self, error: BaseException) -> None:
+        with self._changed:
+            self._end = self._end or error
+            self._changed.notify_all()
+
     def run(self, until_ns: int | None, until: Callable[[], bool] | None) -> bool:
         self.start()
         while True:
             self._act()
+            self._raise_end()
             if until is not None and until():
                 return True
             now = self._clock.elapsed()
             if until_ns is not None and now >= until_ns:
                 return False
             with self._changed:
+                if self._end is not None:
+                    continue
                 ends = [until_ns] if until_ns is not None else []
                 ends += [self._timeline[0][0]] if self._timeline else []
                 ends += [now + _LOOK_AGAIN] if until is not None else []
@@ -206,17 +272,29 @@ class RealTimeScheduler:
     def close(self) -> None:
         for context in list(self._contexts):
             self.stopped(context)
+        self._watchdog.stop()
 
     def _begin(self, context: ExecutionContext) -> None:
         def count(overruns: int) -> None:
             context.overruns += overruns
+            context.longest = thread.longest
 
         owner = context.owner.instance_name if context.owner else "shared"
         # Known before it starts, since its first tick may stop it.
         thread = self._contexts[context] = PeriodicThread(
-            f"rtgen {owner}", context.period, context.cycle, self._clock, count
+            f"rtgen {owner}",
+            context.period,
+            context.cycle,
+            self._clock,
+            count,
+            self.end_run,
         )
         thread.start()
+
+    def _raise_end(self) -> None:
+        error, self._end = self._end, None
+        if error is not None:
+            raise error
 
     def _act(self) -> None:
         while True:
@@ -236,6 +314,16 @@ def _publish_when_written(publisher: Publisher[Any]) -> Action:
     thread = threading.Thread(target=run, name="rtgen publisher", daemon=True)
     thread.start()
     return thread.join
+
+
+def _report_blocked(participants: Sequence[Participant], call: Call) -> None:
+    """Reports a call that does not return as a failure of who takes part in the context."""
+    error = BlockedError(call.callback, call.file, call.line)
+    for participant in participants:
+        if participant.component.instance_name == call.instance:
+            participant.component._failed(call.callback, str(error), error)
+        else:
+            participant.component._failed(call.callback, f"waits for {call}", error)
 
 
 def _ignore(overruns: int) -> None:

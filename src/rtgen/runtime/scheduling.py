@@ -30,6 +30,9 @@ class Scheduler(Driver, Protocol):
     def changed(self) -> None:
         """Told of every change of state."""
 
+    def end_run(self, error: BaseException) -> None:
+        """See `System.end_run`."""
+
     def run(self, until_ns: int | None, until: Callable[[], bool] | None) -> bool:
         """See `System.run`."""
 

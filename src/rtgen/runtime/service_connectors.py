@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from rtgen.runtime.component import Component
 from rtgen.runtime.connector_properties import IGNORED
-from rtgen.runtime.descriptors import InterfaceDescriptor, difference
+from rtgen.runtime.descriptors import difference, lineage
 from rtgen.runtime.errors import (
     ConnectionLimitError,
     ConnectorPropertyError,
@@ -181,15 +181,10 @@ def _interface_difference(
 ) -> str | None:
     """None if the provider's interface, or one that it derives from, is the consumer's."""
     wanted, offered = consumer.interface._descriptor_, provider.interface._descriptor_
-    if any(difference(wanted, ancestor) is None for ancestor in _lineage(offered)):
+    line = lineage(offered).values()
+    if any(difference(wanted, ancestor) is None for ancestor in line):
         return None
     return difference(wanted, offered)
-
-
-def _lineage(interface: InterfaceDescriptor) -> Iterator[InterfaceDescriptor]:
-    yield interface
-    for base in interface.bases:
-        yield from _lineage(base)
 
 
 def _check_interfaces(consumer: Consumer[Any], provider: Provider[Any]) -> None:

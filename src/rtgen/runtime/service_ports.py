@@ -30,13 +30,15 @@ class Carrier(Protocol):
 class Provider(Generic[S]):
     """An interface that a component provides; one servant serves every consumer.
 
-    `limit` is how many consumers may be connected at a time, None for any number.
+    `limit` is how many consumers may be connected at a time, None for any number. Calls are carried
+    out while the component is ACTIVE; with `in_every_state` also in INACTIVE and ERROR.
     """
 
     __slots__ = (
         "_component",
         "_skeleton",
         "connections",
+        "in_every_state",
         "instance",
         "interface",
         "limit",
@@ -51,6 +53,7 @@ class Provider(Generic[S]):
         self.interface = interface
         self.limit: int | None = None
         self.connections = 0
+        self.in_every_state = False
         self._component = owner
         self._skeleton: Skeleton | None = None
 
@@ -59,7 +62,12 @@ class Provider(Generic[S]):
 
     def set_servant(self, servant: S) -> None:
         """Sets the object that carries out the calls, usually in `on_initialize`."""
-        self._skeleton = self.interface._skeleton_(servant)
+        skeleton = self.interface._skeleton_(servant)
+        skeleton._report = self._servant_failed
+        self._skeleton = skeleton
+
+    def _servant_failed(self, operation: str, error: BaseException) -> None:
+        self._component._servant_failed(f"{self.port}.{operation}", error)
 
     @property
     def reachable(self) -> bool:
@@ -73,8 +81,13 @@ class Provider(Generic[S]):
 
     @property
     def exists(self) -> bool:
-        """Whether calls are carried out: the component is ACTIVE and has set a servant."""
-        return self._component.is_active and self._skeleton is not None
+        """Whether calls are carried out: the component's state allows it, and it has a servant."""
+        return self._serves and self._skeleton is not None
+
+    @property
+    def _serves(self) -> bool:
+        component = self._component
+        return component.is_alive() if self.in_every_state else component.is_active
 
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Carries out a call with copies of the arguments, and copies the result.
@@ -86,9 +99,9 @@ class Provider(Generic[S]):
     def carry_out(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Carries out a call. Raises what the IDL allows, ObjectNotExist or UnknownException.
 
-        ObjectNotExist: the component is not ACTIVE, or has set no servant.
+        ObjectNotExist: the component is not ACTIVE (see `in_every_state`), or has set no servant.
         """
-        if not self._component.is_active:
+        if not self._serves:
             raise ObjectNotExist(
                 f"{self} is not active, so {operation!r} cannot be called"
             )
@@ -100,7 +113,11 @@ class Provider(Generic[S]):
 
 
 class Consumer(Generic[S]):
-    """An interface that a component requires; at most one provider serves it at a time."""
+    """An interface that a component requires; at most one provider serves it at a time.
+
+    Operations are called on the consumer itself (`self.motor.stop()`), or on its `object`, which
+    has their types. They raise ObjectNotExist without an ACTIVE provider.
+    """
 
     __slots__ = ("_provider", "_stub", "instance", "interface", "owner", "port")
 
@@ -124,6 +141,12 @@ class Consumer(Generic[S]):
                 f"{self} is not connected, so {operation!r} cannot be called"
             )
         return provider.call(operation, arguments)
+
+    def __getattr__(self, name: str) -> Any:
+        """An operation or attribute of the interface, as `object` has it."""
+        if name.startswith("__") or name == "_stub":
+            raise AttributeError(name)
+        return getattr(self._stub, name)
 
     @property
     def connected(self) -> bool:

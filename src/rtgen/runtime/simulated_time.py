@@ -50,6 +50,8 @@ class SimulatedScheduler:
         self._orders: dict[ExecutionContext, int] = {}
         self._driven: dict[ExecutionContext, _Driven] = {}
         self._resume: dict[ExecutionContext, int] = {}
+        self._woken: set[ExecutionContext] = set()
+        self._end: BaseException | None = None
         clock.instants = self
 
     def start(self) -> None:
@@ -103,10 +105,11 @@ class SimulatedScheduler:
         instant = max(now, min(self._resume.pop(context, 0), now + context.period))
         self._schedule(context, instant, since=instant)
 
-    def stopped(self, context: ExecutionContext) -> None:
+    def stopped(self, context: ExecutionContext) -> bool:
         driven = self._driven.pop(context, None)
         if driven is not None:
             self._resume[context] = self._cancel(driven.task)
+        return True
 
     def rate_changed(self, context: ExecutionContext) -> None:
         driven = self._driven.pop(context, None)
@@ -121,8 +124,24 @@ class SimulatedScheduler:
         if context in self._driven:
             self._driven[context].task.action = context.cycle
 
+    def end_run(self, error: BaseException) -> None:
+        self._end = self._end or error
+
+    def woken(self, context: ExecutionContext) -> None:
+        if context in self._woken or context not in self._driven:
+            return
+        self._woken.add(context)
+
+        def between_ticks() -> None:
+            self._woken.discard(context)
+            if context in self._driven:
+                context.between_ticks()
+
+        self._push(self._clock.time, _BUSES, _Task(between_ticks, 0))
+
     def run(self, until_ns: int | None, until: Callable[[], bool] | None) -> bool:
         heap, clock = self._heap, self._clock
+        self._raise_end()
         if until is not None and until():
             return True
         while heap:
@@ -137,6 +156,8 @@ class SimulatedScheduler:
                 else:
                     heappop(heap)
                 task.action()
+            if self._end is not None:
+                self._raise_end()
             if until is not None and until():
                 return True
         if until_ns is not None:
@@ -145,6 +166,11 @@ class SimulatedScheduler:
 
     def close(self) -> None:
         self._heap.clear()
+
+    def _raise_end(self) -> None:
+        error, self._end = self._end, None
+        if error is not None:
+            raise error
 
     def _push(self, instant: int, band: int, task: _Task) -> None:
         self._added += 1

@@ -3,30 +3,38 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from types import TracebackType
-from typing import Any
+from typing import Any, cast
 
-from rtgen.runtime.clocks import Clock, RealClock, SimulatedClock
+from rtgen.runtime.callbacks import Failure, described, ends_run, log_failure
+from rtgen.runtime.clocks import SECOND, Clock, RealClock, SimulatedClock
 from rtgen.runtime.component import Component
 from rtgen.runtime.configuration import DEFAULT_SET
 from rtgen.runtime.connectors import DataConnector
 from rtgen.runtime.data_ports import OutPort
 from rtgen.runtime.errors import (
-    ConnectError,
     DuplicateConnectionError,
     DuplicateInstanceError,
     InitializationError,
+    ObservableError,
     PolarityError,
     UnknownComponentError,
     UnknownConnectionError,
     UnknownObservableError,
-    UnknownPortError,
 )
 from rtgen.runtime.execution_context import ExecutionContext, Participant
+from rtgen.runtime.port_names import cannot_join, kinds, port_names, unknown_port
 from rtgen.runtime.real_time import RealTimeScheduler
-from rtgen.runtime.records import Listener, Record, SampleRecord, StateRecord
+from rtgen.runtime.records import (
+    Listener,
+    Record,
+    SampleRecord,
+    SampleWriter,
+    StateRecord,
+    Statistics,
+)
 from rtgen.runtime.return_codes import (
     CREATED_STATE,
     ERROR_STATE,
@@ -40,26 +48,10 @@ from rtgen.runtime.scheduling import Scheduler
 from rtgen.runtime.service_connectors import ServiceConnector, ServicePort
 from rtgen.runtime.simulated_time import SimulatedScheduler
 from rtgen.runtime.transports import RemoteConnector, RemotePort, Transport
+from rtgen.runtime.watchdog import calling
 
 Connector = DataConnector[Any] | ServiceConnector | RemoteConnector
 PortAddress = tuple[str, str]
-
-
-@dataclass(frozen=True, slots=True)
-class Statistics:
-    """What became of a component so far.
-
-    `ticks` counts `on_execute`, `overruns` the instants of its own context at which no tick could
-    begin, `lost` the samples lost on the way to its InPorts; `reason` says why a callback failed,
-    `awaited` what a request waits for.
-    """
-
-    state: LifeCycleState
-    ticks: int
-    overruns: int
-    lost: int
-    reason: str
-    awaited: str = ""
 
 
 class System:
@@ -74,6 +66,10 @@ class System:
 
     With a transport service calls go over that, and service ports of other processes can be
     connected.
+
+    Code of components that fails is reported to `on_failure`, by default to the logger
+    `rtgen.runtime` with its traceback, and never raised by `run`, except KeyboardInterrupt and
+    the debugger's quit, which end the run: see `docs/runtime.md`, Failures.
     """
 
     def __init__(
@@ -86,6 +82,9 @@ class System:
         self._connectors: dict[str, Connector] = {}
         self._connecting = threading.RLock()
         self._listeners: tuple[Listener, ...] = ()
+        self._watched: dict[PortAddress, tuple[Callable[[Any], None], ...]] = {}
+        self.on_failure: Callable[[Failure], None] = log_failure
+        """Called with each failure of a component's code; in real time from its thread."""
 
     def __enter__(self) -> System:
         return self
@@ -106,7 +105,8 @@ class System:
         """Initializes a component and gives it a running context of its own.
 
         The rate is `rate_hz`, else that of its `.conf` file, else that of its profile. Raises
-        DuplicateInstanceError, InitializationError (`on_initialize` failed) or RateError.
+        DuplicateInstanceError, RateError, or InitializationError if `on_initialize` failed; its
+        cause is the exception, which is not reported otherwise.
         """
         name = component.instance_name
         if name in self._participants:
@@ -117,11 +117,19 @@ class System:
             rate, owner=component, driver=self._scheduler, listener=self._state_changed
         )
         component._join(self.clock)
+        failures: list[Failure] = []
+        component._report = failures.append
         if component.initialize() is not RTC_OK:
             why = component.reason or "it is initialized already"
-            raise InitializationError(f"{name} cannot be initialized: {why}")
+            cause = failures[0].error if failures else None
+            if cause is not None and ends_run(cause):
+                raise cause
+            raise InitializationError(f"{name} cannot be initialized: {why}") from cause
+        component._report = self._failed
+        component._end_run = self.end_run  # type: ignore[method-assign]
         context.add_component(component)
-        self._participants[name] = context.participants[0]
+        participant = self._participants[name] = context.participants[0]
+        participant.provider_awaited = partial(self._provider_awaited, name)
         if self._transport is not None:
             self._transport.serve(component)
         self._observe(component)
@@ -182,12 +190,13 @@ class System:
             component.lost,
             component.reason,
             component._awaited,
+            component._condition,
         )
 
     def observable(self, name: str) -> tuple[float, ...]:
-        """What a component shows under `<instance>.<observable>`.
+        """What a component shows under `<instance>.<observable>`; of a number that alone.
 
-        Raises UnknownComponentError, or UnknownObservableError.
+        Raises UnknownComponentError, UnknownObservableError, or ObservableError.
         """
         instance, _, what = name.rpartition(".")
         observables = self.component(instance).observables
@@ -196,14 +205,46 @@ class System:
             raise UnknownObservableError(
                 f"{instance} has no observable {what!r}; known: {known}"
             )
-        return tuple(observables[what]())
+        try:
+            shown: Any = calling(instance, what, observables[what])
+            return tuple(
+                map(float, [shown] if isinstance(shown, int | float) else shown)
+            )
+        except Exception as error:
+            raise ObservableError(
+                f"the observable {name} at {self.time / SECOND:.3f} s: {described(error)}"
+            ) from error
 
     # Requests.
 
     def activate(self, instance: str) -> ReturnCode_t:
-        """Requests ACTIVE; PRECONDITION_NOT_MET unless INACTIVE. Raises UnknownComponentError."""
+        """Requests ACTIVE; PRECONDITION_NOT_MET unless INACTIVE. Raises UnknownComponentError.
+
+        The component waits for those that provide its services, if they are being activated, too.
+        """
         component = self.component(instance)
         return self.context(instance).activate_component(component)
+
+    def activation_order(self, instances: Sequence[str]) -> list[str]:
+        """The instances, each after those that provide what it consumes.
+
+        Instances that depend on each other, or not at all, keep their order.
+        """
+        found: list[str] = []
+        under_way: set[str] = set()
+
+        def add(instance: str) -> None:
+            if instance in found or instance in under_way:
+                return
+            under_way.add(instance)
+            for provider in self._providers(instance):
+                if provider in instances:
+                    add(provider)
+            found.append(instance)
+
+        for instance in instances:
+            add(instance)
+        return found
 
     def deactivate(self, instance: str) -> ReturnCode_t:
         """Requests INACTIVE; PRECONDITION_NOT_MET unless ACTIVE. Raises UnknownComponentError."""
@@ -314,7 +355,7 @@ class System:
         ends = [ServicePort(self.component(end[0]), end[1]) for end in (source, target)]
         if all(ends):
             return ServiceConnector(name, ends[0], ends[1], properties, self._transport)
-        raise _cannot_join(
+        raise cannot_join(
             self.component(source[0]), source[1], self.component(target[0]), target[1]
         )
 
@@ -323,11 +364,11 @@ class System:
         port = ServicePort(component, address[1])
         if port:
             return port
-        if address[1] not in _port_names(component):
-            raise _unknown_port(component, address[1])
+        if address[1] not in port_names(component):
+            raise unknown_port(component, address[1])
         raise PolarityError(
             f"{'.'.join(address)} cannot be connected with another process: "
-            f"it is {_kinds(component, address[1])}, and only service ports can"
+            f"it is {kinds(component, address[1])}, and only service ports can"
         )
 
     # Time.
@@ -361,18 +402,38 @@ class System:
         The instant itself does not belong to the run: one second of a 1000 Hz component are 1000
         ticks. The condition is looked at after all ticks of an instant; in real time after each
         change of state, and every few milliseconds. Can be called again to go on. In real time
-        components go on between two runs too. Raises ValueError if neither is given.
+        components go on between two runs too. Raises ValueError if neither is given, what
+        listeners, conditions and actions of `at` and `every` raise, and KeyboardInterrupt and the
+        debugger's quit from a callback.
         """
         if until_ns is None and until is None:
             raise ValueError("run needs an end: until_ns, until, or both")
         condition = None if until is None else lambda: until(self)
         return self._scheduler.run(until_ns, condition)
 
+    def end_run(self, error: BaseException) -> None:
+        """Lets `run` raise the error once the present instant is over; from any thread.
+
+        Without a run it is raised by the next one.
+        """
+        self._scheduler.end_run(error)
+
     def close(self) -> None:
-        """Lets every component exit (deactivate, shut down, finalize), the last added first."""
+        """Lets every component exit (deactivate, shut down, finalize), the last added first.
+
+        A KeyboardInterrupt gives up the component that is at work, and is raised at the end. In
+        real time a component whose callback does not return is given up after two seconds.
+        """
+        interrupt: KeyboardInterrupt | None = None
         for instance in reversed(self.instances):
-            self.remove(instance)
+            try:
+                self.remove(instance)
+            except KeyboardInterrupt as error:
+                self._participants.pop(instance, None)
+                interrupt = error
         self._scheduler.close()
+        if interrupt is not None:
+            raise interrupt
 
     # Listeners.
 
@@ -381,24 +442,71 @@ class System:
 
         In real time it is called from the threads of the components.
         """
-        self._listeners += (listener,)
-        for instance in self.instances:
-            self._observe(self.component(instance))
+        self._set_listeners((*self._listeners, listener))
 
     def remove_listener(self, listener: Listener) -> None:
         """Removes a listener; one that is not there is no error."""
-        self._listeners = tuple(
-            known for known in self._listeners if known is not listener
+        self._set_listeners(
+            tuple(known for known in self._listeners if known is not listener)
         )
+
+    def _set_listeners(self, listeners: tuple[Listener, ...]) -> None:
+        self._listeners = listeners
         for instance in self.instances:
             self._observe(self.component(instance))
 
+    def watch_port(
+        self, instance: str, port: str, action: Callable[[Any], None]
+    ) -> None:
+        """Calls an action with each sample that an OutPort writes, which stays its writer's.
+
+        In real time it is called from the component's thread. Raises UnknownComponentError or
+        UnknownPortError.
+        """
+        component = self.component(instance)
+        if port not in component.out_ports:
+            raise unknown_port(component, port)
+        address = instance, port
+        self._watched[address] = (*self._watched.get(address, ()), action)
+        self._observe(component)
+
     def _observe(self, component: Component) -> None:
         for port in component.out_ports.values():
-            port._observe(self._sample_written if self._listeners else None)
+            is_observed = self._listeners or (port.owner, port.name) in self._watched
+            port._observe(self._sample_writer(port) if is_observed else None)
 
-    def _sample_written(self, port: OutPort[Any], value: Any) -> None:
-        self._tell(SampleRecord("sample", self.time, port.owner, port.name, value))
+    def _sample_writer(self, port: OutPort[Any]) -> Callable[[Any], None]:
+        """What tells the listeners of a port's samples."""
+        elapsed = self.clock.elapsed
+        writers = [
+            *self._watched.get((port.owner, port.name), ()),
+            *(
+                cast(SampleWriter, one).sample_writer(port, elapsed)
+                for one in self._listeners
+                if isinstance(one, SampleWriter)
+            ),
+        ]
+        others = [one for one in self._listeners if not isinstance(one, SampleWriter)]
+
+        def tell(value: Any) -> None:
+            record = SampleRecord(
+                "sample", elapsed(), port.owner, port.name, value._snapshot_()
+            )
+            for listener in others:
+                listener(record)
+
+        if others:
+            writers.append(tell)
+
+        def write(value: Any) -> None:
+            try:
+                for writer in writers:
+                    writer(value)
+            except BaseException as error:
+                # Not the component's failure that happens to be at work.
+                self.end_run(error)
+
+        return write
 
     def _state_changed(
         self, participant: Participant, before: LifeCycleState, after: LifeCycleState
@@ -421,7 +529,55 @@ class System:
 
     def _tell(self, record: Record) -> None:
         for listener in self._listeners:
-            listener(record)
+            try:
+                listener(record)
+            except BaseException as error:
+                # Not the component's failure that happens to be at work.
+                self.end_run(error)
+
+    def _providers(self, instance: str) -> list[str]:
+        """The instances of this system that provide what a component consumes."""
+        found = []
+        for connector in self.connectors:
+            if isinstance(connector, ServiceConnector):
+                for consumer, provider in connector.pairs:
+                    if consumer.owner == instance and provider.owner != instance:
+                        found.append(provider.owner)
+        return found
+
+    def _provider_awaited(self, instance: str) -> str:
+        """A provider that is being activated, and does not wait for this instance itself."""
+        return next(
+            (
+                provider
+                for provider in self._providers(instance)
+                if self._is_activating(provider)
+                and instance not in self._awaited_by(provider)
+            ),
+            "",
+        )
+
+    def _awaited_by(self, instance: str) -> set[str]:
+        """The providers that an instance waits for, and those that they wait for."""
+        found: set[str] = set()
+        waiting = [instance]
+        while waiting:
+            for provider in self._providers(waiting.pop()):
+                if provider not in found and self._is_activating(provider):
+                    found.add(provider)
+                    waiting.append(provider)
+        return found
+
+    def _is_activating(self, instance: str) -> bool:
+        participant = self._participants.get(instance)
+        return (
+            participant is not None
+            and participant.activating
+            and participant.context.is_running()
+        )
+
+    def _failed(self, failure: Failure) -> None:
+        self.on_failure(failure)
 
     def _participant(self, instance: str) -> Participant:
         if instance not in self._participants:
@@ -444,38 +600,3 @@ def _instances(connector: Connector) -> tuple[str, str]:
     if isinstance(connector, DataConnector):
         return connector.source.owner, connector.target.owner
     return connector.source.instance, connector.target.instance
-
-
-def _cannot_join(
-    source: Component, port: str, target: Component, other: str
-) -> ConnectError:
-    for component, name in ((source, port), (target, other)):
-        if name not in _port_names(component):
-            return _unknown_port(component, name)
-    ends = f"{source.instance_name}.{port} and {target.instance_name}.{other}"
-    kinds = f"{_kinds(source, port)} and {_kinds(target, other)}"
-    return PolarityError(
-        f"{ends} cannot be connected: they are {kinds}; "
-        "an OutPort goes with an InPort, a service port with a service port"
-    )
-
-
-def _unknown_port(component: Component, name: str) -> UnknownPortError:
-    known = ", ".join(_port_names(component)) or "none"
-    return UnknownPortError(
-        f"{component.instance_name} has no port {name!r}; known: {known}"
-    )
-
-
-def _port_names(component: Component) -> tuple[str, ...]:
-    services = [port for port, _ in (*component.providers, *component.consumers)]
-    return tuple(dict.fromkeys([*component.in_ports, *component.out_ports, *services]))
-
-
-def _kinds(component: Component, port: str) -> str:
-    kinds = {
-        "InPort": port in component.in_ports,
-        "OutPort": port in component.out_ports,
-        "service port": bool(ServicePort(component, port)),
-    }
-    return " and ".join(kind for kind, is_there in kinds.items() if is_there)

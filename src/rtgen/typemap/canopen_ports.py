@@ -30,7 +30,8 @@ STAMP = "tm"
 _DOUBLE = PrimitiveType(Primitive.DOUBLE)
 OWN_PARAMETERS = (
     *("interface", "channel", "bitrate", "options", "node_id", "network"),
-    *("master", "heartbeat_timeout", "boot_timeout"),
+    *("master", "heartbeat_timeout", "boot_timeout", "emergency_stop", "recoveries"),
+    "sdo_in_error",
 )
 """The configuration parameters of every proxy; a device has those up to `network`, and
 `merged_stop`."""

@@ -24,7 +24,8 @@ _PROFILE = (
 
 _FIELDS = {
     **{(word, "value"): word for word in ("name", "port", "instance", "unit")},
-    **{(word, "value"): word for word in ("widget", "constraint", "default")},
+    **{(word, "value"): word for word in ("type_name", "widget", "constraint")},
+    ("default", "value"): "default",
     ("min", "value"): "minimum",
     ("max", "value"): "maximum",
     ("range", "min"): "minimum",
@@ -80,6 +81,8 @@ def _of_port(port: Port) -> Iterator[tuple[str, ConstantValue]]:
     usual = port.type.name[-1] if isinstance(port.type, NamedType) else ""
     if port.port and port.instance != usual:
         yield "instance", port.instance
+    if port.type_name:
+        yield "type_name", port.type_name
     if port.unit:
         yield "unit", port.unit
 

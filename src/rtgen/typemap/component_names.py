@@ -47,6 +47,7 @@ COMPONENT_NAMES = frozenset(
         "profile",
         "providers",
         "reason",
+        "report",
         "stamp",
     }
 )

@@ -80,7 +80,7 @@ DATA: Mapping[str, Value] = {
     "dataport.dataflow_type": _one_of("push", "pull", "duplex"),
     "dataport.subscription_type": _one_of(*SUBSCRIPTIONS),
     "dataport.io_mode": _one_of("block", "nonblock", *SUBSCRIPTIONS),
-    "dataport.data_type": _text,
+    **{f"dataport.{end}data_type": _text for end in _ENDS},
     "dataport.publisher.push_policy": _one_of("all", "fifo", "skip", "new"),
     "dataport.publisher.skip_count": _integer(0),
     "dataport.publisher.push_rate": _number("a rate in Hz, above 0", positive=True),

@@ -130,10 +130,12 @@ CODEC = frozenset(
 NUMBER = frozenset({"to_number", "from_number"})
 """The further methods of what stands on the wire as one number."""
 
+_UNION_FIELDS = frozenset({"discriminator", "value"})
+
 OWN_NAMES: dict[type[Declaration], frozenset[str]] = {
     Struct: CODEC,
     ExceptionDecl: CODEC | {"args", "with_traceback", "add_note"},
-    Union: CODEC | {"discriminator", "value"},
+    Union: CODEC | _UNION_FIELDS,
     Enum: CODEC
     | NUMBER
     | {
@@ -335,6 +337,8 @@ class PythonNames:
         self._modules = implementation_modules(model)
         self._classes: dict[ScopedName, str] = {}
         self._holdings: dict[ScopedName, dict[str, Declaration]] = {}
+        self._operations: dict[ScopedName, dict[str, str]] = {}
+        self._members: dict[ScopedName, dict[str, str]] = {}
         for module in dict.fromkeys(self._modules.values()):
             self._name_classes(module)
 
@@ -415,13 +419,19 @@ class PythonNames:
 
     def members(self, declaration: Fielded) -> dict[str, str]:
         """The Python names of the members of a struct or the like, or the branches of a union."""
+        name = declaration.name
+        if name not in self._members:
+            self._members[name] = self._new_members(declaration)
+        return self._members[name]
+
+    def _new_members(self, declaration: Fielded) -> dict[str, str]:
         inherited: list[str] = []
         entries: Sequence[Member | Case | Bitfield]
         if isinstance(declaration, Union):
             entries = declaration.cases
         elif isinstance(declaration, Valuetype):
             entries = declaration.state
-            inherited = [n for base in declaration.bases for n in self._state(base)]
+            inherited = self._inherited_state(declaration)
         else:
             entries = declaration.members
             if isinstance(declaration, Struct | Bitset) and declaration.base:
@@ -433,22 +443,21 @@ class PythonNames:
 
     def operations(self, declaration: Interface | Valuetype) -> dict[str, str]:
         """The Python names of the attributes and operations that it adds to its bases."""
+        name = declaration.name
+        if name not in self._operations:
+            self._operations[name] = self._new_operations(declaration)
+        return self._operations[name]
+
+    def _new_operations(self, declaration: Interface | Valuetype) -> dict[str, str]:
         taken = {self._attribute(inner.name) for inner in self.inside(declaration.name)}
-        for base in declaration.bases:
-            taken.update(self._lineage(base))
+        for base in self._model.bases(declaration):
+            taken.update(self.operations(base).values())
         if isinstance(declaration, Valuetype):
-            taken.update(OWN_NAMES[Valuetype], self._state(declaration.name))
+            taken.update(OWN_NAMES[Valuetype], self.members(declaration).values())
+            taken.update(self._inherited_state(declaration))
         attributes = [attribute.name for attribute in declaration.attributes]
         operations = [operation.name for operation in declaration.operations]
         return distinct(attributes + operations, taken)
-
-    def _lineage(self, name: ScopedName) -> Iterator[str]:
-        """The Python names of the operations of an interface and its bases."""
-        declaration = self._model.find(name)
-        assert isinstance(declaration, Interface | Valuetype)
-        yield from self.operations(declaration).values()
-        for base in declaration.bases:
-            yield from self._lineage(base)
 
     def bases(self, declaration: Interface | Valuetype) -> list[ScopedName]:
         """The bases as the classes have them: the latest declared first.
@@ -496,13 +505,14 @@ class PythonNames:
             self._holdings[name] = held
         return self._holdings[name]
 
-    def _state(self, name: ScopedName) -> Iterator[str]:
-        """The Python names of the state of a valuetype and its bases."""
-        declaration = self._model.find(name)
-        assert isinstance(declaration, Valuetype)
-        yield from self.members(declaration).values()
-        for base in declaration.bases:
-            yield from self._state(base)
+    def _inherited_state(self, declaration: Valuetype) -> list[str]:
+        """The Python names of the state of a valuetype's bases."""
+        return [
+            name
+            for base in self._model.bases(declaration)
+            if isinstance(base, Valuetype)
+            for name in self.members(base).values()
+        ]
 
     def attribute_names(self, module: str) -> frozenset[str]:
         """The attributes that classes of an implementation module have in class scope."""
@@ -511,6 +521,8 @@ class PythonNames:
             match declaration:
                 case Struct() | ExceptionDecl() | Union() | Bitset():
                     found.update(self.members(declaration).values())
+                    if isinstance(declaration, Union):
+                        found.update(_UNION_FIELDS)
                 case Valuetype():
                     found.update(self.members(declaration).values())
                     found.update(self.operations(declaration).values())

@@ -32,6 +32,7 @@ from rtgen.model import (
     ValueBox,
     Valuetype,
 )
+from rtgen.model.graphs import groups
 from rtgen.typemap.python_names import module_name
 
 
@@ -61,18 +62,13 @@ def _owners(model: Model) -> dict[str, str]:
             owner = above
         owners[file.name] = owner
     needs = _needs(model, owners)
-    reached = {name: _reachable(needs, name) for name in needs}
-    for file in model.files:
-        owner = owners[file.name]
-        together = (
-            [n for n in reached[owner] if owner in reached[n]]
-            if owner in reached
-            else []
-        )
-        if together:
-            order = list(owners)
-            owners[file.name] = min(together, key=order.index)
-    return owners
+    places = {name: place for place, name in enumerate(owners)}
+    first = {
+        name: min(group, key=places.__getitem__)
+        for group in groups(needs)
+        for name in group
+    }
+    return {name: first.get(owner, owner) for name, owner in owners.items()}
 
 
 def _needs(model: Model, owners: dict[str, str]) -> dict[str, set[str]]:
@@ -84,17 +80,6 @@ def _needs(model: Model, owners: dict[str, str]) -> dict[str, set[str]]:
         others = {files[name] for name in referred(declaration) if name in files}
         needs.setdefault(own, set()).update(others - {own})
     return needs
-
-
-def _reachable(needs: dict[str, set[str]], start: str) -> set[str]:
-    found: set[str] = set()
-    waiting = list(needs[start])
-    while waiting:
-        name = waiting.pop()
-        if name not in found:
-            found.add(name)
-            waiting.extend(needs.get(name, ()))
-    return found
 
 
 def referred(declaration: Declaration) -> Iterator[ScopedName]:

@@ -52,6 +52,20 @@ WITH_USUAL = {
 """Texts of a component that are read without blanks around, and what stands for an empty one."""
 
 
+_KINDS: dict[str, tuple[type, str]] = {
+    **dict.fromkeys(
+        (
+            *("name", "port", "instance", "identifier", "type", "type_name"),
+            *("constraint", "widget"),
+            *("repository_id", "base", "description", "doc", *WITH_USUAL),
+        ),
+        (str, "text"),
+    ),
+    **dict.fromkeys(("supports", "files", "order", "annotations"), (list, "list")),
+}
+"""What the values of facts are; those that are left out here are values of parameters."""
+
+
 # As text.
 
 
@@ -71,6 +85,19 @@ def facts_from(text: str) -> Facts:
     if not isinstance(found, dict):
         raise ValueError("it is no object of JSON")
     return found
+
+
+def checked(found: Any) -> tuple[Facts, list[str]]:
+    """The facts of the right kind, and messages about the others."""
+    if not isinstance(found, dict):
+        return {}, ["it is no object of JSON"]
+    wrong = {
+        key: f"`{key}` is no {word}"
+        for key, (kind, word) in _KINDS.items()
+        if found.get(key) is not None and not isinstance(found[key], kind)
+    }
+    facts = {key: value for key, value in found.items() if key not in wrong}
+    return facts, list(wrong.values())
 
 
 def value_to_json(value: ConstantValue) -> Any:
@@ -119,10 +146,8 @@ def annotations_to_json(entries: Sequence[Told]) -> list[Any]:
     ]
 
 
-def annotations_from_json(found: Any) -> list[Told]:
+def annotations_from_json(found: list[Any]) -> list[Told]:
     """What `annotations_to_json` has written. Raises ValueError."""
-    if not isinstance(found, list):
-        raise ValueError("annotations are no list")
     return [_entry(entry) for entry in found]
 
 
@@ -199,6 +224,8 @@ def of_port(port: Port) -> Facts:
         value = getattr(port, field)
         if value.strip() != value:
             facts[field] = value
+    if port.type_name:
+        facts |= {"type_name": port.type_name, "type": str(port.type)}
     return facts | _of_item(port)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
+import unicodedata
 from collections.abc import Collection
 
 from rtgen.model import ScopedName
@@ -15,13 +16,25 @@ _MODULES_OF_PYTHON = ("__init__", "__main__")
 
 
 def identifier(name: str, reserved: Collection[str] = ()) -> str:
-    """The name as a Python identifier: a keyword or a reserved name gets a trailing `_`."""
-    name = _NOT_A_WORD.sub("_", name)
-    if not name or name[0].isdigit():
+    """The name as a Python identifier: a keyword or a reserved name gets a trailing `_`.
+
+    It is in the normal form that Python gives identifiers (NFKC), so that the attribute of that
+    name is found by it.
+    """
+    name = words(name)
+    if not name.isidentifier():
         name = f"o_{name}"
     while keyword.iskeyword(name) or name in reserved:
         name += "_"
     return name
+
+
+def words(name: str) -> str:
+    """The name in normal form with `_` for what no identifier has."""
+    if name.isascii():
+        return _NOT_A_WORD.sub("_", name)
+    name = unicodedata.normalize("NFKC", name)
+    return "".join(c if f"_{c}".isidentifier() else "_" for c in name)
 
 
 def snake_case(name: str) -> str:
@@ -32,7 +45,7 @@ def snake_case(name: str) -> str:
 
 def module_name(name: str) -> str:
     """The module or package that rtgen makes for a file's stem or a component."""
-    return identifier(snake_case(_NOT_A_WORD.sub("_", name)), _MODULES_OF_PYTHON)
+    return identifier(snake_case(words(name)), _MODULES_OF_PYTHON)
 
 
 def scope_modules(scope: ScopedName) -> tuple[str, ...]:

@@ -47,6 +47,7 @@ HOMES = {
     "Servant": "rtgen.runtime.services",
     "Settled": "rtgen.runtime.cdr",
     "Skeleton": "rtgen.runtime.services",
+    "operation": "rtgen.runtime.services",
     "StringDescriptor": "rtgen.runtime.descriptors",
     "StructDescriptor": "rtgen.runtime.descriptors",
     "Stub": "rtgen.runtime.services",

@@ -24,7 +24,6 @@ CODEC_NAMES = (
     "More",
     "REPLY_LIMIT",
     "REQUEST_LIMIT",
-    "ReplyOrder",
     "Room",
     "Text",
     "WideText",
@@ -35,7 +34,6 @@ CODEC_NAMES = (
     "is_rpc_error",
     "leading",
     "leading_bytes",
-    "magic_error",
     "present",
     "quotient",
     "remainder",
@@ -45,6 +43,24 @@ CODEC_NAMES = (
     "within",
 )
 """What generated codecs may import of `rtgen.runtime.opaque_rpc.codecs`."""
+
+FUNCTION_NAMES = ("Messages", "RecordCodec")
+"""The same of its module `functions`."""
+
+CODEC_ATTRIBUTES = frozenset(
+    (
+        *(
+            "awaiting_reply",
+            "digest",
+            "encoding",
+            "functions",
+            "nothing_follows",
+            "reply_limit",
+        ),
+        *("request_head", "request_limit", "request_sop", "signature", "tdr"),
+    )
+)
+"""The attributes of codecs beside those for functions."""
 
 TDR_NAMES = (
     "EOP_NOTHING_FOLLOWS",
@@ -62,6 +78,7 @@ TDR_NAMES = (
 _OF_MODULES = frozenset(
     (
         *CODEC_NAMES,
+        *FUNCTION_NAMES,
         *TDR_NAMES,
         *("ABC", "Channel", "ClassVar", "Final", "Handlers", "Mapping", "Sequence"),
         *("TypeAlias", "abstractmethod", "annotations", "dataclass", "field"),

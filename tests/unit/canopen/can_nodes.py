@@ -10,6 +10,7 @@ from typing import Any
 
 from rtgen.backends.canopen.objects_module import objects_text
 from rtgen.frontends import eds
+from rtgen.model.can_bus import kind_of
 from rtgen.runtime.canopen.description import DeviceDescription
 from rtgen.runtime.canopen.link import Link
 from rtgen.runtime.canopen.links import open_link
@@ -26,7 +27,8 @@ def description(name: str) -> DeviceDescription:
     path = SPECS / f"{name}.eds"
     (device,) = eds.load([path], root=path.parent).model.devices
     made: dict[str, Any] = {"__name__": name}
-    exec(objects_text(device.name, device, field_names(device.variables), ""), made)
+    names = field_names(device.variables)
+    exec(objects_text(device.name, kind_of(device), names, ""), made)
     found = made["DESCRIPTION"]
     assert isinstance(found, DeviceDescription)
     return found

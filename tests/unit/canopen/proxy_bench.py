@@ -91,6 +91,9 @@ class Configuration:
     master: bool = True
     heartbeat_timeout: int = 0
     boot_timeout: int = 2000
+    emergency_stop: str = ""
+    recoveries: int = 0
+    sdo_in_error: bool = False
     Acceleration: int = 1000
 
 

@@ -14,6 +14,7 @@ from rtgen.layouts.can_startup import StartWrite, concise_dcf, start_up
 from rtgen.layouts.can_values import CanValueError, octets
 from rtgen.model.can_bus import Bus
 from rtgen.model.canopen import DataType, NodeRelative
+from rtgen.runtime.canopen.values import decode
 
 SAMPLER = (
     Path(__file__).parents[2] / "golden/cases/canopen_devices/input/specs/sampler.eds"
@@ -225,7 +226,7 @@ def test_octets(data_type: int, value: int | float | str | bytes, wanted: str) -
 @pytest.mark.parametrize(
     ("data_type", "value"),
     [
-        (DataType.VISIBLE_STRING, "\u5de6"),
+        (DataType.VISIBLE_STRING, "\ud800"),
         (DataType.UNSIGNED8, 256),
         (DataType.INTEGER8, 128),
         (DataType.UNSIGNED16, "text"),
@@ -237,3 +238,8 @@ def test_octets(data_type: int, value: int | float | str | bytes, wanted: str) -
 def test_no_octets(data_type: int, value: int | float | str | NodeRelative) -> None:
     with pytest.raises(CanValueError):
         octets(data_type, value)
+
+
+@pytest.mark.parametrize("text", ["drive", "größe", "左", "Ã©"])
+def test_texts_are_written_as_the_runtime_reads_them(text: str) -> None:
+    assert decode("string", octets(DataType.VISIBLE_STRING, text)) == text

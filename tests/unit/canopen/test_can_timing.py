@@ -131,3 +131,46 @@ def test_jitter_comes_on_top() -> None:
         return response[0] - jitter
 
     assert third(0) == third(MS)
+
+
+def test_an_sdo_frame_blocks_what_is_more_urgent() -> None:
+    """Two small PDOs take 260 us at 500 kbit/s; behind an SDO frame it is 530."""
+    pdos = [Message("one", 0x181, 1, 10 * MS), Message("two", 0x182, 1, 10 * MS)]
+    sdo = Message("SDO", 0x581, 8, 1000 * MS)
+
+    def worst(*messages: Message) -> list[int | None]:
+        return [t.response for t in response_times(messages, 500)][:2]
+
+    assert worst(*pdos) == [260_000, 260_000]
+    assert worst(*pdos, sdo) == [400_000, 530_000]
+
+
+def test_a_queue_lets_an_urgent_message_wait_for_its_last_one() -> None:
+    sync = Message("SYNC", 0x80, 0, 10 * MS, queue="host")
+    beat = Message("beat", 0x77F, 1, 100 * MS, queue="host")
+    pdo = Message("pdo", 0x181, 8, 10 * MS)
+    alone = {t.message.name: t.response for t in response_times([sync, pdo], 1000)}
+    assert alone == {"SYNC": 190_000, "pdo": 190_000}
+    both = [sync, beat, pdo]
+    queued = {t.message.name: t.response for t in response_times(both, 1000)}
+    # A heartbeat that has just begun, SYNC behind the next one, and the PDO before that one.
+    assert queued["SYNC"] == queued["beat"] == 65_000 + 135_000 + 65_000 + 55_000
+
+
+def test_what_comes_with_sync_is_as_late_as_sync() -> None:
+    sync = Message("SYNC", 0x80, 0, 10 * MS)
+    pdo = Message("pdo", 0x181, 8, 10 * MS, trigger="SYNC")
+    other = Message("other", 0x281, 8, 10 * MS)
+    found = {
+        t.message.name: t.response for t in response_times([sync, pdo, other], 1000)
+    }
+    assert found["SYNC"] == 55_000 + 135_000
+    assert found["pdo"] == found["SYNC"] + 135_000 + 55_000 + 135_000
+
+
+def test_a_queue_that_is_longer_than_a_period_has_no_bound() -> None:
+    messages = [
+        Message("short", 1, 0, 200_000, queue="host"),
+        *(Message(f"m{n}", n, 8, 100 * MS, queue="host") for n in range(2, 5)),
+    ]
+    assert [t.response for t in response_times(messages, 1000)] == [None] * 4

@@ -164,7 +164,7 @@ def there_and_back(package: str) -> None:
     system = System()
     system.add(proxy)
     for name, port in proxy.out_ports.items():
-        port._record = lambda port, sample, name=name: written.update({name: sample})
+        port._record = lambda sample, name=name: written.update({name: sample})
         port._rewire()
     assert set(proxy._receivers()) == set(range(1, 6))
     slave = device.ItSlave.__dict__

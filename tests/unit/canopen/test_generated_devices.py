@@ -11,6 +11,7 @@ import math
 import shutil
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,8 @@ import pytest
 from rtgen.cli import run
 from rtgen.runtime import (
     ACTIVE_STATE,
+    ERROR_STATE,
+    INACTIVE_STATE,
     SECOND,
     Component,
     ComponentProfile,
@@ -247,7 +250,7 @@ def test_objects_to_the_device(bench: Bench) -> None:
         ("Speed", (0.0, 100.0)),
         ("Scale_factor", (-1.5, math.inf)),
         ("Double_2040_00", (-1e300, 5e-324)),
-        ("Label", ("", "a label that takes several segments")),
+        ("Label", ("", "a label that takes several segments", "\u5de6")),
         ("Title_wide_", ("", "\u5de6 \U0001f916")),
         ("Key", (b"\0", bytes(range(256)))),
         ("Program", (b"\1", bytes(5000))),
@@ -259,6 +262,25 @@ def test_objects_by_sdo(bench: Bench, name: str, values: tuple[Any, ...]) -> Non
     for value in values:
         bench.call(f"set_{name}", value)
         assert bench.call(f"get_{name}") == value
+
+
+@pytest.mark.usefixtures("lab")
+def test_the_service_answers_in_inactive_and_error() -> None:
+    bench = Bench()
+    name = bench.proxy.instance_name
+    bench.system.deactivate(name)
+    bench.run(1.0)
+    assert bench.system.state(name) == INACTIVE_STATE
+    vendor = bench.call("get_Vendor_ID")
+    assert vendor == bench.proxy.description.vendor_id
+    bench.system.context(name).fail_component(bench.proxy, "on purpose")
+    bench.run(1.0)
+    assert bench.system.state(name) == ERROR_STATE
+    aborted = of("lab.canopen", "SdoAbort")
+    with pytest.raises(aborted) as refused:
+        bench.call("get_Vendor_ID")
+    assert refused.value.code == 0x08000022
+    bench.system.close()
 
 
 def test_times_by_sdo_and_pdo(bench: Bench) -> None:
@@ -280,7 +302,6 @@ def test_times_by_sdo_and_pdo(bench: Bench) -> None:
         ("set_Gear", (-200,), 0x06090032),
         ("set_Speed", (100.001,), 0x06090031),
         ("set_Speed", (math.nan,), 0x06090030),
-        ("set_Label", ("\u5de6",), 0x06090030),
         ("read", (0x5FFF, 0), 0x06020000),
         ("read", (0x1018, 9), 0x06090011),
         ("write", (0x1018, 1, b"\0\0\0\0"), 0x06010002),
@@ -333,3 +354,36 @@ def test_data_that_are_too_short(bench: Bench) -> None:
         for number, receive in proxy._receivers().items():
             with pytest.raises(PdoError, match=f"TPDO {number} has 1 octets"):
                 receive(b"\0", 0)
+
+
+@pytest.mark.usefixtures("lab")
+def test_a_normal_end_is_quiet(caplog: pytest.LogCaptureFixture) -> None:
+    """The manager, which was added first, ends before its proxies."""
+    bench = Bench()
+    caplog.clear()
+    bench.system.close()
+    assert caplog.messages == []
+
+
+@pytest.mark.usefixtures("lab")
+def test_a_tpdo_that_nobody_can_ask_for_is_named(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    device = of("mylab.sampler_device", "SamplerDevice")
+    pdos = tuple(
+        (
+            replace(pdo, transmission_type=253, cob_id=0x40000180)
+            if (pdo.direction, pdo.number) == ("tpdo", 1)
+            else pdo
+        )
+        for pdo in device.description.pdos
+    )
+    described = replace(device.description, pdos=pdos)
+    monkeypatch.setattr(device, "description", described)
+    system = System()
+    system.add(device("requested"))
+    assert caplog.messages == [
+        "requested: what is written to tpdo1 is never sent: its transmission type 253 waits "
+        "for a remote frame, and its COB-ID allows none"
+    ]
+    system.close()

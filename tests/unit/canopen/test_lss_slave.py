@@ -308,3 +308,22 @@ def test_node_ids_that_cannot_be(node_id: int) -> None:
         DeviceNode(DEVICE, node_id)
     with pytest.raises(ValueError, match=str(node_id)):
         DeviceNode(DEVICE).take_node_id(node_id)
+
+
+def test_a_bit_rate_that_the_description_denies_is_refused() -> None:
+    found = LssSlave(lambda: ADDRESS, bit_rates=(125, 500))
+    found.receive(request(0x04, 1))
+    assert found.receive(request(0x13, 0, BIT_RATES[1000])) == answer(0x13, 1)
+    assert found.pending.bit_rate is None
+    assert found.receive(request(0x13, 0, BIT_RATES[125])) == answer(0x13, 0)
+    assert found.pending.bit_rate == 125
+
+
+def test_a_device_takes_the_bit_rates_of_its_description() -> None:
+    node = DeviceNode(replace(DEVICE, bit_rates=(500,)), 5)
+    bench = Bench(node)
+    bench.give(0x7E5, bytes((0x04, 1)).ljust(8, b"\0"))
+    for rate, error in ((500, 0), (250, 1)):
+        data = bytes((0x13, 0, BIT_RATES[rate])).ljust(8, b"\0")
+        (answered,) = bench.give(0x7E5, data)
+        assert answered.data[:2] == bytes((0x13, error))

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
+import pytest
 from device_bench import DEVICE
 
 from rtgen.runtime import System
@@ -13,6 +15,8 @@ from rtgen.runtime.canopen.managed_node import NodePhase, NodeReport
 from rtgen.runtime.canopen.manager_station import ManagerStation
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
 from rtgen.runtime.canopen.node import DeviceNode
+from rtgen.runtime.canopen.node_control import NodeControl, NodeError
+from rtgen.runtime.canopen.proxied_node import ProxiedNode
 
 SECOND = 1_000_000_000
 UNCONFIGURED = 255
@@ -147,3 +151,47 @@ def test_a_halt_ends_the_assignment() -> None:
     bench.manager.start()
     bench.run(10)
     assert bench.phases == {NodePhase.RUNNING}
+
+
+def test_the_proxy_of_a_node_that_forgets_its_id_waits_for_lss() -> None:
+    """Without storage LSS comes after the boot time-out: a reset of the proxy takes longer."""
+    bench = Bench(described(5, 7), s7=UNCONFIGURED)
+    slave = bench.slaves[7]
+    slave.lss.stored.node_id = UNCONFIGURED
+    bench.run(5)
+    assert slave.state is NmtState.OPERATIONAL
+    slave.lss.stored.node_id = UNCONFIGURED
+    proxied = ProxiedNode(5, {}, {}, Silent())
+    bench.bus.attach(proxied)
+    control = NodeControl(
+        bench.bus,
+        proxied,
+        DEVICE,
+        described(5, 7),
+        master=False,
+        heartbeat_timeout=0,
+        boot_timeout=500 * 10**6,
+    )
+
+    def reset() -> None:
+        for _ in control.reset():
+            bench.run(0.01)
+
+    begun = bench.system.clock.elapsed()
+    reset()
+    assert slave.node_id == 5
+    assert bench.system.clock.elapsed() - begun > 500 * 10**6
+    slave.lss.stored.node_id = UNCONFIGURED
+    bench.bus.detach(slave)
+    with pytest.raises(NodeError, match="no boot-up message within 500 ms, and no"):
+        reset()
+
+
+class Silent:
+    """A watcher that does nothing."""
+
+    def timeout(self) -> int:
+        return 0
+
+    def __getattr__(self, name: str) -> Callable[..., None]:
+        return lambda *arguments: None

@@ -313,34 +313,79 @@ def test_padding_behind_a_value_is_no_difference() -> None:
 def test_an_sdo_server_that_is_silent() -> None:
     bench = Bench(described())
     bench.slave().identifiers = frozenset((0,))
-    bench.start(0.9)
+    # Three attempts of 1 s each, and between them late answers are drained for 1 s.
+    bench.start(4.9)
     assert bench.node().phase is NodePhase.IDENTIFYING
     bench.run(0.2)
     assert bench.node().reason == "1000:0 cannot be read: 05040000h protocol timed out"
+    requests = [data for data in bench.sent(0x605) if data[0] == 0x40]
+    assert len(requests) == 3
 
 
-def test_a_lost_segment() -> None:
-    text = bytes(100)
-    bench = Bench(
-        described(configuration=(HEARTBEAT, Write(0x2003, 0, text)), restarts=1)
-    )
+def losing(can_id: int, *commands: int) -> Bench:
+    """A bench that loses the first frame of each of these commands; 2003h gets 100 octets."""
+    writes = (HEARTBEAT, Write(0x2003, 0, bytes(100)), Write(0x2002, 0, VALUE))
+    bench = Bench(described(configuration=writes))
     bench.slave()
-    lost: list[Frame] = []
+    lost = set(commands)
 
     def lose(frame: Frame, now: int) -> Iterable[tuple[int, Frame]]:
-        if frame.can_id == 0x605 and frame.data[0] == 0x10 and not lost:
-            lost.append(frame)
+        if frame.can_id == can_id and frame.data[0] in lost:
+            lost.discard(frame.data[0])
             return []
         return [(0, frame)]
 
     bench.bus.disturbance = lose
-    bench.start(4)
-    assert lost
+    bench.start(20)
+    assert not lost
+    return bench
+
+
+@pytest.mark.parametrize(
+    ("can_id", "command"),
+    [
+        pytest.param(0x605, 0x40, id="request to read"),
+        pytest.param(0x585, 0x43, id="answer to it"),
+        pytest.param(0x605, 0x23, id="request to write"),
+        pytest.param(0x585, 0x60, id="answer to it "),
+        pytest.param(0x605, 0x10, id="segment"),
+        pytest.param(0x585, 0x30, id="answer to it  "),
+    ],
+)
+def test_a_lost_frame_of_the_set_up_is_made_good(can_id: int, command: int) -> None:
+    bench = losing(can_id, command)
     node = bench.node()
-    assert node.restarts == 1
-    assert node.reason == "2003:0 cannot be written: 05040000h protocol timed out"
-    assert node.phase is NodePhase.RUNNING
-    assert bench.slaves[5].values[0x2003, 0] == text
+    assert (node.restarts, node.reason, node.phase) == (0, "", NodePhase.RUNNING)
+    slave = bench.slaves[5]
+    assert slave.values[0x2003, 0] == bytes(100)
+    assert slave.values[0x2002, 0] == VALUE
+
+
+def test_more_losses_than_attempts() -> None:
+    bench = Bench(described())
+    bench.slave()
+    bench.bus.disturbance = lambda frame, now: (
+        [] if frame.can_id == 0x605 and frame.data[0] == 0x23 else [(0, frame)]
+    )
+    bench.start(10)
+    reason = "2000:0 cannot be written: 05040000h protocol timed out"
+    assert bench.node().reason == reason
+    assert bench.node().phase is NodePhase.FAILED
+
+
+def test_a_write_that_may_be_a_command_is_not_repeated() -> None:
+    command = Write(0x2000, 0, VALUE, verify=False)
+    bench = Bench(described(configuration=(HEARTBEAT, command)))
+    slave = bench.slave()
+    bench.bus.disturbance = lambda frame, now: (
+        []
+        if frame.can_id == 0x585 and frame.data[0] == 0x60 and slave.writes[1:]
+        else [(0, frame)]
+    )
+    bench.start(10)
+    assert slave.writes.count(((0x2000, 0), VALUE)) == 1
+    reason = "2000:0 cannot be written: 05040000h protocol timed out"
+    assert bench.node().reason == reason
 
 
 # Supervision
@@ -691,3 +736,22 @@ def test_whatever_happens_a_reset_brings_the_network_back(seed: int) -> None:
     assert {node.phase for node in bench.manager.nodes.values()} == {NodePhase.RUNNING}
     states = {slave.nmt.state for slave in bench.slaves.values()}
     assert states == {NmtState.OPERATIONAL}
+
+
+@pytest.mark.parametrize("deaf", [0x1000, 0x1018])
+def test_two_nodes_from_the_start_that_do_not_answer_everything(deaf: int) -> None:
+    """Requests cross answers of the other node, so one is not heard: that is no plain time-out."""
+    bench = Bench(described())
+    bench.slave()
+    second = Slave(5)
+    bench.bus.attach(second)
+    second.boot_time = 3 * MS
+    bench.bus.disturbance = lambda frame, now: (
+        []
+        if frame.can_id == 0x605 and frame.data[1:3] == deaf.to_bytes(2, "little")
+        else [(0, frame)]
+    )
+    bench.start(20)
+    assert bench.node().phase is NodePhase.FAILED
+    assert "05040000h protocol timed out, and " in bench.node().reason
+    assert bench.node().reason.endswith(": two nodes have the id 5")

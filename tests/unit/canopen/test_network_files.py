@@ -152,10 +152,17 @@ def test_values_of_a_kind_remap_its_pdos(tmp_path: Path) -> None:
     values = '[device.sensor.values]\n"1A02:0" = 1\n'
     made = changed(tmp_path, "[device.sensor.values]\n", values)
     tables: dict[str, Any] = {}
-    device = made.kinds[0].device
-    exec(objects_text("Sampler", device, field_names(device.variables), ""), tables)
+    kind = made.kinds[0]
+    names = field_names(kind.device.variables)
+    exec(objects_text("Sampler", kind, names, ""), tables)
     entries = ((0x2011, 1, 48), (0x2041, 0, 16))
     assert tables["DESCRIPTION"].pdo("tpdo", 3).mapping == entries
     [pdo] = [p for p in tables["REMAPPED"] if (p.direction, p.number) == ("tpdo", 3)]
     assert pdo.mapping == entries[:1]
-    assert not is_remapped(made.kinds[1].device)
+    writes = [(w.index, w.subindex, w.octets(5).hex()) for w in tables["CONFIGURATION"]]
+    off, on = (("1802", 1, "85030080"), ("1802", 1, "85030000"))
+    assert [(f"{i:04X}", s, v) for i, s, v in writes if i == 0x1802] == [off, on]
+    assert [(s, v) for i, s, v in writes if i == 0x1A02] == [
+        (0, "00"), (1, "30011120"), (0, "01"),
+    ]  # fmt: skip
+    assert not is_remapped(made.kinds[1])

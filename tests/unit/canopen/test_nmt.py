@@ -197,7 +197,8 @@ def test_states_nobody_asked_for() -> None:
         heartbeat_frame(6, OPERATIONAL),
         Frame(0x705, b""),
         Frame(0x705, b"\x05\x00"),
-        Frame(0x705, b"\x85"),
+        Frame(0x705, b"\x86"),
+        Frame(0x705, b"\x80"),
         Frame(0x705, remote=True),
         Frame(0x705, b"\x05", extended=True),
     ],
@@ -206,6 +207,12 @@ def test_no_heartbeats(frame: Frame) -> None:
     consumer = HeartbeatConsumer(5, timeout=100)
     assert consumer.receive(frame, 0) is None
     assert consumer.deadline is None
+
+
+def test_an_answer_to_node_guarding_tells_the_state_too() -> None:
+    consumer = HeartbeatConsumer(5, timeout=100)
+    found = consumer.receive(Frame(0x705, b"\x85"), 0)
+    assert found == HeartbeatEvent(HeartbeatNews.FOUND, OPERATIONAL, asked=False)
 
 
 def test_without_supervision() -> None:

@@ -97,7 +97,7 @@ def test_lengths(kind: Kind) -> None:
         ("char", "ab"),
         ("char", "€"),
         ("char", 65),
-        ("string", "€"),
+        ("string", "\ud800"),
         ("string", b"abc"),
         ("wstring", "\ud800"),
         ("octets", "abc"),
@@ -220,3 +220,24 @@ def test_reals(single: float, double: float) -> None:
 @given(st.text(st.characters(exclude_categories=["Cs"])))
 def test_wide_text(text: str) -> None:
     assert decode("wstring", encode("wstring", text)) == text.rstrip("\0")
+
+
+@pytest.mark.parametrize(
+    ("octets", "text"),
+    [
+        (b"drive", "drive"),
+        ("Antriebsgröße".encode(), "Antriebsgröße"),
+        ("左 wheel".encode(), "左 wheel"),
+        (b"20 \xb0C", "20 °C"),
+        (b"padded\0\0", "padded"),
+    ],
+)
+def test_strings_of_devices(octets: bytes, text: str) -> None:
+    """UTF-8 where it is that, else Latin-1."""
+    assert decode("string", octets) == text
+
+
+@given(st.text(st.characters(exclude_categories=["Cs"])))
+def test_every_text_comes_back(text: str) -> None:
+    text = text.rstrip("\0")
+    assert decode("string", encode("string", text)) == text

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterable
+from dataclasses import replace
 
 import pytest
 from proxy_bench import NODE, SECOND, Bench, DriveProxy
@@ -11,6 +12,7 @@ from proxy_bench import NODE, SECOND, Bench, DriveProxy
 from refrobots.rtc import Time, TimedLong
 from rtgen.runtime import Component
 from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.description import Write
 from rtgen.runtime.canopen.frames import Frame
 from rtgen.runtime.canopen.link import LinkError
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
@@ -375,3 +377,50 @@ def test_a_lost_segment_of_a_block_is_sent_again() -> None:
         bench.proxy.write_object(0x2000, 0, value)
         assert lost
         assert bench.node.objects.values[0x2000, 0] == value
+
+
+def test_a_stopped_node_is_not_asked() -> None:
+    with active() as bench:
+        bench.node.go(NmtState.STOPPED)
+        bench.until("ERROR")
+        before = bench.system.time
+        with pytest.raises(SdoAbort, match="08000022h"):
+            bench.proxy.read_octets(0x1008, 0)
+        with pytest.raises(SdoAbort, match="08000022h"):
+            bench.proxy.write_octets(0x6083, 0, bytes(4))
+        assert bench.system.time == before
+
+
+def test_objects_can_be_read_in_error_if_that_is_asked_for() -> None:
+    with active(sdo_in_error=1) as bench:
+        bench.system.context("Drive0").fail_component(bench.proxy, "on purpose")
+        bench.until("ERROR")
+        bench.run(0.1)
+        assert bench.node.state is NmtState.PRE_OPERATIONAL
+        assert bench.commands()[-1] == (NmtCommand.ENTER_PRE_OPERATIONAL, NODE)
+        assert bench.proxy.read_object(0x1008) == "drive"
+        assert bench.state == "ERROR"
+        bench.system.reset("Drive0")
+        bench.until("INACTIVE")
+        bench.activate()
+
+
+def test_a_master_without_a_network_writes_what_the_description_configures(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    writes = (
+        Write(0x2000, 0, b"program"),
+        Write(0x6083, 0, struct.pack("<I", 100), relative=True),
+    )
+    described = replace(DriveProxy.description, configuration=writes)
+    monkeypatch.setattr(DriveProxy, "description", described)
+    with active() as bench:
+        assert bench.node.objects.writes[:2] == [
+            ((0x2000, 0), b"program"),
+            ((0x6083, 0), struct.pack("<I", 105)),
+        ]
+    with ready() as bench:
+        bench.node.go(NmtState.OPERATIONAL)
+        bench.run(1)
+        written = [number for number, _ in bench.node.objects.writes]
+        assert (0x2000, 0) not in written, "it works already: nothing is changed"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 import pytest
@@ -11,6 +12,7 @@ from rtgen.runtime import PRECONDITION_NOT_MET, SimulatedClock
 from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import ObjectDescription
 from rtgen.runtime.canopen.emergency import Emergency, ErrorRegister
+from rtgen.runtime.canopen.frames import Frame
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, command_frame
 
 START, STOP, PREOP, RESET = (
@@ -502,4 +504,43 @@ def test_a_bus_that_cannot_be_opened() -> None:
         bench.until("ERROR")
         assert bench.reason == (
             "the simulated bus can2 runs at 125000 bit/s, and not at 500000 bit/s"
+        )
+
+
+@pytest.mark.parametrize("lost", range(8))
+def test_one_lost_sdo_frame_does_not_fail_an_activation(lost: int) -> None:
+    """Requests and answers: 1000h, 1017h read and written, 6083h written."""
+    with Bench() as bench:
+        bench.with_node()
+        bench.run(0.05)
+        seen = 0
+
+        def lose(frame: Frame, now: int) -> Iterable[tuple[int, Frame]]:
+            nonlocal seen
+            if frame.can_id in (0x580 + NODE, 0x600 + NODE):
+                seen += 1
+                if seen == lost + 1:
+                    return ()
+            return ((0, frame),)
+
+        bench.bus.disturbance = lose
+        bench.activate()
+        assert seen > lost
+        assert bench.node.objects.writes[-1] == ((0x6083, 0), b"\xe8\3\0\0")
+        assert bench.reason == ""
+
+
+def test_an_answer_that_is_missing_with_two_nodes_names_them() -> None:
+    with Bench() as bench:
+        bench.with_node()
+        bench.with_node()
+        bench.run(0.05)
+        bench.bus.disturbance = lambda frame, now: (
+            () if frame.data[:1] == b"\x2b" else ((0, frame),)
+        )
+        bench.system.activate("Drive0")
+        bench.until("ERROR", 30)
+        assert bench.reason == (
+            "node 5: 1017h:0 cannot be written: node 5 answers twice: there are two of them, "
+            "or another SDO client: 05040000h protocol timed out"
         )

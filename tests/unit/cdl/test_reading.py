@@ -6,13 +6,17 @@ from pathlib import Path
 
 import pytest
 
+from rtgen.cli import run
 from rtgen.diagnostics import Severity
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl import load, read_text
 from rtgen.frontends.cdl.encodings import decode
 from rtgen.model.tecs import (
+    Cell,
+    Celltype,
     CPointerType,
     CScalarType,
+    CStructType,
     CTypedefType,
     Scalar,
     Signature,
@@ -73,7 +77,7 @@ def test_every_construct(monkeypatch: pytest.MonkeyPatch) -> None:
     board = _named(result, "board")
     assert isinstance(board, TecsStruct)
     assert [m.name for m in board.members] == ["version", "inside", "flag", "next"]
-    assert str(board.members[0].type) == "uchar_t[6]"
+    assert str(board.members[0].type) == "unsigned char[6]"
 
 
 @pytest.mark.parametrize("codec", ["utf-8", "utf-8-sig", "euc_jp", "cp932"])
@@ -214,8 +218,8 @@ struct u { int8_t a; int8_t a; };
 
 
 HEADERS = {
-    "typedef unsigned char T;": "uchar_t",
-    "typedef char T;": "char_t",
+    "typedef unsigned char T;": "unsigned char",
+    "typedef char T;": "char",
     "typedef long unsigned int T;": "unsigned long",
     "typedef short int T;": "short",
     "typedef unsigned T;": "unsigned int",
@@ -235,13 +239,13 @@ HEADERS = {
     "typedef int T[A + B + C + D];": "int[20]",
     "typedef union { int a; } T;": "struct unknown T",
     "typedef long double T;": "struct unknown T",
-    "typedef signed char T;": "schar_t",
-    "typedef void (*T)(int a, ...);": "void(int)*",
+    "typedef signed char T;": "signed char",
+    "typedef void (*T)(int a, ...);": "void(*)(int)",
     "typedef volatile int *const T;": "volatile int* const",
     "struct s { union { int a; } u; struct { int x; }; int : 3; };\n"
     "typedef struct s T;": "struct s",
     "enum { N = 2, M };\ntypedef int T[N * M - (1 << 1)];": "int[4]",
-    "typedef int (*T)(void);": "int(void)*",
+    "typedef int (*T)(void);": "int(*)(void)",
     "typedef struct s *T;": "struct s*",
     "typedef enum e { A } T;": "enum e",
     "__extension__ typedef long long T __attribute__((aligned(8)));": "long long",
@@ -301,3 +305,155 @@ def test_what_no_header_declares_right_is_told_once(
         types_h="typedef nothing Odd;\ntypedef int Good;\n",
     )
     assert _codes(result) == ["CDL0901", "CDL0300"]
+
+
+def test_a_header_uses_typedefs_of_headers_imported_before_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _read(
+        tmp_path,
+        monkeypatch,
+        main_cdl='import_C( "kernel.h" ); import_C( "log.h" );',
+        kernel_h="typedef unsigned int uint_t;\nenum { DEPTH = 4 };\n"
+        "typedef struct { int a; } POINT;\n",
+        log_h="typedef struct { uint_t kind; POINT at[DEPTH]; } T;\n"
+        "typedef struct { uint_t other; } OTHER;\ntypedef unsigned int uint_t;\n",
+    )
+    assert _codes(result) == []
+    declared = _named(result, "T")
+    assert isinstance(declared, TecsTypedef)
+    tag = resolve(declared.type)
+    (unit,) = result.model.tecs
+    assert isinstance(tag, CStructType)
+    struct = unit.find(tag.tag, TecsStruct)
+    assert isinstance(struct, TecsStruct)
+    assert [str(member.type) for member in struct.members] == ["uint_t", "POINT[4]"]
+
+
+def test_a_header_read_twice_declares_its_structs_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _read(
+        tmp_path,
+        monkeypatch,
+        main_cdl='import_C( "one.h" ); import_C( "two.h" );',
+        one_h='#include "point.h"\ntypedef struct { POINT at; } ONE;\n',
+        two_h='#include "point.h"\ntypedef struct { POINT at; int b; } TWO;\n',
+        point_h="typedef struct { int x; int y; } POINT;\n",
+    )
+    assert _codes(result) == []
+    (unit,) = result.model.tecs
+    assert len([d for d in unit.declarations if isinstance(d, TecsStruct)]) == 3
+
+
+def test_two_headers_that_disagree_about_a_typedef_are_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _read(
+        tmp_path,
+        monkeypatch,
+        main_cdl='import_C( "one.h" ); import_C( "two.h" );',
+        one_h="typedef int T;\n",
+        two_h="typedef short T;\n",
+    )
+    assert _codes(result) == ["CDL0905"]
+
+
+def test_a_plug_in_of_tecsgen_may_import_what_a_later_one_is_applied_to() -> None:
+    _, findings = read_text(
+        'signature s { void f( void ); }; generate( MrubyBridgePlugin, s, "" ); '
+        'generate( C2TECSBridgePlugin, nPosix::sMain, "" );'
+    )
+    assert [d.code for d in findings] == ["CDL0635"]
+
+
+def test_joins_to_cells_that_plug_ins_make_are_in_the_model() -> None:
+    unit, findings = read_text("""
+        signature s { void f( void ); };
+        celltype tS { entry s eS; };
+        [active] celltype tA { call s cA; call s cB[2]; };
+        generate( RepeatCellPlugin, tS, "" );
+        cell tS S { };
+        cell tA A { cA = rX::S_001.eS[1]; cB[0] = S_002.eS; cB[1] = S.eS; };
+        """)
+    assert {d.code for d in findings} == {"CDL0635"}
+    cell = unit.find(("A",), Cell)
+    assert isinstance(cell, Cell)
+    assert [(j.port, j.index, j.target, j.target_index) for j in cell.joins] == [
+        ("cA", None, ("rX", "S_001"), 1),
+        ("cB", 0, ("S_002",), None),
+        ("cB", 1, ("S",), None),
+    ]
+    assert [join.signature for join in cell.joins] == [("s",)] * 3
+
+
+@pytest.mark.parametrize(
+    ("declared", "text"),
+    [
+        ("char *a", "char*"),
+        ("char_t *a", "char_t*"),
+        ("unsigned char a", "unsigned char"),
+        ("char_t (*a)[2]", "char_t(*)[2]"),
+        ("char_t *a[2]", "char_t*[2]"),
+        ("int8_t (*(*a)[3])[2]", "int8_t(*(*)[3])[2]"),
+        ("int32_t (*a)( int8_t b )", "int32_t(*)(int8_t)"),
+    ],
+)
+def test_types_are_shown_as_c_writes_them(declared: str, text: str) -> None:
+    unit, _ = read_text(f"[active] celltype t {{ var {{ {declared}; }}; }};")
+    (found,) = (d for d in unit.declarations if isinstance(d, Celltype))
+    assert str(found.variables[0].type) == text
+
+
+TOOL_INFORMATION = """
+__tool_info__ ("tecsgen") {
+    "base_dir" : [ "." ],
+    "define_macro" : [ "WIDE=1" ],
+    "import_path" : [ "parts", "c:/nowhere" ],
+    "direct_import" : [ "types.cdl" ]
+}
+cell tServer Server { };
+"""
+
+
+def test_a_file_of_tecscde_imports_what_it_says_to_tecsgen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _read(
+        tmp_path,
+        monkeypatch,
+        main_cdl=TOOL_INFORMATION,
+        parts__types_cdl='import_C( "t.h" ); signature s { void f( [in] T a ); }; '
+        "celltype tServer { entry s eS; };",
+        parts__t_h="#if WIDE\ntypedef long T;\n#endif\n",
+    )
+    assert _codes(result) == ["CDL0608"]
+    (unit,) = result.model.tecs
+    assert unit.find(("Server",), Cell).file == "main.cdl"
+    assert unit.find(("s",), Signature).file == "parts/types.cdl"
+    (main,) = (file for file in result.model.files if file.main)
+    assert main.includes == ("parts/types.cdl",)
+
+
+def test_tool_information_with_a_missing_file_is_reported_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    result = _read(tmp_path, monkeypatch, main_cdl=TOOL_INFORMATION)
+    (finding,) = (d for d in result.diagnostics if d.code == "CDL0006")
+    assert finding.message == "types.cdl is not found"
+    assert finding.span is not None
+    assert (finding.span.line, finding.span.end_line) == (2, 7)
+
+
+@pytest.mark.parametrize("value", ["[]", "{}", '{ "direct_import" : 1 }', "{ 1 }"])
+def test_other_tool_information_has_no_effect(value: str) -> None:
+    unit, findings = read_text(
+        f'__tool_info__( "tecsgen" ) {value}\nconst int32_t A = 1;'
+    )
+    assert all(d.code.startswith("CDL02") for d in findings)
+    assert [d.name for d in unit.declarations] == [("A",)] or findings
+
+
+def test_a_file_of_tecscde_can_be_named(tmp_path: Path) -> None:
+    (tmp_path / "one.cde").write_text("const int32_t A = 1;\n", encoding="utf-8")
+    assert run(["inspect", "--no-cache", str(tmp_path / "one.cde")]) == 0

@@ -134,6 +134,9 @@ def _port(draw: st.DrawFn, name: str) -> str:
         if draw(st.booleans()):
             own.append(f"@port({quoted(draw(st.sampled_from(['P', ' Q ', name])))})")
         own.append(f"@instance({quoted(name + draw(st.sampled_from(['', ' é'])))})")
+        if draw(st.booleans()):
+            type_names = [type_, type_.rpartition("::")[2], "Other::Name", "a b"]
+            own.append(f"@type_name({quoted(draw(st.sampled_from(type_names)))})")
     else:
         type_ = draw(st.sampled_from(_DATA_TYPES))
         if draw(st.booleans()):

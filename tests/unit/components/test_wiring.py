@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import combinations, pairwise
 from types import MappingProxyType
 
@@ -11,10 +12,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from lxml import etree
 
-from rtgen.backends.wiring import ComponentView, PortView, render, view_of
+from rtgen.backends.wiring import (
+    ComponentView,
+    PortView,
+    TimedConnection,
+    render,
+    view_of,
+)
 from rtgen.backends.wiring.diagram import diagram_of
+from rtgen.backends.wiring.palette import DARK, LIGHT, Scheme
 from rtgen.backends.wiring.placement import place
-from rtgen.backends.wiring.routing import Frame, route
+from rtgen.backends.wiring.routing import MAX_WIDTH, Frame, lay_out, route
 from rtgen.model import Connection, PortKind, PortReference, System, SystemComponent
 
 Wire = tuple[str, str, str, str]
@@ -108,9 +116,13 @@ def inside(frame: Frame, x: float, y: float) -> bool:
     )
 
 
-def check_layout(system: System) -> None:
+def check_layout(system: System, *, fitted: bool = False) -> None:
     cells, frames, paths = layout(system)
     assert len(set(cells.values())) == len(cells)
+    if fitted:
+        geometry = lay_out(diagram_of(system, {}))
+        frames, paths = list(geometry.frames.values()), list(geometry.paths)
+        assert geometry.width <= MAX_WIDTH
     for one, other in combinations(frames, 2):
         apart = (
             one.x + one.width <= other.x
@@ -191,7 +203,7 @@ def test_every_port_is_shown_with_its_type() -> None:
         "in",
     } <= set(shown)
     assert shown.count("TimedLong") == 2
-    assert svg.count('opacity="0.55"') == 3
+    assert svg.count('<g class="open">') == 3
     assert "InPort idle: IIS::Map, not connected" in svg
 
 
@@ -206,7 +218,7 @@ def test_tooltip_tells_ends_type_and_properties() -> None:
 def test_service_links_run_from_consumer_to_provider() -> None:
     for wire in (("A0", "Safety", "B0", "brake"), ("B0", "brake", "A0", "Safety")):
         svg = render(system(["A0", "B0"], services=[wire]), PROFILES)
-        assert svg.count("stroke-dasharray") == 1
+        assert svg.count('class="line service"') == 1
         assert "A0.brake → B0.brake&#10;Safety::Brake" in svg
         assert "Consumer brake of Safety: Safety::Brake" in svg
 
@@ -236,6 +248,130 @@ def test_a_system_without_components() -> None:
     assert texts(render(system([]), {})) == ["drive"]
 
 
+def test_many_ports_that_carry_nothing_are_one_row() -> None:
+    ports = tuple(PortView(f"p{n}", PortKind.OUTPORT, "RTC::T") for n in range(9))
+    svg = render(
+        system(["X0", "Y0"], [("X0", "p3", "Y0", "q")]),
+        {"X": ComponentView("X", ports)},
+    )
+    assert "8 more ports" in texts(svg)
+    assert "p3" in texts(svg)
+    assert "OutPort p8: RTC::T" in svg
+
+
+def with_sets(base: System, sets: Mapping[str, Mapping[str, str]]) -> System:
+    """The system with these parameters in the active sets of its components."""
+    return replace(
+        base,
+        components=tuple(
+            replace(
+                each,
+                configuration=(("default", (*sets.get(each.instance, {}).items(),)),),
+            )
+            for each in base.components
+        ),
+    )
+
+
+def can(network: str, node: str) -> dict[str, str]:
+    return {"interface": "v", "channel": "can3", "network": network, "node_id": node}
+
+
+CAN_PORTS = {
+    name: ComponentView(
+        name,
+        (
+            PortView("tpdo1", PortKind.OUTPORT, "D::Tpdo1"),
+            PortView("rpdo2", PortKind.INPORT, "D::Rpdo2"),
+        ),
+    )
+    for name in ("LDevice", "RDevice", "RProxy")
+}
+
+
+def test_a_can_bus_is_a_line_with_its_nodes() -> None:
+    base = system(["LDevice0", "RDevice0", "RProxy0", "M0", "N0"])
+    sets = {
+        "LDevice0": can("arm", "1"),
+        "RDevice0": can("arm", "2"),
+        "RProxy0": can("arm", "2"),
+        "M0": {k: v for k, v in can("arm", "").items() if k != "node_id"},
+    }
+    shown = texts(render(with_sets(base, sets), CAN_PORTS))
+    assert "CAN can3 · arm" in shown
+    nodes = [text for text in shown if text.startswith("CAN ")]
+    assert nodes.count("CAN node 2") == 2
+    assert nodes.count("CAN node 1") == nodes.count("CAN manager") == 1
+
+
+@pytest.mark.parametrize(
+    ("parameters", "label"),
+    [
+        ({"type": "TCP", "ipaddr": "10.0.0.2", "port": "8931"}, "TCP 10.0.0.2:8931"),
+        ({"transport": "tcp", "host": "::1", "port": "9"}, "TCP ::1:9"),
+        ({"type": "SERIA", "port": "/dev/ttyS3"}, "Serial line /dev/ttyS3"),
+        ({"transport": "serial", "device": "COM3", "port": "8931"}, "Serial line COM3"),
+    ],
+)
+def test_tcp_and_serial_links_are_lines(parameters: dict[str, str], label: str) -> None:
+    svg = render(with_sets(system(["A0", "B0"]), {"A0": parameters}), {})
+    assert label in texts(svg)
+    assert svg.count('class="line medium"') == 1
+
+
+def test_parameters_of_the_definition_attach_unless_the_set_says_otherwise() -> None:
+    view = ComponentView("A", (), {"transport": "tcp", "host": "h", "port": "1"})
+    assert "TCP h:1" in texts(render(system(["A0"]), {"A": view}))
+    idle = with_sets(system(["A0"]), {"A0": {"transport": "none"}})
+    assert "TCP h:1" not in texts(render(idle, {"A": view}))
+
+
+def test_connections_of_a_timeline_are_dashed_with_their_times() -> None:
+    base = system(["A0", "B0"], [("A0", "out", "B0", "in")])
+    timeline = [
+        TimedConnection(
+            PortReference(instance="A0", port=source),
+            PortReference(instance="B0", port=target),
+            time,
+        )
+        for source, target, time in (
+            ("out", "in", 3.0),
+            ("out", "other", 12.5),
+            ("out", "other", 40.0),
+        )
+    ]
+    svg = render(base, {}, timeline)
+    assert svg.count('class="line data timed"') == 1
+    assert "12.5, 40 s" in texts(svg)
+    assert "A0.out → B0.other" in svg
+    assert "made at 12.5 s" in svg
+
+
+def luminance(colour: str) -> float:
+    """Relative luminance (WCAG 2.1) of #rrggbb."""
+    shares = [int(colour[n : n + 2], 16) / 255 for n in (1, 3, 5)]
+    linear = [
+        s / 12.92 if s <= 0.04045 else ((s + 0.055) / 1.055) ** 2.4 for s in shares
+    ]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+@pytest.mark.parametrize("scheme", [LIGHT, DARK], ids=["light", "dark"])
+def test_text_and_lines_have_enough_contrast(scheme: Scheme) -> None:
+    for ink in (scheme.text, scheme.muted, *scheme.links):
+        for ground in (scheme.page, scheme.box):
+            high, low = sorted((luminance(ink), luminance(ground)), reverse=True)
+            assert (high + 0.05) / (low + 0.05) >= 4.5, (ink, ground)
+
+
+def test_each_colour_is_defined_for_light_and_dark() -> None:
+    svg = render(system(["A0", "B0"], [("A0", "out", "B0", "in")]), PROFILES)
+    light, _, dark = svg.partition("@media (prefers-color-scheme:dark)")
+    for text in (light, dark):
+        assert ".c0{color:#" in text
+    assert not re.search(r'(fill|stroke)="#', svg)
+
+
 NAMES = [f"{letter}0" for letter in "ABCDEFG"]
 wires = st.lists(
     st.tuples(
@@ -260,4 +396,5 @@ def test_nothing_covers_anything(
 ) -> None:
     drawn = system(NAMES, joined, places=located)
     check_layout(drawn)
+    check_layout(drawn, fitted=True)
     assert render(drawn, {}) == render(drawn, {})

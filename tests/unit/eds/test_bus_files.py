@@ -10,7 +10,7 @@ import pytest
 
 from rtgen.frontends.bus import load
 from rtgen.frontends.bus.schema import SCHEMA
-from rtgen.layouts.can_messages import messages
+from rtgen.layouts.can_messages import Writing, messages
 from rtgen.layouts.can_timing import load as bus_load
 from rtgen.layouts.can_timing import response_times
 from rtgen.model.can_bus import Bus, PdoLink
@@ -22,11 +22,11 @@ BUSES = sorted((ROOT / "specs/canopen").glob("*.toml"))
 
 
 def bus(folder: Path, text: str) -> Bus:
-    """The bus of a text without findings."""
+    """The bus of a text without findings, but that its boards have no heartbeat."""
     (folder / "net.toml").write_text(text, encoding="utf-8")
     shutil.copy(BASE, folder / "board.eds")
     result = load(folder / "net.toml", root=folder)
-    assert result.diagnostics == ()
+    assert {d.code for d in result.diagnostics} <= {"EDS0711"}
     assert result.bus is not None
     return result.bus
 
@@ -95,12 +95,28 @@ def test_messages(tmp_path: Path) -> None:
     found = bus(tmp_path, LINKED)
     sent = {m.name: (m.identifier, m.octets, m.period) for m in messages(found)}
     assert sent == {
+        "NMT": (0, 2, 10**9),
         "SYNC": (0x80, 0, 10_000_000),
         "manager heartbeat": (0x77F, 1, 100_000_000),
         "one.tpdo1": (0x181, 1, 40_000_000),
         "one.rpdo1": (0x201, 1, 10_000_000),
         "two.tpdo1": (0x18A, 1, 10_000_000),
+        "one emergency": (0x81, 8, 10**9),
+        "one SDO request": (0x601, 8, 10**9),
+        "one SDO answer": (0x581, 8, 10**9),
+        "two emergency": (0x8A, 8, 10**9),
+        "two SDO request": (0x60A, 8, 10**9),
+        "two SDO answer": (0x58A, 8, 10**9),
     }
+    queued = {m.name for m in messages(found) if m.queue}
+    assert queued == {
+        *("NMT", "SYNC", "manager heartbeat", "one.rpdo1"),
+        *("one SDO request", "two SDO request"),
+    }
+    assert {m.name for m in messages(found) if m.trigger} == {"one.tpdo1"}
+    written = {("one", 1): Writing(0.002, 0.001)}
+    rpdo = next(m for m in messages(found, written) if m.name == "one.rpdo1")
+    assert (rpdo.period, rpdo.jitter) == (2_000_000, 1_000_000)
 
 
 @pytest.mark.parametrize("path", BUSES, ids=lambda path: path.stem)
@@ -206,7 +222,7 @@ def test_mistakes_of_pdos_that_are_not_valid(
     result = load(tmp_path / "net.toml", root=tmp_path)
     codes = {d.code for d in result.diagnostics}
     assert "EDS0501" in codes
-    assert {code for code in codes if code >= "EDS07"} == found
+    assert {code for code in codes if code >= "EDS07"} == {*found, "EDS0711"}
     assert (result.bus is None) == bool(found)
 
 

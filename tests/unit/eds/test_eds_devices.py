@@ -371,3 +371,14 @@ def test_command(
 )
 def test_module_names(stem: str, name: str) -> None:
     assert module_name(stem) == name
+
+
+def test_a_description_in_xml_is_named_with_the_way_out(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = '<?xml version="1.0"?>\n<ISO15745ProfileContainer/>\n'
+    for name in ("drive.xdd", "drive.eds"):
+        Path(name).write_text(text, encoding="utf-8")
+        assert run(["inspect", name]) == 2
+        assert "as an EDS, with CANopenEditor for example" in capfd.readouterr().err

@@ -105,3 +105,25 @@ def test_an_in_port_and_an_out_port_of_one_identifier(tmp_path: Path) -> None:
     text = component_module(plan)
     assert 'self._dataIn = OpenRTM_aist.InPort("data", self._d_data)\n' in text
     assert 'self._data_Out = OpenRTM_aist.OutPort("data_out", self._d_data_)\n' in text
+
+
+def test_ports_and_parameters_have_members_of_their_own(tmp_path: Path) -> None:
+    """However alike their names are, once they are identifiers."""
+    (plan,), _ = planned(
+        tmp_path,
+        a="""struct T { long x; }; interface I { void go(); };
+        component C {
+            @port("a b") provides I one; @port("a_b") provides I two;
+            consumes T c_x; attribute long xIn; consumes T a_bPort;
+        };""",
+    )
+    tree = ast.parse(component_module(plan))
+    members = [
+        target.attr
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef) and node.name == "__init__"
+        for statement in node.body
+        if isinstance(statement, ast.Assign | ast.AnnAssign)
+        for target in getattr(statement, "targets", None) or [statement.target]
+    ]
+    assert len(members) == len(set(members)) == 1 + 2 * 2 + 2 + 1

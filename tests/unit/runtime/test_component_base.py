@@ -14,6 +14,7 @@ from runtime_samples import MS, SECOND, Actor, TimedLong, activated
 from rtgen import runtime
 from rtgen.runtime import (
     BAD_PARAMETER,
+    ERROR_STATE,
     RTC_ERROR,
     RTC_OK,
     Component,
@@ -112,7 +113,7 @@ def test_an_exception_after_a_told_reason_is_the_reason() -> None:
     assert system.statistics("a").reason == "on_execute: ValueError: raised"
 
 
-def test_failures_are_logged_and_the_traceback_for_debugging_only(
+def test_a_failure_is_logged_with_its_traceback_once(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     class Stuck(Actor):
@@ -120,22 +121,46 @@ def test_failures_are_logged_and_the_traceback_for_debugging_only(
             raise ValueError("stuck")
 
     system = activated(System(), Stuck("a"))
-    system.run(until_ns=MS)
-    system.deactivate("a")
-    with caplog.at_level(logging.DEBUG, "rtgen.runtime"):
-        system.run(until_ns=2 * MS)
-    warnings = [r.getMessage() for r in caplog.records if r.levelno == logging.WARNING]
-    assert warnings == ["a: on_deactivated: ValueError: stuck"]
-    assert [r for r in caplog.records if r.levelno == logging.DEBUG and r.exc_info]
+    for _ in range(2):
+        system.run(until_ns=system.time + MS)
+        system.deactivate("a")
+        system.run(until_ns=system.time + MS)
+        system.activate("a")
+    first, again = caplog.records
+    assert first.getMessage() == "a.on_deactivated at 0.001 s: ValueError: stuck"
+    assert (first.levelno, again.levelno) == (logging.ERROR, logging.WARNING)
+    assert first.exc_info
+    assert first.exc_info[1]
+    assert not again.exc_info
 
 
-def test_an_interrupt_is_no_failure() -> None:
+def test_a_failure_at_every_tick_is_logged_once(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    class Stuck(Actor):
+        def on_error(self, ec_id: int) -> ReturnCode_t:
+            raise ValueError("stuck")
+
+    system = activated(System(), Stuck("a", lambda: RTC_ERROR))
+    with caplog.at_level(logging.INFO, "rtgen.runtime"):
+        system.run(until_ns=100 * MS)
+    assert [r.getMessage() for r in caplog.records] == [
+        "a.on_execute at 0.000 s: on_execute: returned RTC_ERROR",
+        "a.on_error at 0.001 s: ValueError: stuck",
+    ]
+
+
+def test_an_interrupt_in_a_callback_ends_the_run_and_is_its_reason() -> None:
     def interrupt() -> None:
         raise KeyboardInterrupt
 
     system = activated(System(), Actor("a", interrupt))
     with pytest.raises(KeyboardInterrupt):
         system.run(until_ns=MS)
+    statistics = system.statistics("a")
+    assert statistics.state is ERROR_STATE
+    assert statistics.reason == "on_execute: KeyboardInterrupt"
+    assert not system.run(until_ns=2 * MS)
 
 
 def test_a_component_outside_of_a_context() -> None:

@@ -25,7 +25,7 @@ from rtgen.runtime import (
     StateRecord,
     System,
 )
-from rtgen.runtime.recording import plain
+from rtgen.runtime.json_printers import plain
 
 
 class Colour(IntEnum):

@@ -27,6 +27,7 @@ from rtgen.runtime import (
     UnknownPortError,
 )
 from rtgen.runtime.descriptors import InterfaceDescriptor
+from rtgen.runtime.services import operation
 
 
 class TooMuchError(Exception):
@@ -39,6 +40,7 @@ class Adder(Servant):
     )
 
     @abstractmethod
+    @operation(raises=(TooMuchError,))
     def add(self, what: TimedList) -> None: ...
 
     @abstractmethod
@@ -46,27 +48,11 @@ class Adder(Servant):
 
 
 class AdderStub(Adder, Stub):
-    def add(self, what: TimedList) -> None:
-        self._invoke_("add", what)
-
-    def all(self) -> tuple[TimedList, list[TimedList]]:
-        return self._obtain_("all")
+    """Calls an Adder through an invoker."""
 
 
-class AdderSkeleton(Skeleton):
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        match operation:
-            case "add":
-                return self._call_(
-                    operation, self._servant.add, arguments, 1, (TooMuchError,)
-                )
-            case "all":
-                return self._call_(operation, self._servant.all, arguments, 0)
-        return super().dispatch(operation, arguments)
-
-
-Adder._stub_ = AdderStub
-Adder._skeleton_ = AdderSkeleton
+class AdderSkeleton(Skeleton, interface=Adder):
+    """Calls an Adder by operation name."""
 
 
 class BetterAdder(Adder):
@@ -154,6 +140,15 @@ def test_a_call_reaches_the_servant() -> None:
     assert servant.kept == [TimedList([3])]
     assert isinstance(end.object, Adder)
     assert end.object is end.object
+
+
+def test_a_consumer_is_called_without_its_object() -> None:
+    with pytest.raises(ObjectNotExist, match="not connected"):
+        Actor("Alone").add_consumer("use", "use", Adder).add(TimedList())
+    consumer = Actor("Other").add_consumer("use", "use", Adder)
+    assert consumer.all.__name__ == "all"
+    with pytest.raises(AttributeError):
+        consumer.nothing  # noqa: B018
 
 
 def test_arguments_and_results_are_copies() -> None:

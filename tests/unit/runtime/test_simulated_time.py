@@ -14,6 +14,7 @@ from rtgen.runtime import (
     PRECONDITION_NOT_MET,
     RTC_ERROR,
     RTC_OK,
+    UNSUPPORTED,
     DuplicateInstanceError,
     ExecutionKind,
     InitializationError,
@@ -170,6 +171,23 @@ def test_a_rate_change_counts_from_the_last_tick() -> None:
     system.run(until_ns=11 * MS)
     assert [time for _, time in notes] == [0, 1, 2, 6, 10, 10, 10]
     assert system.statistics("a").overruns == 0
+
+
+@pytest.mark.parametrize("kind", [ExecutionKind.EVENT_DRIVEN, ExecutionKind.OTHER])
+def test_only_a_periodic_context_takes_another_rate(kind: ExecutionKind) -> None:
+    """What docs/life-cycle.md says of the other kinds."""
+    system, notes = System(), []
+    system.add(Actor("a", lambda: notes.append(system.time // MS)), 1000.0)
+    context = system.add_context(250.0, kind=kind)
+    context.add_component(system.component("a"))
+    assert context.set_rate(500.0) is UNSUPPORTED
+    assert context.set_rate(0.0) is UNSUPPORTED
+    assert (context.get_rate(), context.get_kind()) == (250.0, kind)
+    context.start()
+    context.activate_component(system.component("a"))
+    system.run(until_ns=9 * MS)
+    # It is executed at its own rate, like a periodic one.
+    assert notes == [0, 4, 8]
 
 
 def test_a_callback_may_change_its_own_rate() -> None:

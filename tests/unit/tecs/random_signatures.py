@@ -511,3 +511,13 @@ def sample(random: Random, functions: int = 3) -> Sample:
     )
     unit = TecsUnit("random.cdl", "random.cdl", (*STRUCTS, signature))
     return Sample(unit, signature, {f.name: groups for f, groups, _ in made})
+
+
+def plain(value: Any) -> Any:
+    """A value whose structs are tuples: both ends have classes of their own."""
+    if isinstance(value, list | tuple):
+        return [plain(each) for each in value]
+    slots = getattr(type(value), "__slots__", None)
+    if slots is not None and not isinstance(value, int | float | str | bytes):
+        return [plain(getattr(value, name)) for name in slots]
+    return value

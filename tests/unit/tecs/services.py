@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import sys
 from types import ModuleType
 from typing import Any
 
 from rtgen.backends.tecs.options import RtcOptions
 from rtgen.backends.tecs.plan import Service as Planned
-from rtgen.backends.tecs.proxies import names_used, proxy_class
+from rtgen.backends.tecs.proxies import proxy_class
 from rtgen.backends.tecs.server_module import server_module
 from rtgen.backends.tecs.service_text import ServiceText
 from rtgen.cli.rpc.codecs import Service
 
 PROXY_HEAD = """from __future__ import annotations
-from rtgen.runtime.opaque_rpc import {names}
+from rtgen.runtime.opaque_rpc import Channel
 from {codec} import {class_}
+from .random_server import RandomTarget
 from ._types import *
 """
 
@@ -28,21 +30,18 @@ class Generated:
     def __init__(self, service: Service) -> None:
         planned = Planned(service.signature, "Random", "random", RtcOptions())
         text = ServiceText(planned, service.layout, "")
-        names = names_used(service.layout.functions) or {"Channel"}
-        head = PROXY_HEAD.format(
-            names=", ".join(sorted(names)), codec=text.codec_module, class_=text.codec
-        )
+        head = PROXY_HEAD.format(codec=text.codec_module, class_=text.codec)
         package = service.types.__package__ or ""
         self.methods = text.methods
-        proxies = _module(package, "random_proxy", head + proxy_class(text))
         server = _module(package, "random_server", server_module(text))
+        proxies = _module(package, "random_proxy", head + proxy_class(text))
         self.proxy: Any = proxies.RandomProxy
         self.target: Any = server.RandomTarget
         self.unmarshaller: Any = server.RandomUnmarshaller
 
 
 def _module(package: str, name: str, text: str) -> ModuleType:
-    module = ModuleType(f"{package}.{name}")
+    module = sys.modules[f"{package}.{name}"] = ModuleType(f"{package}.{name}")
     module.__package__ = package
     exec(compile(text, f"<{package}.{name}>", "exec"), module.__dict__)
     return module

@@ -15,6 +15,7 @@ from random_signatures import sample
 from rtgen.backends.tecs.codec import codec_text
 from rtgen.backends.tecs.types_module import types_text
 from rtgen.frontends.cdl import read_text
+from rtgen.layouts.tdr_messages import layout_of
 from rtgen.model.tecs import Signature, TecsUnit
 
 CLASHES = """
@@ -41,7 +42,7 @@ def modules(unit: TecsUnit, signature: Signature) -> dict[str, str]:
     return {
         "__init__.py": "",
         "one_codec.py": codec_text(unit, signature, header),
-        "_types.py": types_text(unit, [signature], header),
+        "_types.py": types_text(unit, [layout_of(unit, signature)], header),
     }
 
 

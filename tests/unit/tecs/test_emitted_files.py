@@ -9,7 +9,7 @@ from pathlib import Path
 
 import black
 import pytest
-from boards import MOTOR, SERVER, emit, joined, texts, write
+from boards import MOTOR, SERVER, emit, imported, joined, texts, write
 from lxml import etree
 
 from rtgen.backends.tecs.communication import communication_model
@@ -40,7 +40,7 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.peer
 def test_python_is_in_blacks_form(tree: Path) -> None:
     found = sorted((tree / "tecs").rglob("*.py"))
-    assert len(found) > 50
+    assert len(found) > 40
     for file in found:
         text = file.read_text(encoding="utf-8")
         assert black.format_str(text, mode=black.Mode()) == text, file
@@ -139,12 +139,18 @@ def test_the_build_script(tree: Path, tmp_path: Path) -> None:
 
 
 STUB = """
+Named = Struct.new(:get_namespace_path)
+Path = Struct.new(:get_path_str)
+Call = Struct.new(:get_name, :get_subscript)
 class OpaqueRPCPlugin
   attr_reader :seen
   def initialize(arguments, need)
     @seen = {}
     @PPAllocatorSize = nil
-    @signature = Object.new
+    @through_type = :THROUGH
+    @caller_cell = Named.new(Path.new("::Client0"))
+    @join = Call.new(:cServer, nil)
+    @signature = Named.new(Path.new("::sServer"))
     @signature.define_singleton_method(:need_PPAllocator?) { |_| need }
     arguments.each { |name, value| check_plugin_arg(name.to_sym, value) }
     check_PPAllocator
@@ -157,6 +163,7 @@ class OpaqueRPCPlugin
   def check_PPAllocator
     raise "no PPAllocatorSize" if @PPAllocatorSize.nil? && @signature.need_PPAllocator?(true)
   end
+  def cdl_error(text) = @seen["error"] = text
   def subst_name(text) = text.sub("$count$", "0")
   def set_TDRCelltype(value) = @seen["TDRCelltype"] = value
   def set_clientChannelInitializer(value) = @seen["client"] = value
@@ -164,36 +171,50 @@ class OpaqueRPCPlugin
 end
 def require_tecsgen_lib(name) = name
 load ARGV[0]
+class RTCPlugin
+  def rtc_digest = DIGESTS.fetch("sServer")
+end
 need, *arguments = ARGV.drop(1)
 puts RTCPlugin.new(arguments.map { |a| a.split("=", 2) }, need == "true").seen.inspect
 """
 """What the plug-in uses of tecsgen, with what it is given printed."""
 
 
+def _board(port: int = 8931, address: str = "127.0.0.1", **more: str) -> dict[str, str]:
+    return {
+        "server": f"portNo={port};",
+        "client": f'portNo={port}; serverAddr=\\"{address}\\"; ',
+        "PPAllocatorSize": "4096",
+        **more,
+    }
+
+
 @pytest.mark.skipif(RUBY is None, reason="ruby is missing")
 @pytest.mark.parametrize(
     ("arguments", "expected"),
     [
-        ((), {"PPAllocatorSize": "4096"}),
-        (("timeout=2", "name=Left", "longBits=64"), {"PPAllocatorSize": "4096"}),
-        (("PPAllocatorSize=99",), {"PPAllocatorSize": "99"}),
-        (("taskPriority=3",), {"taskPriority": "3", "PPAllocatorSize": "4096"}),
-        (("tdr=network",), {"PPAllocatorSize": "4096"}),
-        (("tdr=little",), {"TDRCelltype": "tTDR", "PPAllocatorSize": "4096"}),
+        ((), _board()),
+        (("timeout=2", "name=Left", "longBits=32"), _board()),
+        (("PPAllocatorSize=99",), _board(PPAllocatorSize="99")),
+        (("taskPriority=3",), _board(taskPriority="3")),
+        (("tdr=network",), _board()),
+        (("tdr=little", "longBits=64"), _board(TDRCelltype="tTDR")),
+        (("port=40000",), _board(port=-25536)),
+        (("port=9000 + $count$",), _board(port=9000)),
+        (("address=10.0.0.7",), _board(address="10.0.0.7")),
         (
-            ("port=40000",),
-            {
-                "server": "portNo=-25536;",
-                "client": 'portNo=-25536; serverAddr=\\"127.0.0.1\\"; ',
-                "PPAllocatorSize": "4096",
-            },
+            ("reply=paper",),
+            _board(
+                error="R1001 RTCPlugin: reply=paper cannot be honoured: "
+                "tecsgen's boards send the return value first"
+            ),
         ),
         (
-            ("address=10.0.0.7",),
-            {
-                "client": 'portNo=8931+0; serverAddr=\\"10.0.0.7\\"; ',
-                "PPAllocatorSize": "4096",
-            },
+            ("longBits=64",),
+            _board(
+                error="R1001 RTCPlugin: longBits=64 cannot be honoured: "
+                "the board sends 32 bits in the network's order"
+            ),
         ),
     ],
 )
@@ -222,3 +243,43 @@ def test_no_allocator_where_none_is_needed(tree: Path, tmp_path: Path) -> None:
         [RUBY, str(stub), plugin, "false"], capture_output=True, text=True, check=True
     )
     assert '"PPAllocatorSize"=>nil' in run.stdout.replace(" => ", "=>")
+
+
+@pytest.mark.parametrize(
+    "name", ["OpaqueRpc", "ThingMarshaller", "thingclient", "abstractmethod"]
+)
+def test_names_of_what_every_board_has(tmp_path: Path, name: str) -> None:
+    """A constant of such a name once took the place of the interface of the line."""
+    text = f"""
+        const int32_t {name} = 3;
+        signature sThing {{ ER abstractmethod( [in] int32_t a ); ER property( void ); }};
+    """
+    emission, findings = emit(tmp_path, {"a.cdl": joined(text, "sThing")})
+    assert not findings
+    write(tmp_path, emission.artifacts)
+    with imported(tmp_path, "tecs.a.thing_server", "tecs.a.thing_marshaller") as made:
+        assert made[0].ThingTarget.__abstractmethods__ == {
+            "abstractmethod_",
+            "property",
+        }
+        assert made[1].ThingMarshaller.profile.type_name == "ThingMarshaller"
+
+
+def test_the_plug_in_of_a_file_knows_the_joins_of_main_files_that_it_imports(
+    tmp_path: Path,
+) -> None:
+    part = joined("signature sPart { ER f( void ); };", "sPart")
+    whole = 'import( "part.cdl" );\n' + joined(
+        "signature sWhole { ER f( void ); };", "sWhole"
+    ).replace("tServer0", "tOther").replace("tClient0", "tCaller").replace(
+        "Server0", "Other"
+    ).replace(
+        "Client0", "Caller"
+    )
+    emission, _ = emit(tmp_path, {"part.cdl": part, "whole.cdl": whole})
+    made = texts(emission.artifacts)
+    plugin = made["tecs/whole/RTCPlugin.rb"]
+    assert "'Caller.cServer' => 8931" in plugin
+    assert "'Client0.cServer' => 8931" in plugin
+    assert "'sPart' => '" in plugin
+    assert "Caller" not in made["tecs/part/RTCPlugin.rb"]

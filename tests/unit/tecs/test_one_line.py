@@ -25,7 +25,6 @@ PARTS = {
     "marshaller code": (
         "tecs/board/server_marshaller.py",
         "tecs/board/server_codec.py",
-        "tecs/board/components/server_marshaller/server_marshaller_base.py",
         "tecs/board/_idl/server.py",
     ),
     "communication code": (

@@ -8,7 +8,7 @@ from time import monotonic, sleep
 from typing import Any
 
 import pytest
-from random_signatures import Call, sample
+from random_signatures import Call, plain, sample
 from services import Generated
 
 from rtgen.cli.rpc.codecs import Function, Service
@@ -110,16 +110,6 @@ def run_calls(random: Random, calls: int) -> int:
         [values for _, values in made]
     )
     return len(made)
-
-
-def plain(value: Any) -> Any:
-    """A value whose structs are tuples: both ends have classes of their own."""
-    if isinstance(value, list | tuple):
-        return [plain(each) for each in value]
-    slots = getattr(type(value), "__slots__", None)
-    if slots is not None and not isinstance(value, int | float | str | bytes):
-        return [plain(getattr(value, name)) for name in slots]
-    return value
 
 
 def test_some_calls() -> None:

@@ -88,6 +88,26 @@ def test_echo(cdl: Path, call: Call) -> None:
         assert call(address, "fill", n=1) == result(0, v=[0])
 
 
+def test_check_compares_the_signature_of_a_device(
+    cdl: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def check(file: Path, address: str) -> tuple[int, Any]:
+        code = run(["rpc", "check", address, "--cdl", str(file), "sMove"])
+        text = capsys.readouterr().out
+        return code, json.loads(text) if text else None
+
+    other = tmp_path / "other.cdl"
+    other.write_text(CDL.replace("[out] uint8_t *o", "[out] int8_t *o"), "utf-8")
+    with serving(cdl) as address:
+        code, same = check(cdl, address)
+        assert (code, same["signature"]) == (0, "sMove")
+        assert same["digest"] == same["peer"]
+        code, differs = check(other, address)
+        assert code == 1
+        assert differs["peer"] == same["digest"] != differs["digest"]
+    assert check(cdl, address) == (3, None)
+
+
 SCRIPT = """
 {"function": "go", "args": {"v": 1, "id": 2}, "return": 5, "outs": {"id": 9, "o": 7}}
 {"function": "go", "return": -17}

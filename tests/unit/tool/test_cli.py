@@ -127,7 +127,10 @@ def test_a_stray_file_is_drift(
     assert run(CHECK) == 0
     Path("generated/robots/extra.py").write_text("")
     assert run(CHECK) == 1
-    assert "Only in the tree: generated/robots/extra.py\n" in capfd.readouterr().out
+    printed = capfd.readouterr()
+    assert "Only in the tree: generated/robots/extra.py\n" in printed.out
+    assert "1 file not made by rtgen" in printed.err
+    assert "run rtgen generate" not in printed.err
 
 
 def test_a_file_no_longer_made_is_drift(

@@ -115,6 +115,9 @@ def test_the_file_is_found_upwards_and_paths_are_shown_from_here(
         ('[output]\nrepresentation = "xcdr"\n', "PRJ0003", 2, 1, "xcdr2"),
         ("[output]\nextensibility = 1\n", "PRJ0003", 2, 1, "appendable"),
         ('[components]\nA = "no factory"\n', "PRJ0003", 2, 1, "module:attribute"),
+        ('[components]\nA = "a.b:C\\nD = x:y"\n', "PRJ0003", 2, 1, "module:attribute"),
+        ('[components]\nA = "a.class:if"\n', "PRJ0003", 2, 1, "module:attribute"),
+        ('[components]\nA = "a:\u00b2"\n', "PRJ0003", 2, 1, "module:attribute"),
         ('[output]\npackage = "my-bots"\n', "PRJ0004", 2, 1, "identifier"),
         ('[output]\npackage = "class"\n', "PRJ0004", 2, 1, "identifier"),
         ('[output]\npackage = "generated"\n', "PRJ0004", 2, 1, "hide"),
@@ -210,6 +213,18 @@ def test_paths_beside_those_of_the_project() -> None:
         *(p.name for p in project.sources),
         "b.idl",
     ]
+
+
+def test_systems_alone_are_read_with_the_definitions_of_the_project() -> None:
+    project = written("[sources]\npaths = ['idl/deep']\n")
+    Path("idl/s.xml").write_text(
+        '<r:RtsProfile xmlns:r="http://www.openrtp.org/namespaces/rts"/>'
+    )
+    asked = with_arguments(project, paths=["idl/s.xml"], target="openrtm")
+    assert asked.sources == project.sources
+    assert [p.name for p in asked.systems] == ["s.xml"]
+    both = with_arguments(project, paths=["idl/s.xml", "idl/b.idl"], target="openrtm")
+    assert [p.name for p in both.sources] == ["b.idl"]
 
 
 def test_ignore_case_clashes_is_a_boolean() -> None:

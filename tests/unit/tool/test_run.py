@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -43,7 +44,11 @@ class Mover(Component):
         self.config = self.add_configuration(Configuration())
         self.x = 0.0
         self.observables["pose"] = lambda: (self.x, 0.0, math.tau)
+        self.observables["speed"] = lambda: self.config.speed
+        self.observables["broken"] = lambda: 1 / 0
         self.observables["goal"] = lambda: (self.config.distance, 0.0, 0.0)
+        self.observables["turned"] = lambda: (self.config.distance, 0.0, 0.5)
+        self.observables["nowhere"] = lambda: ()
 
     def on_execute(self, ec_id):
         self.x += self.config.speed * 0.01
@@ -67,6 +72,17 @@ class Waiting(Component):
     def _gate(self, request):
         self._awaited = "a second to pass"
         return RTC_OK if self.now() >= 1_000_000_000 else None
+
+
+class Hindered(Component):
+    """Says what it lacks for the first second, or for ever."""
+
+    profile = ComponentProfile("Hindered", rate=100.0)
+
+    def on_execute(self, ec_id):
+        over = self.instance_name == "H1" and self.now() >= 1_000_000_000
+        self.report("" if over else "no scan for 0.5 s")
+        return RTC_OK
 
 
 def no_component(name):
@@ -114,6 +130,7 @@ def _project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
         "Mover": "Mover",
         "Broken": "Broken",
         "Waiting": "Waiting",
+        "Hindered": "Hindered",
         "None": "no_component",
         "Raising": "raising",
     }
@@ -155,6 +172,50 @@ def test_quiet_and_machine_forms_show_no_progress(
     assert capfd.readouterr().err == ""
     assert rtgen(["run", "m.xml", "--diagnostics", "json"]) == 0
     assert json.loads(capfd.readouterr().err) == []
+
+
+@pytest.mark.parametrize(
+    ("tolerance", "arguments", "exit_code", "said"),
+    [
+        # Steps of 0.3 m end 0.1 m beyond the goal.
+        ("0.2", ["--set", "M0.speed=30"], 0, ""),
+        ("0.05", ["--set", "M0.speed=30"], 1, "0.100 m from the goal, allowed 0.05 m"),
+        ("0.2, 0.1", ["--set", "M0.speed=30"], 0, ""),
+        ("0.05", ["--until", "M0=ERROR", "--set", "M0.speed=30"], 1, "0.100 m from"),
+        # A stretch of the run is asked for, not its end.
+        ("0.05", ["--until", "0.1"], 0, ""),
+    ],
+)
+def test_a_run_that_ends_away_from_its_goal_has_failed(
+    tolerance: str,
+    arguments: list[str],
+    exit_code: int,
+    said: str,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    text = profile(("Mover", "M0"), **MOVER, tolerance=tolerance)
+    Path("s.xml").write_text(text)
+    assert rtgen(["run", "s.xml", *arguments]) == exit_code
+    out = capfd.readouterr().out
+    assert (f"the goal is not reached: {said}" in out) == bool(said)
+
+
+def test_the_heading_at_the_end_counts_if_it_is_given(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    properties = MOVER | {"goal": "M0.turned", "tolerance": "0.05, 0.1"}
+    Path("s.xml").write_text(profile(("Mover", "M0"), **properties))
+    assert rtgen(["run", "s.xml"]) == 1
+    assert "0.500 rad off the goal's heading, allowed 0.1 rad" in capfd.readouterr().out
+
+
+def test_without_a_goal_at_the_end_a_tolerance_is_not_met(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    properties = MOVER | {"goal": "M0.nowhere", "tolerance": "0.05"}
+    Path("s.xml").write_text(profile(("Mover", "M0"), **properties))
+    assert rtgen(["run", "s.xml"]) == 1
+    assert "no goal, or no pose, to judge the end by" in capfd.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -255,7 +316,7 @@ def test_real_time(capfd: pytest.CaptureFixture[str]) -> None:
         (profile(("Movr", "M0"), until="1"), [], "SYS0001"),
         (profile(("Broken", "M0"), until="1"), [], "SYS0002"),
         (profile(("None", "M0"), until="1"), [], "SYS0002"),
-        (profile(("Raising", "M0"), until="1"), [], "SYS0002"),
+        (profile(("Raising", "M0"), until="1"), [], "SYS0021"),
         (profile(("Mover", "M0"), until="soon"), [], "SYS0006"),
         (profile(("Mover", "M0")), [], "SYS0006"),
         (profile(("Mover", "M0"), until="1"), ["--csv", "x.csv"], "SYS0008"),
@@ -277,6 +338,41 @@ def test_what_does_not_fit_is_refused(
     assert out == ""
     assert f"error[{code}" in err
     assert not Path("x.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("key", "name", "message"),
+    [
+        (
+            "pose",
+            "M0.speed",
+            "rtgen.run.pose: M0.speed is no pose: a pose has 3 values",
+        ),
+        ("goal", "M0.speed", "rtgen.run.goal: M0.speed is no pose"),
+        ("pose", "M0.broken", "ZeroDivisionError: division by zero"),
+    ],
+)
+def test_an_observable_that_is_no_pose_is_told_at_its_place(
+    key: str, name: str, message: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    Path("m.xml").write_text(profile(("Mover", "M0"), until="1", **{key: name}))
+    assert rtgen(["run", "m.xml"]) == 2
+    err = capfd.readouterr().err
+    assert re.search(r"^m.xml:\d+:\d+: error\[SYS0008\]: ", err, re.M)
+    assert message in err
+
+
+def test_an_observable_that_raises_in_the_run_ends_it(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    text = MODULE.replace("lambda: 1 / 0", "lambda: 1 / max(0.0, 1.0 - self.x)")
+    Path("src/movers.py").write_text(text)
+    Path("m.xml").write_text(profile(("Mover", "M0"), until="1.5"))
+    assert rtgen(["run", "m.xml", "--csv", "M0.broken"]) == 1
+    out, err = capfd.readouterr()
+    assert "error[SYS0021]: the observable M0.broken at " in err
+    assert "src/movers.py:" in err
+    assert "M0" in out
 
 
 def test_wrong_connections_parameters_and_conf_files_are_all_told(
@@ -359,6 +455,14 @@ def test_an_interrupt_ends_a_run_with_its_report(number: signal.Signals) -> None
     assert process.returncode == 1, err
     assert out.startswith("instance")
     assert "Traceback" not in err
+
+
+def test_what_hinders_an_active_component_is_told(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    Path("s.xml").write_text(profile(("Hindered", "H0"), ("Hindered", "H1")))
+    assert rtgen(["run", "s.xml", "--until", "2"]) == 0
+    assert capfd.readouterr().out.endswith("\n\nH0: no scan for 0.5 s\n")
 
 
 def test_what_is_waited_for_is_told(

@@ -42,6 +42,7 @@ def system(*connections: Connection) -> System:
             ("rtgen.run.pose", "B0.pose"),
             ("rtgen.run.goal", "A0.goal"),
             ("rtgen.run.until", "B0=ERROR,5"),
+            ("rtgen.run.tolerance", "0.05"),
         ),
     )
 

@@ -101,7 +101,7 @@ def test_the_goal_is_reached_and_two_runs_are_the_same(
     for name in ("a", "b"):
         file = tmp_path / name
         goal = ["--set", "PositionInput0.01_x=0.3", "--set", "PositionInput0.01_y=0"]
-        assert run(["run", str(SYSTEM), "--quiet", "--log", str(file), *goal]) == 0
+        assert run(["run", str(SYSTEM), "--log", str(file), *goal]) == 0
         logs.append(file.read_bytes())
     assert logs[0] == logs[1]
     lines = dict(

@@ -509,3 +509,17 @@ def test_enumerators_in_a_struct_called_like_what_its_class_needs(
     assert (value.a, value.b, value.c) == ([], b"", Decimal(0))
     assert package.S.from_cdr(value.to_cdr()) == value
     assert package.S.int is package.S.E.int
+
+
+def test_the_fields_of_a_union_hide_no_type(tmp_path: Path) -> None:
+    package: Any = emitted.emit_text(
+        tmp_path,
+        """
+        enum value { one, two };
+        enum discriminator { three, four };
+        union U switch (value) { case one: discriminator a; default: value b; };
+        """,
+    )
+    union = package.U.of_a(package.discriminator.four)
+    assert package.U.from_cdr(union.to_cdr()) == union
+    assert package.U.of_b(package.value.two).discriminator == package.value.two

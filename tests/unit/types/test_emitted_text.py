@@ -12,7 +12,8 @@ import black
 import pytest
 
 from rtgen.backends import Emission, Options
-from rtgen.backends.python_text import docstring, fit, string_literal
+from rtgen.backends.python_text import fit
+from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.types import BACKEND
 from rtgen.frontends.idl import load
 

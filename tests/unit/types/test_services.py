@@ -90,9 +90,9 @@ def test_other_exceptions_are_unknown(test: Any, stub: Any) -> None:
 
 def test_unknown_operations_and_arguments(test: Any, stub: Any) -> None:
     with pytest.raises(BadOperation, match="no operation"):
-        stub._invoke_("fly")
+        stub._invoker("fly", ())
     with pytest.raises(BadOperation, match="takes 2 arguments, not 1"):
-        stub._invoke_("work", 1)
+        stub._invoker("work", (1,))
     assert issubclass(BadOperation, ServiceError)
 
 

@@ -1059,6 +1059,7 @@ DESCRIPTION = DeviceDescription(
     revision_number=0x10000,
     lss=True,
     dummies=(0x0002, 0x0003, 0x0004, 0x0005, 0x0006, 0x0007),
+    bit_rates=(125, 250, 500, 1000),
 )
 
 _int = Entry[int]

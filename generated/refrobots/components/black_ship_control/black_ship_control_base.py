@@ -30,6 +30,10 @@ class BlackShipControlConfiguration:
     """Greatest angular speed while following [rad/s]."""
     CommandTimeout: float = 0.5
     """The robot comes to rest when no travel command has come for so long; 0 never [s]."""
+    TargetTimeout: float = 0.0
+    """The position of a leader older than this is not followed any more; 0, as in the [s]
+    experiments: the robot goes up to its distance from the last one, and waits there.
+    """
     start_x: float = 0.0
     """Where the robot stands when it is first activated: x [m]."""
     start_y: float = 0.0
@@ -159,6 +163,15 @@ class BlackShipControlBase(Component):
                 minimum=0.0,
                 unit="s",
                 description="The robot comes to rest when no travel command has come for so long; 0 never.",
+            ),
+            ParameterProfile(
+                name="TargetTimeout",
+                python_name="TargetTimeout",
+                type="double",
+                default="0.0",
+                minimum=0.0,
+                unit="s",
+                description="The position of a leader older than this is not followed any more; 0, as in the",
             ),
             ParameterProfile(
                 name="start_x",

@@ -29,7 +29,7 @@ from rtgen.runtime.descriptors import (
     SequenceDescriptor,
     StructDescriptor,
 )
-from rtgen.runtime.services import Servant, Skeleton, Stub
+from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 WHEELS: Final = 2
 NAME_SIZE: Final = 32
@@ -236,6 +236,7 @@ class MotorBoard(Servant):
         """Looks at the wheels; does not feed the watchdog."""
 
     @abstractmethod
+    @operation(oneway=True)
     def stop(self) -> None:
         """Holds the wheels, at once and until release. Not answered."""
 
@@ -247,53 +248,9 @@ class MotorBoard(Servant):
 class MotorBoardStub(MotorBoard, Stub):
     """Calls a servant of `MotorBoard` through an invoker."""
 
-    def identify(self) -> tuple[int, str]:
-        return self._obtain_("identify")
 
-    def setLimits(self, speed: float, acceleration: float) -> int:
-        return self._obtain_("setLimits", speed, acceleration)
-
-    def drive(
-        self,
-        speed: MotorBoard_DoubleSeq2,
-        count: int,
-    ) -> tuple[int, tagWheelState]:
-        return self._obtain_("drive", speed, count)
-
-    def getState(self) -> tuple[int, tagWheelState]:
-        return self._obtain_("getState")
-
-    def stop(self) -> None:
-        self._invoke_("stop")
-
-    def release(self) -> int:
-        return self._obtain_("release")
-
-
-class MotorBoardSkeleton(Skeleton):
+class MotorBoardSkeleton(Skeleton, interface=MotorBoard):
     """Calls a servant of `MotorBoard` by operation name."""
 
-    def __init__(self, servant: MotorBoard) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: MotorBoard = self._servant
-        match operation:
-            case "identify":
-                return self._call_(operation, servant.identify, arguments, 0)
-            case "setLimits":
-                return self._call_(operation, servant.setLimits, arguments, 2)
-            case "drive":
-                return self._call_(operation, servant.drive, arguments, 2)
-            case "getState":
-                return self._call_(operation, servant.getState, arguments, 0)
-            case "stop":
-                return self._send_(operation, servant.stop, arguments, 0)
-            case "release":
-                return self._call_(operation, servant.release, arguments, 0)
-        return super().dispatch(operation, arguments)
-
-
-MotorBoard._stub_ = MotorBoardStub
-MotorBoard._skeleton_ = MotorBoardSkeleton
 MotorBoard._calls_ = ".motor_board_calls"

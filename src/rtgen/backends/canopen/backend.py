@@ -68,7 +68,7 @@ class _Devices:
         idl = "".join(f"// {line}\n" for line in lines)
         yield file(file_name(ports), f"{idl}\n{idl_of(ports)}")
         yield file("__init__.py", f'{comment}"""{module}."""\n')
-        yield file("objects.py", objects_text(module, device, ports.names, comment))
+        yield file("objects.py", objects_text(module, ports.kind, ports.names, comment))
         yield file("codecs.py", codecs_text(ports, comment))
         yield file("proxy.py", self._component(proxy_text, ports, "Proxy", comment))
         yield file("device.py", self._component(device_text, ports, "Device", comment))

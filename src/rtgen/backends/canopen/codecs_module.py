@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from rtgen.backends.canopen.pdo_codec import PdoCodec, module_text
-from rtgen.backends.python_text import docstring
+from rtgen.backends.quoting.python import docstring
 from rtgen.typemap.canopen_ports import DevicePorts
 
 

@@ -9,7 +9,8 @@ from rtgen.backends.canopen.conversions import from_codec, from_object, is_plain
 from rtgen.backends.canopen.literals import call
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.python_text import docstring, fit_text
+from rtgen.backends.python_text import fit_text
+from rtgen.backends.quoting.python import docstring
 from rtgen.model import Component, Model, NamedType, ScopedName, Struct
 from rtgen.model.canopen import PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
@@ -24,6 +25,7 @@ _TAKEN = frozenset(
         *("ObjectNumber", "ObjectValue", "Receiver", "Sender", "Setter", "unread"),
         *("_pdo", "codecs", "data", "dict", "divmod", "get", "instance_name", "int"),
         *(
+            "CONFIGURATION",
             "REMAPPED",
             "replace",
             "bytes",

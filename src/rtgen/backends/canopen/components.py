@@ -264,6 +264,31 @@ def _of_proxy(span: Span) -> Iterator[ConfigurationParameter]:
         "ms",
         1,
     )
+    yield _parameter(
+        span,
+        "emergency_stop",
+        _STRING,
+        "",
+        "Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. "
+        "Empty: as the network says.",
+    )
+    yield _parameter(
+        span,
+        "recoveries",
+        _LONG,
+        0,
+        "How often in a row it leaves ERROR by itself; 0: as the network says.",
+        "",
+        0,
+    )
+    yield _parameter(
+        span,
+        "sdo_in_error",
+        _BOOLEAN,
+        False,
+        "Whether the device is pre-operational in ERROR, where its objects can be read, and not "
+        "stopped.",
+    )
 
 
 def _of_objects(ports: DevicePorts) -> Iterator[ConfigurationParameter]:

@@ -7,7 +7,7 @@ Each function gives a Python expression for the one that it is given; `time` is 
 
 from __future__ import annotations
 
-from rtgen.backends.python_text import number_literal, string_literal
+from rtgen.backends.quoting.python import number_literal, string_literal
 from rtgen.model.canopen import DataType
 from rtgen.typemap.canopen_ports import Quantity
 

@@ -12,6 +12,7 @@ import struct
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeAlias
 
+from rtgen.backends.quoting.properties import eds_line
 from rtgen.model.canopen import (
     SIGNED,
     Commissioning,
@@ -35,6 +36,8 @@ _REALS: Mapping[int, tuple[str, str]] = {
     DataType.REAL32: ("<f", "<I"),
     DataType.REAL64: ("<d", "<Q"),
 }
+_EXACT = 2.0**53
+"""Up to here every whole number is a REAL64."""
 _SIMPLE_DUMMIES = range(1, 8)
 
 _Pair: TypeAlias = tuple[str, str]
@@ -46,7 +49,7 @@ def eds_text(device: Device, header: Sequence[str] = ()) -> str:
     lines = [f"; {line}" for line in header]
     for name, pairs in _sections(device):
         lines += ["", f"[{name}]"] if lines else [f"[{name}]"]
-        lines += [f"{key}={value}" for key, value in pairs]
+        lines += [eds_line(f"{key}={value}") for key, value in pairs]
     return "\n".join(lines) + "\n"
 
 
@@ -214,6 +217,11 @@ def value_text(value: Value | None, data_type: int) -> str | None:
             real, bits = _REALS[data_type]
             [number] = struct.unpack(bits, struct.pack(real, value))
             return f"0x{number:X}"
+        case float() if (
+            value.is_integer() and abs(value) < _EXACT and str(value) != "-0.0"
+        ):
+            # Checkers such as Lely's take whole numbers only, also for REAL32 and REAL64.
+            return str(int(value))
         case float():
             return repr(value)
     if data_type in SIGNED or data_type == DataType.BOOLEAN or value < 0:

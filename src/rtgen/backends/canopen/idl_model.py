@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -40,7 +41,7 @@ _PDO_PARAMETERS = range(0x1400, 0x1C00)
 
 def idl_of(ports: DevicePorts) -> str:
     """The text of the IDL file of a device, its components left out."""
-    macro = "".join(c if c.isalnum() else "_" for c in f"{ports.kind.module}_IDL")
+    macro = re.sub(r"[^A-Za-z0-9]", "_", f"{ports.kind.module}_IDL")
     macro = f"CANOPEN_{macro.upper()}"
     declarations = tuple(_declarations(ports))
     body = idl_text(Model(declarations=declarations), declarations, annotations=False)

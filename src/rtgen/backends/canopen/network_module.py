@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from rtgen.backends.canopen.literals import call, items, octets_literal
-from rtgen.backends.canopen.objects_module import identity_of, pdo_text
-from rtgen.backends.python_text import docstring, fit, string_literal
+from dataclasses import replace
+
+from rtgen.backends.canopen.literals import call, items
+from rtgen.backends.canopen.objects_module import identity_of, pdo_text, write_text
+from rtgen.backends.python_text import fit
+from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.layouts.can_startup import start_up
+from rtgen.layouts.can_supervision import guard_time, heartbeat, heartbeat_timeout
 from rtgen.model.can_bus import Bus, BusNode
 from rtgen.model.canopen import resolved
 
-_HEARTBEAT = 0x1017
 _BOOT_TIMEOUT = 2000
-_PERIODS = 3
-"""A node is lost when so many of its heartbeats are missing."""
 
 
 def network_text(bus: Bus, header: str) -> str:
@@ -46,16 +47,7 @@ def network_text(bus: Bus, header: str) -> str:
 
 def _node(node: BusNode) -> str:
     boot = round(node.boot_timeout * 1000)
-    writes = [
-        call(
-            "Write",
-            f"0x{w.variable.index:04X}",
-            str(w.variable.subindex),
-            octets_literal(w.value),
-            verify="" if w.verify else "False",
-        )
-        for w in start_up(node)
-    ]
+    writes = [write_text(replace(w, relative=False)) for w in start_up(node)]
     return call(
         "NodeDescription",
         name=string_literal(node.name),
@@ -71,25 +63,14 @@ def _node(node: BusNode) -> str:
         mandatory="" if node.mandatory else "False",
         start="" if node.start else "False",
         lss="True" if node.lss else "",
+        guard_time=str(guard_time(node)) if guard_time(node) else "",
+        emergency_stop=string_literal(stops) if (stops := node.emergency_stop) else "",
+        recoveries=str(node.recoveries) if node.recoveries else "",
     )
 
 
 def _hex(told: int | None) -> str:
     return "None" if told is None else f"0x{told:X}"
-
-
-def heartbeat(node: BusNode) -> int:
-    """The period of a node's heartbeat in ms, 0 for none."""
-    variable = node.device.find(_HEARTBEAT)
-    told = None if variable is None else variable.current
-    return told if isinstance(told, int) else 0
-
-
-def heartbeat_timeout(node: BusNode) -> int:
-    """How long the manager waits for a heartbeat in ms, 0 if there is none."""
-    if node.heartbeat_timeout is None:
-        return _PERIODS * heartbeat(node)
-    return round(node.heartbeat_timeout * 1000)
 
 
 def identity(

@@ -5,8 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from rtgen.backends.canopen.literals import call, items, literal, named, number
-from rtgen.backends.python_text import docstring, fit, string_literal
+from rtgen.backends.canopen.literals import (
+    call,
+    items,
+    literal,
+    named,
+    number,
+    octets_literal,
+)
+from rtgen.backends.python_text import fit
+from rtgen.backends.quoting.python import docstring, string_literal
+from rtgen.layouts.can_startup import StartWrite, configuration, configured
+from rtgen.model.can_bus import DeviceKind
 from rtgen.model.canopen import (
     RPDO_COMMUNICATION,
     TPDO_COMMUNICATION,
@@ -22,7 +32,9 @@ from rtgen.typemap.canopen_texts import line, type_name
 from rtgen.typemap.canopen_values import kind, object_value, python_type
 
 REMAPPED = "REMAPPED"
-"""The name of the PDOs that have another mapping than the device has by itself."""
+"""The name of the PDOs as they are once the device is configured."""
+CONFIGURATION = "CONFIGURATION"
+"""The name of what is written to configure it."""
 
 _IDENTITY = 0x1018
 _MAPPING = 0x200
@@ -35,14 +47,16 @@ def class_name(module: str) -> str:
 
 
 def objects_text(
-    module: str, device: Device, names: Mapping[tuple[int, int], str], header: str
+    module: str, kind: DeviceKind, names: Mapping[tuple[int, int], str], header: str
 ) -> str:
     """The module. `names` are the fields of the variables by index and sub-index."""
-    remapped = device.pdos if is_remapped(device) else ()
-    device = as_delivered(device)
+    remapped = configured(kind).pdos if is_remapped(kind) else ()
+    writes = configuration(kind)
+    device = as_delivered(kind.device)
     used = ["DeviceDescription"]
     used += ["ObjectDescription"] * any(device.variables)
     used += ["PdoDescription"] * bool(device.pdos)
+    used += ["Write"] * bool(writes)
     lines = [
         header + docstring(f"The object dictionary of `{device.key}`.", 0).rstrip("\n"),
         "",
@@ -53,6 +67,7 @@ def objects_text(
         "",
         fit(f"DESCRIPTION = {_description(module, device, names)}"),
         *_remapped(remapped, device),
+        *_configuration(writes),
         "",
         *_aliases(device),
         "",
@@ -87,13 +102,31 @@ def _description(
             "" if info.granularity in (None, 8) else str(info.granularity or 0)
         ),
         dummies=items([f"0x{code:04X}" for code in device.dummies]),
+        bit_rates=items(list(map(str, info.bit_rates if info.lss else ()))),
     )
 
 
-def is_remapped(device: Device) -> bool:
-    """Whether the values of its kind give it another mapping than it has by itself."""
-    return device.commissioning is None and any(
-        pdo.entries != pdo.default_entries for pdo in device.pdos
+def is_remapped(kind: DeviceKind) -> bool:
+    """Whether it has other PDOs, once it is configured, than it has by itself."""
+    return configured(kind).pdos != as_delivered(kind.device).pdos
+
+
+def _configuration(writes: Sequence[StartWrite]) -> Iterator[str]:
+    if writes:
+        yield ""
+        yield fit(f"{CONFIGURATION} = {items([write_text(w) for w in writes])}")
+        yield '"""What a master writes to a node that is in no network."""'
+
+
+def write_text(write: StartWrite) -> str:
+    """A write as `Write(...)`."""
+    return call(
+        "Write",
+        f"0x{write.variable.index:04X}",
+        str(write.variable.subindex),
+        octets_literal(write.value),
+        verify="" if write.verify else "False",
+        relative="True" if write.relative else "",
     )
 
 
@@ -102,7 +135,7 @@ def _remapped(pdos: Sequence[Pdo], device: Device) -> Iterator[str]:
         texts = [pdo_text(pdo, device) for pdo in pdos]
         yield ""
         yield fit(f"{REMAPPED} = {items(texts)}")
-        yield '"""The PDOs with the mapping that the values of the kind give them."""'
+        yield '"""The PDOs as the description, and the mappings of the kind, configure them."""'
 
 
 def as_delivered(device: Device) -> Device:

@@ -9,8 +9,9 @@ from rtgen.backends.canopen.component_module import ComponentModule
 from rtgen.backends.canopen.conversions import is_plain, to_codec, to_object
 from rtgen.backends.canopen.kinds import SERVICE
 from rtgen.backends.canopen.literals import call, items, literal, number
-from rtgen.backends.canopen.objects_module import REMAPPED, is_remapped
-from rtgen.backends.python_text import docstring, number_literal, string_literal
+from rtgen.backends.canopen.objects_module import CONFIGURATION, REMAPPED, is_remapped
+from rtgen.backends.quoting.python import docstring, number_literal, string_literal
+from rtgen.layouts.can_startup import configuration
 from rtgen.model import VOID, Component, Interface, Model, PortKind
 from rtgen.model.canopen import NodeRelative, PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
@@ -60,7 +61,11 @@ class _ProxyModule(ComponentModule):
         self._name = name
         self._received = ports.of(PdoDirection.TPDO)
         self._sent = ports.of(PdoDirection.RPDO)
-        self._is_remapped = is_remapped(ports.device)
+        self._changes: dict[str, str] = {}
+        if is_remapped(ports.kind):
+            self._changes["pdos"] = REMAPPED
+        if configuration(ports.kind):
+            self._changes["configuration"] = CONFIGURATION
         self._codecs: list[str] = []
 
     def proxy(self, header: str, networks: str) -> str:
@@ -83,10 +88,10 @@ class _ProxyModule(ComponentModule):
             body += self._send(sample)
         if service is not None:
             body += self._servant(service)
-        tables = ["DESCRIPTION", *([REMAPPED] if self._is_remapped else [])]
+        tables = ["DESCRIPTION", *self._changes.values()]
         relative = [
             f"from ...components.{module_name(self._name)} import {self._name}Base",
-            f"from .objects import {', '.join(tables)}",
+            f"from .objects import {', '.join(sorted(tables))}",
         ]
         if self._codecs:
             relative.append(f"from .codecs import {', '.join(sorted(self._codecs))}")
@@ -97,10 +102,10 @@ class _ProxyModule(ComponentModule):
 
     def _description(self) -> str:
         """The device as the codecs take it, also where no network tells of its PDOs."""
-        if not self._is_remapped:
+        if not self._changes:
             return "DESCRIPTION"
         replace = self.use("dataclasses", "replace")
-        return f"{replace}(DESCRIPTION, pdos={REMAPPED})"
+        return call(replace, "DESCRIPTION", **self._changes)
 
     def _constructor(self, service: bool) -> Iterator[str]:
         gathered = self._sent if self.ports.per_object else ()

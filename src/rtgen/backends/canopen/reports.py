@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rtgen.backends.canopen.literals import named
-from rtgen.backends.canopen.network_module import heartbeat, heartbeat_timeout, identity
-from rtgen.layouts.can_messages import messages
+from rtgen.backends.canopen.network_module import identity
+from rtgen.layouts.can_messages import Writings, messages
 from rtgen.layouts.can_startup import StartWrite, start_up
+from rtgen.layouts.can_supervision import guard_time, heartbeat, heartbeat_timeout
 from rtgen.layouts.can_timing import Message, Timing, load, response_times
 from rtgen.model.can_bus import Bus, BusNode
 
@@ -53,10 +54,13 @@ def _steps(node: BusNode) -> Iterator[list[str]]:
         yield ["read", "", "what was written"]
     if node.start:
         yield ["NMT", "01", "start"]
-    period, patience = heartbeat(node), heartbeat_timeout(node)
-    if period and patience:
+    patience = heartbeat_timeout(node)
+    if (period := heartbeat(node)) and patience:
         times = f"every {period} ms, lost after {patience} ms"
         yield ["watch", "1017", "heartbeat", times]
+    if period := guard_time(node):
+        times = f"every {period} ms, lost after {patience} ms"
+        yield ["guard", "100C", "node guarding", times]
     if node.restarts:
         yield ["reset", "", f"after errors, up to {node.restarts} times"]
 
@@ -66,9 +70,14 @@ def _what(write: StartWrite) -> str:
     return f"{name} ({write.why})" if write.why else name
 
 
-def timing_text(bus: Bus, header: Sequence[str]) -> str:
-    """Load and worst-case response time of every message, the most urgent first."""
-    sent = messages(bus)
+def timing_text(
+    bus: Bus, header: Sequence[str], writings: Writings | None = None
+) -> str:
+    """Load and worst-case response time of every message, the most urgent first.
+
+    `writings`: see `messages`.
+    """
+    sent = messages(bus, writings)
     timings = list(response_times(sent, bus.bit_rate))
     rows = [_HEAD, *(_timing(timing) for timing in timings)]
     late = [t for t in timings if t.response is None or t.response > t.message.period]
@@ -82,6 +91,7 @@ def timing_text(bus: Bus, header: Sequence[str]) -> str:
         "",
         "All times in us. Response: from the event to the end of the frame, worst case",
         "(Davis, Burns, Bril, Lukkien: Controller Area Network schedulability analysis, 2007).",
+        "Synchronous PDOs count from SYNC. What manager and proxies send waits in one queue.",
     ]
     if late:
         names = ", ".join(t.message.name for t in late)

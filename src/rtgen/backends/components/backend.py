@@ -17,12 +17,8 @@ from rtgen.backends.components.places import (
     source_of,
 )
 from rtgen.backends.components.skeleton import skeleton_module
-from rtgen.backends.python_text import (
-    docstring,
-    fit_text,
-    header_comment,
-    string_literal,
-)
+from rtgen.backends.python_text import fit_text, header_comment
+from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.rendering import render
 from rtgen.diagnostics import has_errors
 from rtgen.model import Component, Model, SourceFile

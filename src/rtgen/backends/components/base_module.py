@@ -9,13 +9,8 @@ from rtgen.backends import Options
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.members import Attributes, attributes_of
 from rtgen.backends.components.places import heading, source_of, summary
-from rtgen.backends.python_text import (
-    docstring,
-    fit_text,
-    header_comment,
-    number_literal,
-    string_literal,
-)
+from rtgen.backends.python_text import fit_text, header_comment
+from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.rendering import render
 from rtgen.model import (
     Component,
@@ -115,7 +110,7 @@ class _BaseModule:
             "components/base.py.j2",
             header=header_comment(self._options.version, [(source.key, source.sha256)]),
             docstring=docstring(title, 0),
-            class_docstring=docstring(component.doc or title, 4),
+            class_docstring=docstring(component.doc, 4, title),
             runtime_imports=[import_from("rtgen.runtime", runtime), *of_runtime],
             imports=sorted([*self._imports.lines(), *local]),
             runtime_base=runtime_base,

@@ -52,11 +52,18 @@ def check(model: Model) -> list[Diagnostic]:
     components = components_of(model)
     found = list(_module_clashes(components))
     for component in components:
-        found += _basic(component)
-        found += _texts(component)
-        found += _ports(model, component)
-        found += _configuration(model, component)
+        found += check_component(model, component)
     return found
+
+
+def check_component(model: Model, component: Component) -> list[Diagnostic]:
+    """The findings about a component by itself."""
+    return [
+        *_basic(component),
+        *_texts(component),
+        *_ports(model, component),
+        *_configuration(model, component),
+    ]
 
 
 def _module_clashes(components: list[Component]) -> Iterator[Diagnostic]:

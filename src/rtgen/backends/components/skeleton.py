@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from rtgen.backends import Options, Owner
@@ -10,7 +10,8 @@ from rtgen.backends.components.base_module import class_names
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.members import attributes_of
 from rtgen.backends.components.places import heading, source_of
-from rtgen.backends.python_text import docstring, fit_text, header_comment
+from rtgen.backends.python_text import fit_text, header_comment
+from rtgen.backends.quoting.python import docstring
 from rtgen.backends.rendering import render
 from rtgen.model import (
     VOID,
@@ -95,7 +96,7 @@ def skeleton_module(
         servants=servants,
         name=name,
         base=base,
-        class_docstring=docstring(component.doc or heading(component), 4),
+        class_docstring=docstring(component.doc, 4, heading(component)),
         actions=[action for action in ACTIONS if action.implemented],
     )
     return fit_text(text)
@@ -112,7 +113,9 @@ def _servant(
 ) -> _Servant:
     type_ = model.unalias(port.type)
     assert isinstance(type_, NamedType), "checked before anything is emitted"
-    interfaces = list(_with_bases(model, model.find(type_.name)))
+    interface = model.find(type_.name)
+    assert isinstance(interface, Interface), "checked before anything is emitted"
+    interfaces = [*model.bases(interface), interface]
     attributes = {a.name: a for each in interfaces for a in each.attributes}
     operations = {o.name: o for each in interfaces for o in each.operations}
     return _Servant(
@@ -123,14 +126,6 @@ def _servant(
         attributes=tuple(_attribute(imports, each) for each in attributes.values()),
         operations=tuple(_operation(imports, each) for each in operations.values()),
     )
-
-
-def _with_bases(model: Model, interface: object) -> Iterator[Interface]:
-    """The interface after all that it inherits from; a shared base may come again."""
-    assert isinstance(interface, Interface), "checked before anything is emitted"
-    for base in interface.bases:
-        yield from _with_bases(model, model.find(base))
-    yield interface
 
 
 def _attribute(imports: Imports, attribute: Attribute) -> _Attribute:

@@ -35,6 +35,7 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.declarations import OPAQUE
+from rtgen.model.graphs import leading_to
 
 _UNKNOWN = {
     Primitive.INT8: "`int8`, which IDL has since version 4",
@@ -201,11 +202,7 @@ class Classic:
             for d in self._model.declarations
             if isinstance(d, Struct | Union | ExceptionDecl | Typedef)
         }
-        size = -1
-        while size != len(found):
-            size = len(found)
-            found.update(n for n, held in holders.items() if not held.isdisjoint(found))
-        return frozenset(found)
+        return frozenset(leading_to(holders, found))
 
     def _held(
         self, declaration: Struct | Union | ExceptionDecl | Typedef

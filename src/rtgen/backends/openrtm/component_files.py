@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from rtgen.backends import Artifact
 from rtgen.backends.openrtm.component_module import component_module
 from rtgen.backends.openrtm.plan import ComponentPlan
-from rtgen.backends.python_text import comment_text, header_comment, number_literal
+from rtgen.backends.python_text import header_comment
+from rtgen.backends.quoting.python import number_literal
 from rtgen.backends.rendering import render
 from rtgen.backends.rtc_profile import profile_text
 from rtgen.typemap.parameters import Parameters
@@ -27,7 +28,7 @@ def component_files(plan: ComponentPlan) -> Iterator[Artifact]:
     conf = render(
         "openrtm/component.conf.j2",
         parameters=[
-            (each.parameter.name, comment_text(parameters.default_text(each.parameter)))
+            (each.parameter.name, parameters.default_text(each.parameter))
             for each in plan.parameters
         ],
         **values,

@@ -16,13 +16,8 @@ from rtgen.backends.openrtm.plan import (
     ServicePort,
 )
 from rtgen.backends.openrtm.wire_names import WireNames
-from rtgen.backends.python_text import (
-    docstring,
-    fit_text,
-    header_comment,
-    number_literal,
-    string_literal,
-)
+from rtgen.backends.python_text import fit_text, header_comment
+from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.rendering import render
 from rtgen.model import Interface, SequenceType, StringType
 from rtgen.model.constraints import text_of
@@ -37,8 +32,6 @@ _TAKEN = frozenset(
         *("int", "str", "host", "manager", "profile", "self", "ec_id"),
     }
 )
-_PLACE = "# The module spec."
-"""Stands for it until the text is fitted: black leaves it as it is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +58,7 @@ class _ComponentModule:
         self._taken = {*_TAKEN, self._class}
         self._specification = self._own(f"{plan.name.lower()}_spec")
         self._own(f"{plan.name}Init")
+        self._attributes: dict[tuple[str, str], str] = {}
         self._modules: dict[str, str] = {}
         self._stubs: dict[str, str] = {}
         self._servants: dict[str, _Servant] = {}
@@ -101,12 +95,12 @@ class _ComponentModule:
             "openrtm/component.py.j2",
             header=header_comment(options.version, [(source.key, source.sha256)]),
             docstring=docstring(heading(component), 0),
-            class_docstring=docstring(component.doc or heading(component), 4),
+            class_docstring=docstring(component.doc, 4, heading(component)),
             places=_tuple(map(string_literal, places)),
             runtime=", ".join([*names, *["stubs"] * bool(stems)]),
             stubs=_tuple(map(string_literal, stems)) if stems else "",
             imports=sorted(imports),
-            specification=_PLACE,
+            specification=self._specification_text(),
             specification_name=self._specification,
             servants=list(self._servants.values()),
             name=self._class,
@@ -119,10 +113,10 @@ class _ComponentModule:
                 for action in ACTIONS
                 if action.parameters
             ],
-            type_name=string_literal(plan.name),
-            category=string_literal(component.category),
+            type_name=plan.name,
+            category=component.category,
         )
-        return fit_text(text).replace(_PLACE, self._specification_text(), 1)
+        return fit_text(text)
 
     def _specification_text(self) -> str:
         """The module spec: a pair a line, as everybody writes it."""
@@ -166,29 +160,60 @@ class _ComponentModule:
             yield f"conf.__constraints__.{name}", text_of(constraint)
         yield f"conf.__type__.{name}", self._parameters.profile_type(parameter.type)
 
+    # The attributes of the class: what differs in the definition differs here.
+
+    def _attribute(self, kind: str, key: str, name: str) -> str:
+        """The attribute for a thing of that kind and key: the name, `_` behind it if taken."""
+        known = self._attributes.get((kind, key))
+        if known is None:
+            taken = self._attributes.values()
+            while name in taken:
+                name += "_"
+            known = self._attributes[kind, key] = name
+        return known
+
+    def _datum(self, port: DataPort) -> str:
+        return self._attribute("datum", port.attribute, f"_d_{port.attribute}")
+
+    def _member(self, port: DataPort, kind: str) -> str:
+        return self._attribute("port", port.attribute, f"_{port.attribute}{kind}")
+
+    def _service_member(self, service: ServicePort) -> str:
+        name = f"_{identifier(service.name)}Port"
+        return self._attribute("service", service.name, name)
+
+    def _interface_member(self, interface: ServiceInterface) -> str:
+        attribute = interface.attribute
+        return self._attribute("interface", attribute, f"_s_{attribute}")
+
+    def _variable(self, planned: PlannedParameter) -> str:
+        # Not the tools' `_<name>`: OpenRTM's own members are called so, as `_properties`.
+        attribute = planned.attribute
+        return self._attribute("parameter", attribute, f"_c_{attribute}")
+
     # What the constructor makes.
 
     def _members(self) -> Iterator[str]:
         plan = self._plan
         for ports, kind in ((plan.in_ports, "In"), (plan.out_ports, "Out")):
             for port in ports:
-                datum, member = _datum(port), _member(port, kind)
+                datum, member = self._datum(port), self._member(port, kind)
                 type_ = self._stub(self._wire.stub_path(port.type.name))
                 yield f"self.{datum}: {type_} = {self._of_type(port, 'new')}()"
                 made = f"OpenRTM_aist.{kind}Port({_quoted(port.name)}, self.{datum})"
                 yield f"self.{member} = {made}"
         for service in plan.service_ports:
             made = f"OpenRTM_aist.CorbaPort({_quoted(service.name)})"
-            yield f"self.{_service_member(service)} = {made}"
+            yield f"self.{self._service_member(service)} = {made}"
             for interface in service.interfaces:
                 if not interface.provided:
                     stub = self._stub(self._wire.stub_path(interface.type.name))
                     made = f"OpenRTM_aist.CorbaConsumer(interfaceType={stub})"
-                    yield f"self.{_interface_member(interface)} = {made}"
+                    yield f"self.{self._interface_member(interface)} = {made}"
         for planned in plan.parameters:
             initial = self._initial(planned)
             annotation = ": list[Any]" * (initial == "[]")
-            yield f"self.{_variable(planned)}{annotation} = [{initial}]"
+            yield f"self.{self._variable(planned)}{annotation} = [{initial}]"
 
     def _of_type(self, port: DataPort, which: str) -> str:
         found = self._wire.conversions(port.type)
@@ -239,7 +264,7 @@ class _ComponentModule:
             # An empty default would not be bound.
             default = self._parameters.default_text(planned.parameter) or " "
             yield (
-                f"self.bindParameter({name}, self.{_variable(planned)}, "
+                f"self.bindParameter({name}, self.{self._variable(planned)}, "
                 f"{_quoted(default)}, host.parameter({name}))"
             )
         for port in plan.in_ports:
@@ -252,19 +277,19 @@ class _ComponentModule:
     def _added(
         self, port: DataPort, kind: str, conversions: Sequence[str]
     ) -> Iterator[str]:
-        member = f"self.{_member(port, kind)}"
+        member = f"self.{self._member(port, kind)}"
         yield f"self.add{kind}Port({_quoted(port.name)}, {member})"
         functions = ", ".join(self._of_type(port, which) for which in conversions)
         yield (
             f"host.{kind.lower()}_port({_quoted(port.port.name)}, {member}, "
-            f"self.{_datum(port)}, {functions})"
+            f"self.{self._datum(port)}, {functions})"
         )
 
     def _served(self, service: ServicePort) -> Iterator[str]:
-        port = f"self.{_service_member(service)}"
+        port = f"self.{self._service_member(service)}"
         for interface in service.interfaces:
-            member = f"self.{_interface_member(interface)}"
-            type_ = _quoted(interface.type.scoped)
+            member = f"self.{self._interface_member(interface)}"
+            type_ = _quoted(interface.type_name)
             instance = _quoted(interface.port.instance)
             place = f"{_quoted(service.port)}, {instance}"
             if interface.provided:
@@ -276,6 +301,8 @@ class _ComponentModule:
                 stub = f"{self._module(found.path)}.{found.stub}"
                 yield f"{port}.registerConsumer({instance}, {type_}, {member})"
                 yield f"host.consumer({place}, {member}, {stub})"
+        if not all(interface.provided for interface in service.interfaces):
+            yield f"host.service_port({_quoted(service.port)}, {port})"
         yield f"self.addPort({port})"
 
     def _servant(self, interface: ServiceInterface) -> str:
@@ -290,27 +317,6 @@ class _ComponentModule:
                 interface=type_.scoped,
             )
         return self._servants[type_.scoped].name
-
-
-def _datum(port: DataPort) -> str:
-    return f"_d_{port.attribute}"
-
-
-def _member(port: DataPort, kind: str) -> str:
-    return f"_{port.attribute}{kind}"
-
-
-def _service_member(service: ServicePort) -> str:
-    return f"_{identifier(service.name)}Port"
-
-
-def _interface_member(interface: ServiceInterface) -> str:
-    return f"_s_{interface.attribute}"
-
-
-def _variable(planned: PlannedParameter) -> str:
-    # Not the tools' `_<name>`: OpenRTM's own members are called so, as `_properties`.
-    return f"_c_{planned.attribute}"
 
 
 def _quoted(text: str) -> str:

@@ -14,7 +14,7 @@ from typing import Protocol
 from rtgen.backends.openrtm.classic import Classic
 from rtgen.backends.openrtm.wire_names import WireNames, mangled
 from rtgen.backends.openrtm.wire_scope import WireScope
-from rtgen.backends.python_text import number_literal, string_literal
+from rtgen.backends.quoting.python import number_literal, string_literal
 from rtgen.model import (
     ArrayType,
     Case,
@@ -28,6 +28,7 @@ from rtgen.model import (
     NamedType,
     Primitive,
     PrimitiveType,
+    ScopedName,
     SequenceType,
     Struct,
     Type,
@@ -38,7 +39,7 @@ from rtgen.model import (
 from rtgen.model.declarations import OPAQUE
 
 _INLINE = 48
-"""The most fields, those of inner structs included, that are converted in one function."""
+"""The most fields, inner structs and their fields included, that are converted in one function."""
 
 STAND_IN = "opaque"
 """The member, an octet, of what stands for a struct that is not known."""
@@ -74,6 +75,7 @@ class ConversionCode:
         self._names = names
         self._classic = classic
         self._py = scope
+        self._sizes: dict[ScopedName, int] = {}
 
     # Structs, exceptions, unions: bodies of functions.
 
@@ -198,14 +200,16 @@ class ConversionCode:
         return struct if self._size(struct) <= _INLINE else None
 
     def _size(self, struct: Struct) -> int:
-        """The number of fields, those of inner structs included, or more than `_INLINE`."""
-        size = 0
-        for field in self._fields(struct):
-            inner = self._struct(self._model.unalias(field.type))
-            size += 1 if inner is None else self._size(inner)
-            if size > _INLINE:
-                break
-        return size
+        """The number of fields and inner structs, or a number above `_INLINE`."""
+        if struct.name not in self._sizes:
+            size = 1
+            for field in self._fields(struct):
+                inner = self._struct(self._model.unalias(field.type))
+                size += 1 if inner is None else self._size(inner)
+                if size > _INLINE:
+                    break
+            self._sizes[struct.name] = size
+        return self._sizes[struct.name]
 
     def _made(
         self, struct: Struct, value: str, wire: str, used: set[str]

@@ -11,7 +11,8 @@ from rtgen.backends.openrtm.plan import IdlFile, Unit
 from rtgen.backends.openrtm.wire_names import CORBA_PACKAGE, WireNames
 from rtgen.backends.openrtm.wire_scope import WireScope
 from rtgen.backends.openrtm.wire_services import WireServices
-from rtgen.backends.python_text import docstring, fit_text, header_comment
+from rtgen.backends.python_text import fit_text, header_comment
+from rtgen.backends.quoting.python import docstring
 from rtgen.backends.rendering import render
 from rtgen.model import (
     Declaration,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import PurePosixPath
@@ -14,6 +14,7 @@ from rtgen.backends.components.checks import components_of
 from rtgen.backends.components.members import attributes_of
 from rtgen.backends.components.places import imported_from, source_of
 from rtgen.backends.openrtm import rules
+from rtgen.backends.quoting.properties import is_conf_key, is_conf_value
 from rtgen.diagnostics import Diagnostic, Related
 from rtgen.model import (
     Component,
@@ -28,6 +29,13 @@ from rtgen.model import (
     SourceFile,
 )
 from rtgen.typemap.implementation_modules import implementation_modules, referred
+from rtgen.typemap.openrtm_ports import (
+    OPENRTM_NAME,
+    chosen_name,
+    key_of,
+    known_name,
+    names_of,
+)
 from rtgen.typemap.python_names import identifier, module_name
 
 ROOT = "openrtm"
@@ -40,9 +48,6 @@ STOCK = frozenset(
     }
 )
 """Stems of the IDL files that OpenRTM has itself: included from its folder, never emitted."""
-
-OPENRTM_NAME = "openrtm_name"
-"""The annotation that names a port for OpenRTM."""
 
 _STOCK_STEMS = {stem.casefold(): "" for stem in STOCK}
 _NOT_IN_STEM = re.compile(r"\W", re.ASCII)
@@ -189,6 +194,11 @@ class ServiceInterface:
     type: Declaration
 
     @property
+    def type_name(self) -> str:
+        """The name of the type that the interface is registered with."""
+        return self.port.type_name or self.type.scoped
+
+    @property
     def provided(self) -> bool:
         """Whether it is a provider."""
         return self.port.kind is PortKind.PROVIDER
@@ -276,40 +286,8 @@ class ComponentPlan:
 
 
 def openrtm_port_name(component: Component, port: Port) -> str:
-    """The name that OpenRTM knows a port of the component by, without the instance's."""
-    return openrtm_port_names(component)[_key(port)]
-
-
-def openrtm_port_names(component: Component) -> dict[tuple[str, str], str]:
-    """The names in OpenRTM by (`in`, `out` or `service`, name of the port in the definition)."""
-    chosen: dict[tuple[str, str], str] = {}
-    for port in component.ports:
-        name = _annotated(port)
-        if name:
-            chosen.setdefault(_key(port), name)
-    keys = dict.fromkeys(_key(port) for port in component.ports)
-    names: dict[tuple[str, str], str] = {}
-    for way, suffix in (("in", ""), ("out", "_out"), ("service", "_service")):
-        taken = set(names.values())
-        for key in keys:
-            if key[0] == way:
-                clashes = key[1] in taken
-                names[key] = chosen.get(key) or key[1] + suffix * clashes
-    return names
-
-
-_WAYS = {PortKind.INPORT: "in", PortKind.OUTPORT: "out"}
-
-
-def _key(port: Port) -> tuple[str, str]:
-    way = _WAYS.get(port.kind, "service")
-    return way, port.port if way == "service" else port.name
-
-
-def _annotated(port: Port) -> str:
-    annotation = port.annotation(OPENRTM_NAME)
-    value = None if annotation is None else annotation.get()
-    return value if isinstance(value, str) else ""
+    """The name that a port of the component is registered by, without the instance's."""
+    return names_of(component)[key_of(port)]
 
 
 def plans(units: Sequence[Unit]) -> tuple[list[ComponentPlan], list[Diagnostic]]:
@@ -320,6 +298,7 @@ def plans(units: Sequence[Unit]) -> tuple[list[ComponentPlan], list[Diagnostic]]
     for unit in units:
         for component in unit.components:
             findings += _port_findings(component)
+            findings += _text_findings(component)
             if component.name[-1] in _NEEDED:
                 name = component.name[-1]
                 message = f"`{name}.py` would stand for the module {name} that it needs"
@@ -341,7 +320,7 @@ def plans(units: Sequence[Unit]) -> tuple[list[ComponentPlan], list[Diagnostic]]
 
 
 def _plan(unit: Unit, component: Component) -> ComponentPlan:
-    names = openrtm_port_names(component)
+    names = names_of(component)
     attributes = attributes_of(component)
     data: dict[PortKind, list[DataPort]] = {PortKind.INPORT: [], PortKind.OUTPORT: []}
     services: dict[tuple[str, str], list[ServiceInterface]] = {}
@@ -349,7 +328,7 @@ def _plan(unit: Unit, component: Component) -> ComponentPlan:
         type_ = unit.model.unalias(port.type)
         assert isinstance(type_, NamedType), "checked before anything is emitted"
         declaration = unit.model.find(type_.name)
-        key = _key(port)
+        key = key_of(port)
         if port.kind in data:
             planned = DataPort(port, names[key], attribute, declaration)
             data[port.kind].append(planned)
@@ -369,30 +348,41 @@ def _plan(unit: Unit, component: Component) -> ComponentPlan:
     )
 
 
+def _text_findings(component: Component) -> Iterator[Diagnostic]:
+    """What the configuration files of the component could not hold."""
+    for what, text, fits in (
+        ("category", component.category, is_conf_key),
+        ("kind of execution context", component.execution, is_conf_value),
+    ):
+        if not fits(text):
+            message = f"the {what} {text!r} cannot be written to rtc.conf"
+            yield rules.CONF_TEXT.at(component.span, message)
+
+
 def _port_findings(component: Component) -> list[Diagnostic]:
-    names = openrtm_port_names(component)
+    names = names_of(component)
     findings: list[Diagnostic] = []
     chosen: dict[tuple[str, str], Port] = {}
     for port in component.ports:
-        if not _annotated(port):
+        if not chosen_name(port):
             continue
-        other = chosen.setdefault(_key(port), port)
-        if _annotated(other) != _annotated(port):
+        other = chosen.setdefault(key_of(port), port)
+        if chosen_name(other) != chosen_name(port):
             findings.append(
                 rules.TWO_NAMES.at(
                     port.span,
-                    f"the service port {port.port!r} is called {_annotated(other)!r} "
-                    f"and {_annotated(port)!r}",
+                    f"the service port {port.port!r} is called {chosen_name(other)!r} "
+                    f"and {chosen_name(port)!r}",
                     related=[Related(other.span, "the other name")],
                     hint="say it at one of its interfaces",
                 )
             )
     distinct: dict[tuple[str, str], Port] = {}
     for port in component.ports:
-        distinct.setdefault(_key(port), port)
+        distinct.setdefault(key_of(port), port)
     first: dict[str, Port] = {}
     for key, port in distinct.items():
-        name = names[key]
+        name = known_name(names[key])
         taken = first.setdefault(name, port)
         if taken is not port:
             findings.append(
@@ -403,7 +393,7 @@ def _port_findings(component: Component) -> list[Diagnostic]:
                     hint=f'give one another name: @{OPENRTM_NAME}("...")',
                 )
             )
-        elif name != key[1] and key not in chosen:
+        elif names[key] != key[1] and key not in chosen:
             findings.append(
                 rules.RENAMED.at(
                     port.span,

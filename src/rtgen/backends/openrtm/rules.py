@@ -105,6 +105,29 @@ Rename the component.
 """,
 )
 
+CONF_TEXT = Rule(
+    "RTC0567",
+    "text that a configuration file cannot hold",
+    Severity.ERROR,
+    """
+`rtc.conf` and the other configuration files of OpenRTM are lines of `key: value`. A value is in one
+line, has no backslash and no control characters, and no blanks at its ends. A part of a key has no
+`:` and no `=` either, and does not begin with `#` or `!`, which make a line a comment.
+
+The category of a component is a part of a key (`<category>.<name>.config_file`), its kind of
+execution context is a value, as is the active configuration set of an instance:
+
+```idl
+@rtc(category="a=b")               // RTC0567
+component Wheel {};
+@rtc(execution="Periodic\nExecution")   // RTC0567
+component Drive {};
+```
+
+Use other characters there.
+""",
+)
+
 NOT_CLASSIC = Rule(
     "RTC0570",
     "type that OpenRTM cannot have",
@@ -155,6 +178,7 @@ RULES = (
     SAME_FOLDER,
     OTHER_PROFILE,
     HIDES,
+    CONF_TEXT,
     NOT_CLASSIC,
     PYTHON_MODULE,
 )

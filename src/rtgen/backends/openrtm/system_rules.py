@@ -58,7 +58,8 @@ INSTANCE_NAME = Rule(
     Severity.ERROR,
     """
 On OpenRTM an instance has a `.conf` file, a log and a name in the naming service, all after its
-instance name. So the name has no `/`, `\\` or `:` and no control characters.
+instance name. So the name has no `/`, `\\`, `:` or `=`, no control characters and no blanks at its
+ends, and does not begin with `#` or `!`.
 """,
 )
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
@@ -13,23 +12,20 @@ from rtgen.backends.openrtm import system_rules as rules
 from rtgen.backends.openrtm.plan import (
     ROOT,
     ComponentPlan,
-    openrtm_port_name,
-    openrtm_port_names,
 )
-from rtgen.backends.python_text import (
-    comment_text,
-    fit,
-    header,
-    number_literal,
-    string_literal,
-)
+from rtgen.backends.openrtm.rules import CONF_TEXT
+from rtgen.backends.python_text import fit, header, header_comment
+from rtgen.backends.quoting.code import HashComment
+from rtgen.backends.quoting.properties import Conf, is_conf_key, is_conf_value
+from rtgen.backends.quoting.python import number_literal, string_literal
 from rtgen.backends.rendering import render
 from rtgen.backends.rtc_profile import profile_id
 from rtgen.backends.rts_profile import InstancePorts, system_text
-from rtgen.diagnostics import Diagnostic, Span
+from rtgen.diagnostics import Diagnostic, Span, has_errors
 from rtgen.model import (
     Activation,
     Connection,
+    Port,
     PortKind,
     PortReference,
     System,
@@ -48,6 +44,7 @@ from rtgen.typemap.connector_properties import (
     STRICTNESS,
     own_properties,
 )
+from rtgen.typemap.openrtm_ports import SERVICE, key_of, known_name, names_of
 from rtgen.typemap.parameters import Parameters
 
 PER_CYCLE = "rtgen.openrtm.per_cycle"
@@ -68,8 +65,9 @@ _DEFAULTS = {
 """All is stated: what one connection of a port says can leak into a later one that does not."""
 
 _STEM = re.compile(r"[^/\\:\x00-\x1f]+")
-_PLAIN = re.compile(r"[^\s\\](?:[^\r\n\\]*[^\s\\])?")
-"""What a .conf file holds as it is written; other values come from connect.py alone."""
+
+_LINE_END = re.compile(r"\r\n|\r|\n")
+"""What ends a line for OpenRTM; a comment may hold the other ends of lines that Unicode has."""
 
 _CONF_LINE = re.compile(
     r"\s*conf\.(?P<set>[^.\s]+)\.(?P<name>[^:=\s]+)\s*[:=](?P<text>.*)"
@@ -114,7 +112,8 @@ def system_artifacts(
             continue
         writer = _Writer(system, name, by_type, version)
         findings += writer.findings
-        made += writer.artifacts()
+        if not has_errors(writer.findings):
+            made += writer.artifacts()
     return made, findings
 
 
@@ -151,9 +150,15 @@ class _Writer:
             self._connection(c) for c in system.connections if self._is_possible(c)
         ]
         for c in system.components:
-            if not _STEM.fullmatch(c.instance):
+            if not (_STEM.fullmatch(c.instance) and is_conf_key(c.instance)):
                 message = f"an instance cannot be called {c.instance!r} on OpenRTM"
                 self.findings.append(rules.INSTANCE_NAME.at(c.span, message))
+            if not is_conf_value(c.active_set):
+                message = f"the set {c.active_set!r} of {c.instance!r} cannot be active"
+                self.findings.append(CONF_TEXT.at(c.span, message))
+        if not is_conf_value(system.folder):
+            message = f"the folder of the system, {system.folder!r}, cannot be written"
+            self.findings.append(CONF_TEXT.at(Span(system.file, 1, 1, 1, 2), message))
         self._system = replace(
             system,
             connections=tuple(self._connections),
@@ -181,6 +186,9 @@ class _Writer:
 
     def _header(self) -> tuple[str, ...]:
         return header(self._version, [(self._system.key, self._system.sha256)])
+
+    def _header_comment(self) -> HashComment:
+        return header_comment(self._version, [(self._system.key, self._system.sha256)])
 
     # Connections.
 
@@ -210,8 +218,8 @@ class _Writer:
             properties = {
                 STRICTNESS: "best_effort" if lonely else "strict",
                 **{
-                    interface_key(self._renamed(p.consumer_end, None), p.consumer): (
-                        interface_key(self._renamed(p.provider_end, None), p.provider)
+                    self._interface_key(p.consumer_end, p.consumer): (
+                        self._interface_key(p.provider_end, p.provider)
                     )
                     for p in pairs
                 },
@@ -240,7 +248,19 @@ class _Writer:
             if kind is None
             else [p for p in component.ports if p.kind is kind and p.name == end.port]
         )
-        return replace(end, port=openrtm_port_name(component, ports[0]))
+        registered = names_of(component)[key_of(ports[0])]
+        return replace(end, port=known_name(registered))
+
+    def _interface_key(self, end: PortReference, port: Port) -> str:
+        """How OpenRTM names an interface in the properties of a connector."""
+        [interface] = [
+            interface
+            for service in self._plans[end.instance].service_ports
+            for interface in service.interfaces
+            if interface.port == port
+        ]
+        registered = replace(port, type_name=interface.type_name)
+        return interface_key(self._renamed(end, None), registered)
 
     def _data_type(self, end: PortReference) -> str:
         ports = self._plans[end.instance].out_ports
@@ -300,9 +320,9 @@ class _Writer:
     def _profile(self) -> str:
         ports = {}
         for instance, known in self._ends.items():
-            names = openrtm_port_names(known.component)
-            data = [names[key] for key in names if key[0] != "service"]
-            service = [names[key] for key in names if key[0] == "service"]
+            names = names_of(known.component)
+            data = [known_name(names[key]) for key in names if key[0] != SERVICE]
+            service = [known_name(names[key]) for key in names if key[0] == SERVICE]
             ports[instance] = InstancePorts(tuple(data), tuple(service))
         components = [
             replace(
@@ -320,17 +340,19 @@ class _Writer:
         c = instance.component
         return render(
             "openrtm/instance.conf.j2",
-            header=self._header(),
-            instance=comment_text(c.instance),
+            header=self._header_comment(),
+            instance=c.instance,
             rate=number_literal(instance.rate),
             # Modules are started in their own folders.
             folder=f"../../{self._system.folder}" if self._system.folder else "",
-            beside=c.conf.strip().splitlines(),
+            beside=[
+                Conf(line) for line in _LINE_END.split(c.conf.strip()) if c.conf.strip()
+            ],
             sets=[
                 (set_id, name, text)
-                for set_id, values in c.configuration
+                for set_id, values in c.parameter_sets
                 for name, text in values
-                if _PLAIN.fullmatch(text)
+                if is_conf_key(set_id) and is_conf_key(name) and is_conf_value(text)
             ],
             active=c.active_set,
         )
@@ -339,17 +361,15 @@ class _Writer:
         order = [step.instance for step in self._system.activation]
         return render(
             f"openrtm/{template}",
-            header=self._header(),
-            name=comment_text(self._name),
+            header=self._header_comment(),
+            name=self._name,
             instances=[
                 {
-                    "name": shlex.quote(name),
-                    "type": shlex.quote(self._instances[name].plan.name),
-                    "option": shlex.quote(
-                        f"{self._instances[name].plan.component.category}.{name}"
-                        f".config_file:../{self._name}/{name}.conf"
-                    ),
-                    "log": shlex.quote(f"../{self._name}/run/{name}.log"),
+                    "name": name,
+                    "type": self._instances[name].plan.name,
+                    "option": f"{self._instances[name].plan.component.category}.{name}"
+                    f".config_file:../{self._name}/{name}.conf",
+                    "log": f"../{self._name}/run/{name}.log",
                     "stubs": bool(self._instances[name].plan.own_idl_files),
                 }
                 for name in order
@@ -370,8 +390,8 @@ class _Writer:
         has_data = any(not c.service for c in self._connections)
         return render(
             "openrtm/connect.py.j2",
-            header=self._header(),
-            name=comment_text(self._name),
+            header=self._header_comment(),
+            name=self._name,
             data=fit(f"DATA = {_mapping(_DEFAULTS)}") if has_data else "",
             system=fit(system),
         )
@@ -387,7 +407,7 @@ def _value(c: SystemComponent, plan: ComponentPlan, name: str) -> float | None:
         found = _CONF_LINE.fullmatch(line)
         if found and (found["set"], found["name"]) == (c.active_set, name):
             texts.append(found["text"].strip())
-    for set_id, values in c.configuration:
+    for set_id, values in c.parameter_sets:
         texts += [t for n, t in values if (set_id, n) == (c.active_set, name)]
     try:
         value = float(texts[-1])
@@ -402,7 +422,7 @@ def _instance_text(instance: _Instance, wait_ms: int) -> str:
     if c.configuration:
         sets = (
             f"{string_literal(set_id)}: {_mapping(dict(values))}"
-            for set_id, values in c.configuration
+            for set_id, values in c.parameter_sets
         )
         parts.append(f"configuration={{{', '.join(sets)}}}")
     if c.active_set != "default":
@@ -426,7 +446,10 @@ def _connection_text(connection: Connection) -> str:
     else:
         own = {k: v for k, v in properties.items() if _DEFAULTS.get(k) != v}
         told = _mapping(own, "**DATA")
-    return f"Connection({', '.join(map(string_literal, texts))}, {told})"
+    arguments = [*map(string_literal, texts), told]
+    if connection.id not in ("", connection.name):
+        arguments.append(f"id={string_literal(connection.id)}")
+    return f"Connection({', '.join(arguments)})"
 
 
 def _mapping(pairs: Mapping[str, str], *first: str) -> str:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from rtgen.backends.openrtm.conversion_code import ConversionCode
 from rtgen.backends.openrtm.wire_names import WireNames, mangled
 from rtgen.backends.openrtm.wire_scope import WireScope
-from rtgen.backends.python_text import string_literal
+from rtgen.backends.quoting.python import string_literal
 from rtgen.backends.rendering import render
 from rtgen.model import (
     VOID,

@@ -95,7 +95,7 @@ def _check(model: Model, component: Component, limits: Limits) -> None:
             model.find(type_.name), Struct
         ):
             raise NoFormError(f"the type of {port.name} is no struct")
-        needed = list(reachable(model, type_.name))
+        needed = reachable(model, type_.name)
         forms = Forms(model, limits, dict.fromkeys(needed, "_"))
         for name in needed:
             declaration = model.find(name)

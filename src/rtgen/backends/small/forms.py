@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from rtgen.layouts.cdr import Form as AtomForm
@@ -225,12 +224,20 @@ def members_of(model: Model, struct: Struct) -> list[Member]:
     return [*inherited, *struct.members]
 
 
-def reachable(
-    model: Model, name: ScopedName, above: tuple[ScopedName, ...] = ()
-) -> Iterator[ScopedName]:
+def reachable(model: Model, name: ScopedName) -> list[ScopedName]:
     """The structs and enums that a type needs, itself last. Raises NoFormError for recursion."""
-    if name in above:
+    found: dict[ScopedName, bool] = {}
+    _reach(model, name, found)
+    return list(found)
+
+
+def _reach(model: Model, name: ScopedName, found: dict[ScopedName, bool]) -> None:
+    """Adds a type behind what it needs; those that are being looked at are False."""
+    if found.get(name) is False:
         raise NoFormError(f"{'::'.join(name)}, which holds itself")
+    if name in found:
+        return
+    found[name] = False
     declaration = model.find(name)
     if isinstance(declaration, Struct):
         for member in members_of(model, declaration):
@@ -238,8 +245,9 @@ def reachable(
             if isinstance(type_, SequenceType | ArrayType):
                 type_ = model.unalias(type_.element)
             if isinstance(type_, NamedType):
-                yield from reachable(model, type_.name, (*above, name))
-    yield name
+                _reach(model, type_.name, found)
+    del found[name]
+    found[name] = True
 
 
 def _plain(made: str, put: str, take: str) -> Form:

@@ -7,12 +7,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from rtgen.backends import Options
 from rtgen.backends.components.base_module import attribute_names, class_names
 from rtgen.backends.components.places import heading
-from rtgen.backends.python_text import (
-    docstring,
-    fit_text,
-    number_literal,
-    string_literal,
-)
+from rtgen.backends.python_text import fit_text
+from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.small.forms import Forms, members_of
 from rtgen.model import (
     Component,
@@ -87,7 +83,7 @@ def types_module(
 
 def _enum(names: PythonNames, declaration: Enum, class_name: str) -> str:
     python_names = names.enumerators(declaration)
-    lines = [f"class {class_name}:", *_doc(declaration.doc or "An enumeration.", 4)]
+    lines = [f"class {class_name}:", *_doc(declaration.doc, 4, "An enumeration.")]
     lines.append("")
     lines += [f"    {python_names[m.name]} = {m.value}" for m in declaration.members]
     return "\n".join(lines) + "\n"
@@ -108,7 +104,7 @@ def _struct(
     parameters = ", ".join(
         f"{name}={'None' if form.mutable else form.made}" for name, form in members
     )
-    lines = [f"class {class_name}:", *_doc(declaration.doc or "A struct.", 4), ""]
+    lines = [f"class {class_name}:", *_doc(declaration.doc, 4, "A struct."), ""]
     lines.append(f"    __slots__ = {_slots([name for name, _ in members])}")
     own = "_self" if any(name == "self" for name, _ in members) else "self"
     lines += ["", f"    def __init__({', '.join(filter(None, (own, parameters)))}):"]
@@ -165,7 +161,7 @@ def package(
     title = (
         f"The IDL module `{'::'.join(scope)}`." if scope else "The global scope of IDL."
     )
-    text = docstring(title, 0)
+    text: str = docstring(title, 0)
     dots = "." * (len(package_path(scope)) + 1)
     if classes:
         items = ", ".join(
@@ -214,7 +210,7 @@ def component_module(
         lines += [*_doc(f"The parameters of {component.name[-1]}.", 4), ""]
         lines += [f"    __slots__ = {slots}", "", "    def __init__(self):", *fields]
     lines += ["", "", f"class {base}(Component):"]
-    lines += _doc(component.doc or heading(component), 4)
+    lines += _doc(component.doc, 4, heading(component))
     lines += ["", f"    _type_name = {string_literal(component.name[-1])}"]
     lines += [
         f"    _rate = {number_literal(float(component.rate))}",
@@ -291,8 +287,8 @@ def _default(
             return repr(value)
 
 
-def _doc(text: str, indent: int) -> list[str]:
-    return docstring(text, indent).rstrip("\n").split("\n")
+def _doc(text: str, indent: int, otherwise: str = "") -> list[str]:
+    return docstring(text, indent, otherwise).rstrip("\n").split("\n")
 
 
 def _slots(names: Sequence[str]) -> str:

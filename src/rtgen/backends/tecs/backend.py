@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 
 from rtgen.backends import Artifact, Emission, Options, Owner, rtc_profile
 from rtgen.backends.components import BACKEND as COMPONENTS
+from rtgen.backends.components.checks import check
+from rtgen.backends.components.skeleton import skeleton_module
 from rtgen.backends.idl_text import idl_text
 from rtgen.backends.python_text import header, header_comment
 from rtgen.backends.rendering import render
@@ -15,7 +17,7 @@ from rtgen.backends.tecs.build_files import (
     communication_conf,
     tecsgen_plugin,
 )
-from rtgen.backends.tecs.codec import codec_text
+from rtgen.backends.tecs.codec import codec_texts
 from rtgen.backends.tecs.communication import (
     COMPONENT,
     FILE,
@@ -24,7 +26,8 @@ from rtgen.backends.tecs.communication import (
 )
 from rtgen.backends.tecs.idl_model import IdlService, IdlSide, idl_side
 from rtgen.backends.tecs.marshaller_module import marshaller_module
-from rtgen.backends.tecs.plan import ROOT, TecsPackage, packages
+from rtgen.backends.tecs.plan import ROOT, Service, TecsPackage, packages
+from rtgen.backends.tecs.rtc_text import client_module
 from rtgen.backends.tecs.rules import NOT_TRANSFERRED
 from rtgen.backends.tecs.server_module import server_module
 from rtgen.backends.tecs.service_text import ServiceText
@@ -32,13 +35,12 @@ from rtgen.backends.tecs.types_module import types_text
 from rtgen.backends.tecs.views_module import views_module
 from rtgen.backends.types import BACKEND as TYPES
 from rtgen.diagnostics import Diagnostic, has_errors
-from rtgen.layouts.tdr import Record
+from rtgen.layouts.tdr import SignatureLayout, TransferError
 from rtgen.layouts.tdr_messages import layout_of, problems
-from rtgen.model import Declaration, Model, SourceFile
+from rtgen.model import Component, Declaration, Model, SourceFile
 from rtgen.model.tecs import TecsConst
 from rtgen.typemap.idl_python import PythonNames
 from rtgen.typemap.python_names import identifier, module_name
-from rtgen.typemap.tecs_python import codec_module
 
 
 class TecsBackend:
@@ -54,13 +56,14 @@ class TecsBackend:
         sources, communication = tecs.sources, tecs.communication
         shared = _options(options, ROOT)
         artifacts = [
-            *_through_idl(communication, shared, sources, {COMPONENT: None}),
+            *_types(communication, shared, sources),
+            *_component(communication, shared, sources),
             *communication_artifacts(communication, options.version, sources),
         ]
         entries = dict(_COMMUNICATION)
-        for package, side in tecs.sides:
-            writer = _Writer(package, side, options)
-            artifacts += writer.artifacts()
+        for package, side, layouts in tecs.sides:
+            writer = _Writer(package, side, layouts, options)
+            artifacts += writer.artifacts([other for other, _, _ in tecs.sides])
             entries = {**_entries(package), **entries}
         artifacts.append(_entry_points(entries, options, sources))
         return Emission(artifacts, findings)
@@ -91,7 +94,7 @@ def rtc_packages(model: Model, options: Options) -> list[RtcPackage]:
         return []
     shared = _options(options, ROOT)
     found = [RtcPackage(tecs.communication, shared, _COMMUNICATION, {})]
-    for package, side in tecs.sides:
+    for package, side, _ in tecs.sides:
         own = _options(options, package.package)
         found.append(RtcPackage(side.model, own, _entries(package), {FILE: ROOT}))
     return found
@@ -103,7 +106,7 @@ class _Tecs:
 
     sources: tuple[SourceFile, ...]
     communication: Model
-    sides: tuple[tuple[TecsPackage, IdlSide], ...]
+    sides: tuple[tuple[TecsPackage, IdlSide, list[SignatureLayout]], ...]
 
 
 def _read(model: Model) -> tuple[_Tecs | None, list[Diagnostic]]:
@@ -116,13 +119,23 @@ def _read(model: Model) -> tuple[_Tecs | None, list[Diagnostic]]:
     sides = []
     for package in planned:
         side, found = idl_side(package, communication)
-        sides.append((package, side))
-        findings += [*found, *_untransferable(package, side)]
+        layouts, untransferable = _layouts(package, side)
+        findings += [*found, *untransferable]
+        sides.append((package, side, layouts))
+        if not has_errors(findings):
+            findings += check(side.model)
     return _Tecs(sources, communication, tuple(sides)), findings
 
 
-def _options(options: Options, package: str) -> Options:
-    return replace(options, package=package, skeleton_package=package)
+def _options(options: Options, package: str, *, anys: bool = False) -> Options:
+    """The options for the IDL of a package; only CORBA and `any` marshal its values."""
+    return replace(
+        options,
+        package=package,
+        skeleton_package=package,
+        lazy=True,
+        marshalled=anys or options.tecs_corba or options.target == "openrtm",
+    )
 
 
 def _entries(package: TecsPackage) -> dict[str, str]:
@@ -136,42 +149,55 @@ def _entries(package: TecsPackage) -> dict[str, str]:
     return found
 
 
-def _untransferable(package: TecsPackage, side: IdlSide) -> Iterator[Diagnostic]:
-    """What OpaqueRPC cannot carry, of functions that IDL can have."""
+def _layouts(
+    package: TecsPackage, side: IdlSide
+) -> tuple[list[SignatureLayout], list[Diagnostic]]:
+    """The layouts of all signatures; and what OpaqueRPC cannot carry, though IDL can."""
+    layouts = []
+    found = []
     for service in package.services:
-        kept = [f for f in service.signature.functions if f.span not in side.refused]
-        signature = replace(service.signature, functions=tuple(kept))
-        for problem in problems(package.unit, signature):
-            yield NOT_TRANSFERRED.at(problem.span, problem.reason, hint=problem.hint)
+        signature = service.signature
+        try:
+            layouts.append(layout_of(package.unit, signature))
+        except TransferError:
+            kept = [f for f in signature.functions if f.span not in side.refused]
+            sound = replace(signature, functions=tuple(kept))
+            for p in problems(package.unit, sound):
+                found.append(NOT_TRANSFERRED.at(p.span, p.reason, hint=p.hint))
+    return layouts, found
 
 
 class _Writer:
-    def __init__(self, package: TecsPackage, side: IdlSide, options: Options) -> None:
+    def __init__(
+        self,
+        package: TecsPackage,
+        side: IdlSide,
+        layouts: Sequence[SignatureLayout],
+        options: Options,
+    ) -> None:
         self._package = package
+        self._layouts = layouts
         self._side = side
         self._version = options.version
+        anys = any(s.options.array == "any" for s in package.services)
         self._options = replace(
-            _options(options, package.package), external={FILE: "...."}
+            _options(options, package.package, anys=anys), external={FILE: "...."}
         )
         self._sources = [(s.key, s.sha256) for s in package.sources]
         self._header = header_comment(options.version, self._sources)
 
-    def artifacts(self) -> Iterator[Artifact]:
+    def artifacts(self, packages: Sequence[TecsPackage]) -> Iterator[Artifact]:
+        """The files of the package, which is one of these."""
         package, side = self._package, self._side
-        clients = {
-            f"{s.name}Client": _profile_name(package, s.name) for s in package.services
-        }
-        own = {f"{s.name}Marshaller": None for s in package.services}
-        yield from _through_idl(
-            side.model, self._options, package.sources, {**clients, **own}
-        )
+        yield from _types(side.model, self._options, package.sources)
         for idl in side.services:
             yield self._artifact(idl.file, self._idl(idl))
         yield from self._modules()
         for join in package.joins:
             text = communication_conf(package, join, self._version)
             yield self._artifact(f"{join.instance}.conf", text)
-        yield self._artifact("RTCPlugin.rb", tecsgen_plugin(package, self._version))
+        plugin = tecsgen_plugin(package, packages, self._version)
+        yield self._artifact("RTCPlugin.rb", plugin)
         for name, text in build_scripts(package, self._version).items():
             yield self._artifact(name, text)
 
@@ -199,26 +225,50 @@ class _Writer:
         package = self._package
         names = PythonNames(self._side.model, package.package)
         unit = package.unit
-        signatures = [service.signature for service in package.services]
-        records: dict[tuple[str, ...], Record] = {}
-        for idl in self._side.services:
-            signature = idl.service.signature
-            layout = layout_of(unit, signature)
-            records.update((r.struct.name, r) for r in layout.records)
-            codec = codec_text(unit, signature, self._header)
-            yield self._artifact(f"{codec_module(signature)}.py", codec)
-            text = ServiceText(idl.service, layout, self._header)
+        layouts = self._layouts
+        records = {r.struct.name: r for layout in layouts for r in layout.records}
+        orders = [service.options.reply for service in package.services]
+        pairs = zip(layouts, orders, strict=True)
+        for file, text in codec_texts(unit, pairs, self._header).items():
+            yield self._artifact(file, text)
+        for idl, layout in zip(self._side.services, layouts, strict=True):
+            service = ServiceText(idl.service, layout, self._header)
             stem = idl.service.module
-            marshaller = marshaller_module(text, self._side.model, names, idl)
+            marshaller = marshaller_module(service, self._side.model, names, idl)
             yield self._artifact(f"{stem}_marshaller.py", marshaller)
-            yield self._artifact(f"{stem}_server.py", server_module(text))
+            yield self._artifact(f"{stem}_server.py", server_module(service))
+            yield from self._rtcs(idl.service, names)
+        folder = render("components/components.py.j2", header=self._header)
+        yield self._artifact("components/__init__.py", folder)
         if records or any(isinstance(d, TecsConst) for d in unit.declarations):
-            types = types_text(unit, signatures, self._header)
+            types = types_text(unit, layouts, self._header)
             yield self._artifact("_types.py", types)
         if records:
             structs = list(records.values())
             views = views_module(self._side, names, structs, self._header)
             yield self._artifact("_views.py", views)
+
+    def _rtcs(self, service: Service, names: PythonNames) -> Iterator[Artifact]:
+        """The client's base and skeleton, and the profiles of both RTCs."""
+        model, options = self._side.model, self._options
+        for kind in ("Marshaller", "Client"):
+            name = f"{service.name}{kind}"
+            component = model.find((name,))
+            assert isinstance(component, Component)
+            folder = f"components/{module_name(name)}"
+            profile = rtc_profile.profile_text(model, component, options)
+            if kind == "Marshaller":
+                yield self._artifact(f"{folder}/RTC.xml", profile)
+                continue
+            base = client_module(component, model, names, self._header)
+            yield self._artifact(f"{folder}/__init__.py", base)
+            place = _profile_name(self._package, service.name)
+            yield self._artifact(place, profile)
+            skeleton = skeleton_module(model, names, component, options)
+            path = f"{self._package.folder}/{name}.py"
+            yield Artifact(
+                path, skeleton, self._package.origin, Owner.USER, in_output=True
+            )
 
 
 def _profile_name(package: TecsPackage, name: str) -> str:
@@ -226,53 +276,32 @@ def _profile_name(package: TecsPackage, name: str) -> str:
     return "RTC.xml" if first else f"{name}.RTC.xml"
 
 
-def _through_idl(
-    model: Model,
-    options: Options,
-    sources: Sequence[SourceFile],
-    components: dict[str, str | None],
+def _types(
+    model: Model, options: Options, sources: Sequence[SourceFile]
 ) -> Iterator[Artifact]:
-    """What the back ends for IDL make of a model.
-
-    `components` are those to be made, with the place of their profile in the package for those
-    that are the user's to complete.
-    """
+    """The Python package of a model's types and interfaces."""
     origin = tuple(source.key for source in sources)
-    folder = options.folder
-    inner = model
-    if options.external:
-        inner = replace(
-            model,
-            files=tuple(f for f in model.files if f.name not in options.external),
-            declarations=tuple(
-                d for d in model.declarations if d.file not in options.external
-            ),
-        )
-    made = [*TYPES.emit(inner, options).artifacts]
+    inner = replace(
+        model,
+        files=tuple(f for f in model.files if f.name not in options.external),
+        declarations=tuple(
+            d for d in model.declarations if d.file not in options.external
+        ),
+    )
+    for artifact in TYPES.emit(inner, options).artifacts:
+        yield replace(artifact, origin=origin)
+
+
+def _component(
+    model: Model, options: Options, sources: Sequence[SourceFile]
+) -> Iterator[Artifact]:
+    """The base and the profile of the communication RTC."""
+    origin = tuple(source.key for source in sources)
     for backend in (COMPONENTS, rtc_profile.BACKEND):
-        made += backend.emit(model, options).artifacts
-    profiles = {
-        f"{folder}/components/{module_name(name)}/RTC.xml": f"{folder}/{profile}"
-        for name, profile in components.items()
-        if profile is not None
-    }
-    skeletons = {
-        f"{module_name(name)}.py": f"{folder}/{name}.py"
-        for name, profile in components.items()
-        if profile is not None
-    }
-    for artifact in made:
-        if artifact.path.endswith("entry_points.txt"):
-            continue
-        path = profiles.get(artifact.path, artifact.path)
-        if artifact.owner is Owner.USER:
-            if artifact.path not in skeletons:
-                continue
-            yield replace(
-                artifact, path=skeletons[artifact.path], origin=origin, in_output=True
-            )
-            continue
-        yield replace(artifact, path=path, origin=origin)
+        for artifact in backend.emit(model, options).artifacts:
+            is_made = artifact.path.endswith("entry_points.txt")
+            if artifact.owner is Owner.RTGEN and not is_made:
+                yield replace(artifact, origin=origin)
 
 
 def _entry_points(

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from rtgen.backends.python_text import comment_text, header, header_comment
+from rtgen.backends.python_text import header, header_comment
 from rtgen.backends.rendering import render
-from rtgen.backends.tecs.options import FIRST_PORT, PC_OPTIONS, RtcOptions
+from rtgen.backends.tecs.options import NETWORK_WIDTHS, PC_OPTIONS, RtcOptions
 from rtgen.backends.tecs.plan import RtcJoin, TecsPackage
+from rtgen.layouts.signature_digest import DIGITS, SPELLINGS, signature_digest
 
 
 def _sources(package: TecsPackage) -> list[tuple[str, str]]:
@@ -26,8 +27,8 @@ def communication_conf(package: TecsPackage, join: RtcJoin, version: str) -> str
     return render(
         "tecs/communication.conf.j2",
         active="mode1" if options.device else "mode2",
-        header=header(version, _sources(package)),
-        join=comment_text(shown),
+        header=header_comment(version, _sources(package)),
+        join=shown,
         place=f"line {span.line}",
         signature=join.service.signature.scoped,
         device=options.device or "none",
@@ -38,15 +39,31 @@ def communication_conf(package: TecsPackage, join: RtcJoin, version: str) -> str
     )
 
 
-def tecsgen_plugin(package: TecsPackage, version: str) -> str:
-    """`RTCPlugin.rb`: the same CDL file makes the board's half with real tecsgen."""
+def tecsgen_plugin(
+    package: TecsPackage, others: Iterable[TecsPackage], version: str
+) -> str:
+    """`RTCPlugin.rb`: the same CDL file makes the board's half with real tecsgen.
+
+    `others` are the project's packages: the joins of a main file that this one imports are
+    tecsgen's to make, too.
+    """
+    files = {declaration.file for declaration in package.unit.declarations}
+    parts = [package, *(p for p in others if p is not package and p.unit.file in files)]
+    signatures = {s.signature.name: s.signature for p in parts for s in p.services}
     defaults = RtcOptions()
     return render(
         "tecs/RTCPlugin.rb.j2",
         header=header_comment(version, _sources(package)),
+        ports=[(join.path, join.port) for part in parts for join in part.joins],
+        digests=[
+            (signature.scoped, signature_digest(package.unit, signature))
+            for signature in signatures.values()
+        ],
+        digits=DIGITS,
+        scalars=[(text, kind.value) for text, kind in SPELLINGS.items()],
+        widths=NETWORK_WIDTHS.items(),
         dropped=PC_OPTIONS,
         allocator=defaults.limit,
-        first_port=FIRST_PORT,
         address=defaults.address,
     )
 
@@ -61,7 +78,7 @@ def build_scripts(package: TecsPackage, version: str) -> dict[str, str]:
     values = {
         "package": package.package,
         "check": f"import {', '.join(modules)}",
-        "idl": " ".join(f"{service.name}.idl" for service in package.services),
+        "idl": [f"{service.name}.idl" for service in package.services],
     }
     sources = _sources(package)
     return {

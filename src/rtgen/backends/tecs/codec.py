@@ -1,19 +1,33 @@
-"""The codec module of a signature: requests and replies, both directions."""
+"""The codec modules of a package: requests and replies of its signatures, both directions.
+
+Functions whose messages are alike share one class. A class stands in the module of the signature
+that uses it, one that several signatures use in `_messages.py`.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
-from rtgen.backends.python_text import fit_text, string_literal
+from rtgen.backends.python_text import fit_text
+from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.rendering import render
 from rtgen.backends.tecs.codec_parts import (
     Attributes,
     Environment,
     Scope,
+    record_class,
 )
 from rtgen.backends.tecs.decoding import Decoder
 from rtgen.backends.tecs.encoding import Encoder
+from rtgen.backends.tecs.function_text import (
+    function_names,
+    result_text,
+    shown,
+    target_types,
+)
+from rtgen.layouts.signature_digest import signature_digest
 from rtgen.layouts.tdr import (
     Field,
     FunctionLayout,
@@ -25,77 +39,194 @@ from rtgen.layouts.tdr import (
     SignatureLayout,
     Step,
 )
-from rtgen.layouts.tdr_messages import layout_of
-from rtgen.model.tecs import Signature, TecsDirection, TecsUnit
+from rtgen.layouts.tdr_messages import is_error_code, layout_of
+from rtgen.model.tecs import Signature, TecsDirection, TecsFunction, TecsUnit
+from rtgen.typemap.python_names import identifier
 from rtgen.typemap.tecs_python import (
     CODEC_NAMES,
+    FUNCTION_NAMES,
     TDR_NAMES,
     annotation,
     argument_annotation,
     codec_class,
+    codec_module,
     item_annotation,
     member_name,
     struct_class,
+    zero,
 )
 
 _EOP = {True: "EOP_NOTHING_FOLLOWS", False: "EOP_REPLY_FOLLOWS"}
+SHARED = "_messages"
+"""The module of the classes that several signatures use."""
 
 
-def codec_text(unit: TecsUnit, signature: Signature, header: str) -> str:
-    """The module `<name>_codec.py`; `header` is its comment.
+@dataclass(frozen=True, slots=True)
+class _Class:
+    """A class of a codec module; `records` are the classes of structs that it uses."""
 
-    It imports the structs' classes from `_types` beside it. Raises TransferError.
+    name: str
+    base: str
+    body: str
+    records: tuple[str, ...]
+
+    @property
+    def text(self) -> str:
+        return f"class {self.name}({self.base}):\n{self.body}"
+
+
+def codec_text(
+    unit: TecsUnit, signature: Signature, header: str, order: str = "tecsgen"
+) -> str:
+    """The codec module of one signature by itself. Raises TransferError."""
+    (text,) = codec_texts(unit, [(layout_of(unit, signature), order)], header).values()
+    return text
+
+
+class _Signature:
+    """The classes of a signature, and which of them each function has."""
+
+    def __init__(
+        self, layout: SignatureLayout, order: str, known: dict[object, _Class]
+    ) -> None:
+        self.layout = layout
+        self.name = codec_class(layout.signature)
+        self.structs = [struct_class(record.struct.name) for record in layout.records]
+        self.records = {
+            made.name: made
+            for record in layout.records
+            if not record.fixed
+            for made in [_record(record, self.structs)]
+        }
+        self.functions = []
+        for function in layout.functions:
+            key = (order, tuple(self.structs), *_declaration(function.function))
+            if key not in known:
+                known[key] = _Function(function, self.structs, order).text()
+            self.functions.append(known[key])
+
+
+def _declaration(function: TecsFunction) -> tuple[object, ...]:
+    """What decides a function's messages."""
+    parameters = ((p.name, p.type, p.direction, p.sizes) for p in function.parameters)
+    return function.oneway, function.returns, *parameters
+
+
+def codec_texts(
+    unit: TecsUnit, layouts: Iterable[tuple[SignatureLayout, str]], header: str
+) -> dict[str, str]:
+    """The codec modules of a package by file name; `header` is their comment.
+
+    Each layout comes with the order of replies: `tecsgen` sends the return value before the outs,
+    `paper` after them. The modules import the structs' classes from `_types` beside them.
     """
-    layout = layout_of(unit, signature)
-    classes = [struct_class(record.struct.name) for record in layout.records]
-    attributes = Attributes(classes)
-    records = [
-        method
-        for record in layout.records
-        if not record.fixed
-        for method in _record_methods(record, attributes)
-    ]
-    functions = [_Function(f, layout, attributes) for f in layout.functions]
-    methods = [method for f in functions for method in f.methods()]
-    ids = ", ".join(
-        f"{string_literal(f.function.name)}: {f.function.id}" for f in layout.functions
-    )
-    constants = [f.constant for f in functions if f.constant]
-    firsts = [f.first for f in functions if f.first]
-    body = render(
-        "tecs/codec.py.j2",
-        name=codec_class(signature),
-        scoped=signature.scoped,
-        scoped_literal=string_literal(signature.scoped),
-        ids=ids,
-        statements=[*attributes.statements(), *constants, *firsts],
-        methods=[*methods, *records],
-    )
-    return fit_text(header + _head(signature, classes, body) + body)
+    known: dict[object, _Class] = {}
+    signatures = [_Signature(layout, order, known) for layout, order in layouts]
+    classes, users = _named(signatures)
+    shared = {name for name, modules in users.items() if len(modules) > 1}
+    waiting = list(shared)
+    while waiting:
+        for record in classes[waiting.pop()].records:
+            if record not in shared:
+                shared.add(record)
+                waiting.append(record)
+    structs = {name for signature in signatures for name in signature.structs}
+    texts = {}
+    if shared:
+        doc = '"""Messages that functions of several signatures have."""'
+        own = [made.text for name, made in classes.items() if name in shared]
+        body = "\n\n\n".join(own) + "\n"
+        texts[f"{SHARED}.py"] = _module(header, doc, body, structs, ())
+    for signature in signatures:
+        scoped = signature.layout.signature.scoped
+        own = [
+            made.text
+            for name, made in classes.items()
+            if name not in shared and users[name] == {scoped}
+        ]
+        names = function_names(signature.layout)
+        body = render(
+            "tecs/codec.py.j2",
+            name=signature.name,
+            scoped=scoped,
+            scoped_literal=string_literal(scoped),
+            digest=signature_digest(unit, signature.layout.signature),
+            classes=own,
+            functions=[
+                (names[f.function.name], made.name, string_literal(f.function.name), f)
+                for f, made in zip(
+                    signature.layout.functions, signature.functions, strict=True
+                )
+            ],
+        )
+        doc = f'"""The messages of `{scoped}`."""'
+        texts[f"{codec_module(signature.layout.signature)}.py"] = _module(
+            header, doc, body, structs, shared
+        )
+    return texts
 
 
-def _head(signature: Signature, classes: Sequence[str], body: str) -> str:
-    imports = [
-        ("rtgen.runtime.opaque_rpc.codecs", _used(CODEC_NAMES, body)),
-        ("rtgen.runtime.opaque_rpc.tdr", _used(TDR_NAMES, body)),
-        ("._types", _used(classes, body)),
-    ]
-    lines = [f'"""The messages of `{signature.scoped}`."""', ""]
-    lines += ["from __future__ import annotations", ""]
-    abstract = _used(("Mapping", "Sequence"), body)
-    lines.append(f"from collections.abc import {', '.join(abstract)}")
-    lines += ["from typing import ClassVar", ""]
-    for module, names in imports:
-        if module == "._types" and names:
-            lines.append("")
+def _named(
+    signatures: Sequence[_Signature],
+) -> tuple[dict[str, _Class], dict[str, set[str]]]:
+    """All classes by their name, and the signatures that use each.
+
+    Classes that differ in nothing but the name become one.
+    """
+    taken = {name for signature in signatures for name in signature.structs}
+    taken |= {*CODEC_NAMES, *TDR_NAMES, *FUNCTION_NAMES}
+    taken |= {signature.name for signature in signatures}
+    classes: dict[str, _Class] = {}
+    users: dict[str, set[str]] = {}
+    alike: dict[tuple[str, str], _Class] = {}
+
+    def use(name: str, scoped: str) -> None:
+        users.setdefault(name, set()).add(scoped)
+        for record in classes[name].records:
+            use(record, scoped)
+
+    for signature in signatures:
+        for record in signature.records.values():
+            classes.setdefault(record.name, record)
+            taken.add(record.name)
+    for signature in signatures:
+        scoped = signature.layout.signature.scoped
+        for index, made in enumerate(signature.functions):
+            known = alike.get((made.base, made.body))
+            if known is None:
+                known = replace(made, name=identifier(made.name, taken))
+                taken.add(known.name)
+                classes[known.name] = alike[made.base, made.body] = known
+            signature.functions[index] = known
+            use(known.name, scoped)
+    used = {name: made for name, made in classes.items() if name in users}
+    return used, users
+
+
+def _module(
+    header: str, doc: str, body: str, structs: Iterable[str], shared: Iterable[str]
+) -> str:
+    words = set(re.findall(r"\w+", body))
+
+    def used(names: Iterable[str]) -> list[str]:
+        return sorted(name for name in names if name in words)
+
+    lines = [doc, "", "from __future__ import annotations", ""]
+    if "Sequence" in words:
+        lines += ["from collections.abc import Sequence", ""]
+    if "ClassVar" in words:
+        lines += ["from typing import ClassVar", ""]
+    for module, names in (
+        ("rtgen.runtime.opaque_rpc.codecs", used(CODEC_NAMES)),
+        ("rtgen.runtime.opaque_rpc.functions", used(FUNCTION_NAMES)),
+        ("rtgen.runtime.opaque_rpc.tdr", used(TDR_NAMES)),
+    ):
         if names:
             lines.append(f"from {module} import {', '.join(names)}")
-    return "\n".join([*lines, "", "", ""])
-
-
-def _used(names: Iterable[str], text: str) -> list[str]:
-    words = set(re.findall(r"\w+", text))
-    return sorted(name for name in names if name in words)
+    local = ((f".{SHARED}", used(shared)), ("._types", used(structs)))
+    beside = [f"from {m} import {', '.join(n)}" for m, n in local if n]
+    lines += ["", *beside] if beside else []
+    return fit_text("\n".join([header.rstrip("\n"), *lines, "", "", body]).lstrip("\n"))
 
 
 def _method(name: str, parameters: Sequence[str], result: str, body: list[str]) -> str:
@@ -103,8 +234,9 @@ def _method(name: str, parameters: Sequence[str], result: str, body: list[str]) 
     return "\n".join(f"    {line}" for line in [*lines, *(f"    {b}" for b in body)])
 
 
-def _record_methods(record: Record, attributes: Attributes) -> list[str]:
+def _record(record: Record, structs: Sequence[str]) -> _Class:
     """What writes and what reads a struct whose size depends on values."""
+    attributes = Attributes(structs)
     name = struct_class(record.struct.name)
     paths = {i.name: f"value.{member_name(i.name)}" for i in record.items}
     scope = Scope(record.items, attributes.classes)
@@ -123,11 +255,28 @@ def _record_methods(record: Record, attributes: Attributes) -> list[str]:
     decoder = Decoder(attributes, scope, environment, lambda item: None, {})
     lines = decoder.body(record.steps)
     values = ", ".join(_value(scope, item) for item in record.items)
-    read = _guarded([*lines, f"return {name}({values})"], environment, name)
-    return [
-        _method(f"_write_{name}", [f"value: {name}"], "bytes", write),
-        _method(f"_read_{name}", ["more: More", "room: Room"], name, read),
+    read = _guarded(
+        [*lines, f"return {name}({values})"], environment, string_literal(name)
+    )
+    start = _method(
+        "__init__",
+        ["codec: Codec"],
+        "None",
+        ["super().__init__(codec)", *_with_tdr(attributes.statements())],
+    )
+    doc = docstring(f"`struct {record.struct.scoped}`.", 4).rstrip("\n")
+    methods = [
+        start,
+        _method("write", [f"value: {name}"], "bytes", write),
+        _method("read", ["more: More", "room: Room"], name, read),
     ]
+    body = "\n\n".join([doc, *methods])
+    return _Class(record_class(name), "RecordCodec", body, tuple(attributes.records))
+
+
+def _with_tdr(statements: list[str]) -> list[str]:
+    needs = any("tdr" in statement for statement in statements)
+    return ["tdr = codec.tdr", *statements] if needs else statements
 
 
 def _value(scope: Scope, item: Item) -> str:
@@ -142,42 +291,90 @@ def _guarded(lines: list[str], environment: Environment, name: str) -> list[str]
         "try:",
         *(f"    {line}" for line in lines),
         "except FAILURES as failure:",
-        f"    raise size_error({string_literal(name)}, failure) from failure",
+        f"    raise size_error({name}, failure) from failure",
     ]
 
 
 class _Function:
-    """The methods of one function."""
+    """The class of one function's messages."""
 
     def __init__(
-        self, layout: FunctionLayout, signature: SignatureLayout, attributes: Attributes
+        self, layout: FunctionLayout, structs: Sequence[str], order: str
     ) -> None:
         self._layout = layout
-        self._attributes = attributes
-        function = layout.function
-        self._name = function.name
-        self._shown = string_literal(f"{signature.signature.scoped}.{function.name}")
-        self._eop = _EOP[function.oneway]
-        self.constant = ""
-        self.first = ""
+        self._attributes = Attributes(structs)
+        self._reply = layout.reply if order == "tecsgen" else layout.paper
+        self._leaves_out = layout.leaves_out and order == "tecsgen"
+        self._eop = _EOP[layout.function.oneway]
+        self._constant = ""
+        self._first = ""
 
-    def methods(self) -> list[str]:
-        """All of them."""
-        methods = [self._encode_request(), self._read_request()]
+    def text(self) -> _Class:
+        """The class; its text says nothing of the function's name and id."""
         layout = self._layout
-        if layout.reply is None or layout.paper is None:
-            return methods
-        has_paper = bool(layout.outs) and not layout.is_void
-        methods += self._encode_reply(layout.reply, has_paper)
-        methods += self._read_reply(layout.reply, has_paper)
-        if has_paper:
-            methods += self._encode_reply(layout.paper, False, "_in_paper_order")
-            methods += self._read_reply(layout.paper, False, "_in_paper_order")
-        return methods
+        methods = [self._encode_request(), self._read_request()]
+        if self._reply is not None:
+            methods.append(self._encode_reply(self._reply))
+            methods.append(self._read_reply(self._reply))
+        methods += self._unset()
+        statements = [*self._attributes.statements(), self._constant, self._first]
+        start = [
+            "super().__init__(codec, name, number)",
+            *_with_tdr([s for s in statements if s]),
+        ]
+        parameters = ["codec: Codec", "name: str", "number: int"]
+        doc = docstring(f"`{shown(layout.function, '')}`.", 4).rstrip("\n")
+        facts = "\n".join(f"    {name} = {v}" for name, v in self._facts())
+        body = "\n\n".join(
+            filter(
+                None,
+                [doc, facts, _method("__init__", parameters, "None", start), *methods],
+            )
+        )
+        base = f"Messages[[{', '.join(target_types(layout))}], {result_text(layout)}]"
+        pascal = "".join(p[:1].upper() + p[1:] for p in layout.function.name.split("_"))
+        name = identifier(f"{pascal}Messages")
+        return _Class(name, base, body, tuple(self._attributes.records))
+
+    def _facts(self) -> Iterator[tuple[str, str]]:
+        """The class attributes that are not as in the base."""
+        layout = self._layout
+        kept = [str(layout.arguments.index(item)) for item in layout.kept]
+        if kept:
+            yield "kept", f"({', '.join(kept)}{',' if len(kept) == 1 else ''})"
+        results = len(layout.outs) + (not layout.is_void)
+        if results:
+            yield "results", str(results)
+        if layout.is_void:
+            yield "is_void", "True"
+        if layout.function.oneway:
+            yield "oneway", "True"
+        if is_error_code(layout.function.returns):
+            yield "error_code", "True"
+
+    def _unset(self) -> list[str]:
+        """What the outs are if the call failed, where that does not raise."""
+        layout = self._layout
+        if not layout.outs or not is_error_code(layout.function.returns):
+            return []
+        scope = Scope(layout.items, self._attributes.classes)
+        values = [
+            (
+                scope.of(item)
+                if item.inward
+                else "None" if item.nullable else zero(item.node)
+            )
+            for item in layout.outs
+        ]
+        parameters = [
+            f"{scope.of(i)}: {t}"
+            for i, t in zip(layout.arguments, target_types(layout), strict=True)
+        ]
+        types = _tuple_type([item_annotation(item) for item in layout.outs])
+        return [_method("unset", parameters, types, [f"return {_tuple(values)}"])]
 
     def _constants(self) -> dict[Role, str]:
-        id_ = str(self._layout.function.id)
-        return {Role.SOP: "SOP_REQUEST", Role.ID: id_, Role.EOP: self._eop}
+        return {Role.SOP: "SOP_REQUEST", Role.ID: "self.id", Role.EOP: self._eop}
 
     def _encode_request(self) -> str:
         layout = self._layout
@@ -196,16 +393,15 @@ class _Function:
             f"{scope.of(i)}: {argument_annotation(i)}" for i in layout.arguments
         ]
         values = {i.name: scope.of(i) for i in layout.arguments}
-        name = f"encode_{self._name}_request"
+        name = "encode_request"
         if layout.arguments:
             return _method(name, parameters, "bytes", self._tried(body, values))
-        attribute = f"self._request{layout.function.id}"
-        self.constant = f"{attribute} = {body[-1].removeprefix('return ')}"
-        return _method(name, [], "bytes", [f"return {attribute}"])
+        self._constant = f"self._request = {body[-1].removeprefix('return ')}"
+        return _method(name, [], "bytes", ["return self._request"])
 
     def _tried(self, body: list[str], values: dict[str, str]) -> list[str]:
         shown = ", ".join(f"{string_literal(k)}: {v}" for k, v in values.items())
-        error = f"argument_error({self._shown}, failure, {{{shown}}})"
+        error = f"argument_error(self.function, failure, {{{shown}}})"
         return [
             "try:",
             *(f"    {line}" for line in body),
@@ -223,10 +419,10 @@ class _Function:
             scope,
             environment,
             lambda item: None,
-            {Role.EOP: (self._eop, self._complaint("EOP"))},
+            {Role.EOP: self._eop},
         )
         lines = decoder.body(_without(layout.request, (Role.SOP, Role.ID)))
-        room = ["room = Room(self.limit)"] if decoder.needs_room else []
+        room = ["room = Room(self.request_limit)"] if decoder.needs_room else []
         values = [
             f"not {decoder.flag(item)}" if item.asked else _value(scope, item)
             for item in layout.arguments
@@ -236,14 +432,11 @@ class _Function:
         ]
         body = [*room, *lines, f"return {_tuple(values)}"]
         return _method(
-            f"read_{self._name}_request",
+            "read_request",
             ["more: More"],
             _tuple_type(types),
-            _guarded(body, environment, self._shown[1:-1]),
+            _guarded(body, environment, "self.function"),
         )
-
-    def _complaint(self, magic: str) -> str:
-        return f'raise magic_error({self._shown}, "no {magic}")'
 
     def _reply_scope(self) -> tuple[Scope, dict[str, str], Environment]:
         """The scope of a reply, the names of what is kept, the environment of sizes."""
@@ -275,9 +468,7 @@ class _Function:
         given = kept.get(item.name, "")
         return given if item.asked else f"{given} is not None"
 
-    def _encode_reply(
-        self, steps: Sequence[Step], has_paper: bool, ending: str = ""
-    ) -> list[str]:
+    def _encode_reply(self, steps: Sequence[Step]) -> str:
         layout = self._layout
         scope, kept, environment = self._reply_scope()
         constants = {Role.SOP: "SOP_REPLY", Role.EOP: _EOP[True]}
@@ -292,30 +483,21 @@ class _Function:
         results = [] if layout.is_void else [layout.returned]
         values = dict(kept_values(kept))
         values |= {i.name or "return": scope.of(i) for i in [*results, *layout.outs]}
-        names = [*kept.values(), *(scope.of(i) for i in [*results, *layout.outs])]
         parameters = self._kept_parameters(kept)
         parameters += [
             f"{scope.of(i)}: {item_annotation(i, given=True)}"
             for i in [*results, *layout.outs]
         ]
-        body: list[str] = []
-        if has_paper:
-            body.append("if self._paper:")
-            other = f"self._encode_{self._name}_reply_in_paper_order"
-            body.append(f"    return {other}({', '.join(names)})")
         tried: list[str] = []
-        if layout.leaves_out and not ending:
+        if self._leaves_out:
             run = Run((Field(Role.SOP), Field(Role.VALUE, layout.returned)))
             alone = self._attributes.run([*run.kinds, *Field(Role.EOP).kinds])
             tried.append("if is_rpc_error(returned):")
             tried.append(f"    return {alone}.pack(SOP_REPLY, returned, {_EOP[True]})")
         tried += encoder.body(steps)
-        name = f"{'_' if ending else ''}encode_{self._name}_reply{ending}"
-        return [_method(name, parameters, "bytes", body + self._tried(tried, values))]
+        return _method("encode_reply", parameters, "bytes", self._tried(tried, values))
 
-    def _read_reply(
-        self, steps: Sequence[Step], has_paper: bool, ending: str = ""
-    ) -> list[str]:
+    def _read_reply(self, steps: Sequence[Step]) -> str:
         layout = self._layout
         scope, kept, environment = self._reply_scope()
         decoder = Decoder(
@@ -328,14 +510,13 @@ class _Function:
                 else self._condition(item, scope, kept)
             ),
             {
-                Role.SOP: ("SOP_REPLY", self._complaint("SOP")),
-                Role.EOP: (_EOP[True], self._complaint("EOP")),
+                Role.SOP: "SOP_REPLY",
+                Role.EOP: _EOP[True],
             },
         )
         lines: list[str] = []
         first: str | None = "first"
-        leaves_out = layout.leaves_out and not ending
-        if leaves_out:
+        if self._leaves_out:
             start, steps = _split(steps)
             lines += decoder.body([start], first)
             lines.append("if is_rpc_error(returned):")
@@ -350,27 +531,14 @@ class _Function:
         outs = _tuple([_value(scope, item) for item in layout.outs])
         returned = "None" if layout.is_void else "returned"
         body = [*room, *lines, f"return {returned}, {outs}"]
-        body = _guarded(body, environment, self._shown[1:-1])
+        body = _guarded(body, environment, "self.function")
         types = _tuple_type([item_annotation(item) for item in layout.outs])
         result = f"tuple[{annotation(layout.returned.node)}, {types}]"
-        if layout.leaves_out:
+        if self._leaves_out:
             result = f"{result[:-1]} | None]"
-        if has_paper:
-            other = f"self._read_{self._name}_reply_in_paper_order"
-            names = ", ".join(["first", "more", *kept.values()])
-            body = ["if self._paper:", f"    return {other}({names})", *body]
         parameters = ["first: bytes", "more: More", *self._kept_parameters(kept)]
-        self._set_first(size, ending)
-        name = f"{'_' if ending else ''}read_{self._name}_reply{ending}"
-        return [_method(name, parameters, result, body)]
-
-    def _set_first(self, size: str, ending: str) -> None:
-        if not ending:
-            self.first = f"self.{self._name}_first = {size}"
-        elif not self.first.endswith(f" {size}"):
-            usual = self.first.rpartition(" = ")[2]
-            choice = f"{size} if self._paper else {usual}"
-            self.first = f"self.{self._name}_first = {choice}"
+        self._first = f"self.first = {size}"
+        return _method("read_reply", parameters, result, body)
 
 
 def kept_values(kept: dict[str, str]) -> Iterable[tuple[str, str]]:

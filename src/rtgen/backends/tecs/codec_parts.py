@@ -25,7 +25,7 @@ from rtgen.typemap.tecs_python import CODEC_NAMES, TDR_NAMES
 
 _LOCALS = (
     *("self", "more", "first", "returned", "room", "parts", "failure"),
-    *("packet", "unpacked", "sop", "eop", "value"),
+    *("packet", "unpacked", "sop", "eop", "eop_bytes", "value"),
 )
 _SIMPLE = re.compile(r"[\w.]+|present\(\w+\)")
 _DEEPEST = 16
@@ -35,12 +35,24 @@ _RESERVED = frozenset((*CODEC_NAMES, *TDR_NAMES, *_LOCALS, *dir(builtins)))
 
 
 class Attributes:
-    """The attributes of a codec: compiled runs, arrays, texts. `classes` are those of structs."""
+    """The attributes of a generated class: compiled runs, arrays, texts, structs.
+
+    `classes` are those of structs. `records` collects the classes that write and read structs.
+    """
 
     def __init__(self, classes: Iterable[str]) -> None:
         self.classes = tuple(classes)
+        self.records: list[str] = []
         self._runs: dict[str, str] = {}
         self._others: dict[str, str] = {}
+
+    def record(self, struct: str) -> str:
+        """What writes and reads a struct whose size depends on values."""
+        name = record_class(struct)
+        if name not in self.records:
+            self.records.append(name)
+        self._others[f"_{struct}"] = f"{name}(codec)"
+        return f"self._{struct}"
 
     def run(self, letters: Iterable[tuple[str, int]]) -> str:
         """The compiled run of these letters."""
@@ -61,7 +73,7 @@ class Attributes:
     def text(self, node: String) -> str:
         """The texts of a kind of units."""
         if not node.is_wide:
-            self._others["_text"] = "Text(tdr, encoding)"
+            self._others["_text"] = "Text(tdr, codec.encoding)"
             return "self._text"
         self._others[f"_text_{node.kind}"] = f'WideText(tdr, "{node.kind}")'
         return f"self._text_{node.kind}"
@@ -71,6 +83,11 @@ class Attributes:
         runs = [f"self.{n} = tdr.struct({kinds})" for kinds, n in self._runs.items()]
         others = [f"self.{n} = {value}" for n, value in sorted(self._others.items())]
         return runs + others
+
+
+def record_class(struct: str) -> str:
+    """The class that writes and reads a struct whose size depends on values."""
+    return f"{struct}Record"
 
 
 class Scope:

@@ -38,7 +38,7 @@ class Decoder:
     """Writes the body of one method, but for its end.
 
     `condition` gives the expression of whether a nullable item is there, None if a flag of the
-    message tells it. `checks` gives what a magic has to be, and a statement for another one.
+    message tells it. `checks` gives what a magic has to be.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Decoder:
         scope: Scope,
         environment: Environment,
         condition: Callable[[Item], str | None],
-        checks: Mapping[Role, tuple[str, str]],
+        checks: Mapping[Role, str],
     ) -> None:
         self._attributes = attributes
         self._scope = scope
@@ -93,8 +93,11 @@ class Decoder:
 
     def _run(self, run: Run, first: str | None) -> list[str]:
         if first is None and [field.role for field in run.fields] == [Role.EOP]:
-            expected, complaint = self._checks[Role.EOP]
-            return [f"if more(2) != {MAGIC_BYTES[expected]}:", f"    {complaint}"]
+            expected = self._checks[Role.EOP]
+            return [
+                f"if (eop_bytes := more(2)) != {MAGIC_BYTES[expected]}:",
+                f"    {_complaint(Role.EOP, expected, 'eop_bytes')}",
+            ]
         source = first or f"more({self.run_size(run)})"
         return self._unpack(run, "unpack", source)
 
@@ -120,9 +123,9 @@ class Decoder:
                 lines.append(f"{self._target(field)} = {value}")
         for field in run.fields:
             if field.role in self._checks:
-                expected, complaint = self._checks[field.role]
-                lines.append(f"if {self._target(field)} != {expected}:")
-                lines.append(f"    {complaint}")
+                expected, found = self._checks[field.role], self._target(field)
+                lines.append(f"if {found} != {expected}:")
+                lines.append(f"    {_complaint(field.role, expected, found)}")
         return lines
 
     def _target(self, field: Field) -> str:
@@ -246,7 +249,7 @@ class Decoder:
                 return f"{self._attributes.text(node)}.read(more, room{bound})"
             case Record(struct) if not node.fixed:
                 self.needs_room = True
-                return f"self._read_{struct_class(struct.name)}(more, room)"
+                return f"{self._attributes.record(struct_class(struct.name))}.read(more, room)"
             case FixedArray(element, times) if not is_fixed(element):
                 return f"[{self._read(element)} for _ in range({times})]"
             case Counted(element):
@@ -254,6 +257,10 @@ class Decoder:
                 taken = self._taken(node, self._environment.count(node), "1")
                 return f"[{self._read(element)} for _ in range({taken})]"
         raise AssertionError(node)
+
+
+def _complaint(role: Role, expected: str, found: str) -> str:
+    return f'raise self.wrong_mark("{role.name}", {expected}, {found})'
 
 
 def _is_plain(field: Field) -> bool:

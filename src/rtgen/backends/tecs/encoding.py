@@ -143,7 +143,7 @@ class Encoder:
                 text = self._attributes.text(node)
                 return f"{text}.whole({self._text_arguments(node, value)})"
             case Record(struct) if not node.fixed:
-                return f"self._write_{struct_class(struct.name)}({value})"
+                return f"{self._attributes.record(struct_class(struct.name))}.write({value})"
             case FixedArray(element, count) if not is_fixed(element):
                 return self._joined(element, f"exactly({value}, {count})")
         arguments = packed(node, value, self._scope.loops)

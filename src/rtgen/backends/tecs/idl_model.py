@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from rtgen.backends.tecs.idl_names import AnonymousTypes, IdlNames, common_fields
 from rtgen.backends.tecs.plan import Service, TecsPackage
-from rtgen.backends.tecs.rtc_components import components_of
+from rtgen.backends.tecs.rtc_components import COMMUNICATION, RTCS, components_of
 from rtgen.backends.tecs.rules import NOT_IN_IDL
 from rtgen.diagnostics import Diagnostic, Span
 from rtgen.model import (
@@ -111,7 +111,10 @@ class _Builder:
         self._refused: set[Span] = set()
         self._package = package
         self._unit = package.unit
-        self._scopes: dict[ScopedName, IdlNames] = {}
+        ours = [f"{s.name}{what}" for s in package.services for what in RTCS]
+        self._scopes: dict[ScopedName, IdlNames] = {
+            (): IdlNames([*COMMUNICATION, *ours])
+        }
         self._modules: dict[ScopedName, ScopedName] = {(): ()}
         services = package.services
         self._interfaces = {

@@ -4,20 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from rtgen.backends.components.base_module import class_names
 from rtgen.backends.components.imports import Imports, import_from
 from rtgen.backends.components.members import attributes_of
-from rtgen.backends.python_text import docstring, fit_text
+from rtgen.backends.python_text import fit_text
+from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.rendering import render
+from rtgen.backends.tecs.communication import FILE
+from rtgen.backends.tecs.function_text import LOCALS, tuple_type
 from rtgen.backends.tecs.idl_model import IdlService
-from rtgen.backends.tecs.proxies import names_used, proxy_class, proxy_method
+from rtgen.backends.tecs.proxies import proxy_class
+from rtgen.backends.tecs.rtc_text import RUNTIME, rtc_class
 from rtgen.backends.tecs.service_text import (
-    LOCALS,
     Method,
     ServiceText,
     returning,
     standard_imports,
-    tuple_type,
 )
 from rtgen.backends.tecs.views import to_codec, to_idl, used_structs
 from rtgen.layouts.tdr import FunctionLayout, Item
@@ -31,12 +32,15 @@ from rtgen.model import (
     PrimitiveType,
 )
 from rtgen.typemap.idl_python import PythonNames, distinct
-from rtgen.typemap.python_names import module_name
 from rtgen.typemap.tecs_python import struct_class
 
 _ANY = PrimitiveType(Primitive.ANY)
 _VALUES = "rtgen.runtime.values"
-_BOUND = ("RTC_OK", "ReturnCode_t", "CommunicationChannel", "Channel", "RpcError")
+_BOUND = (
+    *("RTC_OK", "ReturnCode_t", "CommunicationChannel", "Channel", "ClassVar"),
+    *("ProxyServant", *RUNTIME),
+)
+_LOCALS = LOCALS | {"returned"}
 
 
 def marshaller_module(
@@ -44,58 +48,74 @@ def marshaller_module(
 ) -> str:
     """The module of a service; the model holds the IDL side of its package."""
     name = text.name
-    structs = text.struct_classes()
+    structs = text.structs
     component = model.find((f"{idl.service.name}Marshaller",))
     assert isinstance(component, Component)
-    base, _ = class_names(component)
     servant = f"_{name}Servant"
-    own = (f"{name}Proxy", servant, f"{name}Marshaller", base, text.codec)
-    taken = {*structs, *LOCALS, *own, *_BOUND, "Sequence", "make_tdr"}
-    imports = Imports(model, names, ".", taken)
+    own = (f"{name}Proxy", servant, f"{name}Marshaller", text.codec)
+    target = f"{name}Target"
+    taken = {*structs, *_LOCALS, *own, target, *_BOUND, "Sequence", "make_tdr"}
+    imports = Imports(model, names, ".", taken, {FILE: ".."})
     interface = imports.type_name(idl.interface.name)
     servants = _Servant(text, names, idl, imports)
     layouts = text.layout.functions
-    operations = [
-        servants.operation(function, operation)
-        for function, operation in zip(layouts, idl.interface.operations, strict=True)
-    ]
-    functions = [proxy_method(text, function) for function in layouts]
+    pairs = list(zip(layouts, idl.interface.operations, strict=True))
+    converting = [pair for pair in pairs if servants.converts(*pair)]
+    operations = [servants.operation(*pair) for pair in converting]
+    called = names.operations(idl.interface)
+    renamed = {
+        called[operation.name]: text.methods[function.function.name]
+        for function, operation in pairs
+        if (function, operation) not in converting
+        and called[operation.name] != text.methods[function.function.name]
+    }
+    functions = [text.method(function, call=True) for function in layouts]
     views = _views_used(layouts)
+    rtc = rtc_class(component, imports, f"{name}Marshaller")
     attributes = attributes_of(component)
     values = [line for line in imports.lines() if f"from {_VALUES} " in line]
     lines = [
         *(line for line in imports.lines() if line not in values),
-        import_from("..opaque_rpc_communication", ["CommunicationChannel"]),
         import_from("._types", structs) if structs else "",
         import_from("._views", views) if views else "",
-        import_from(f".components.{module_name(component.name[-1])}", [base]),
         import_from(text.codec_module, [text.codec]),
+        import_from(text.server_module, [target]),
     ]
-    used = {"Channel", *names_used(layouts), *(["make_tdr"] if text.makes_tdr else [])}
+    used = {
+        "Channel",
+        "CommunicationChannel",
+        "ProxyServant",
+        *(["make_tdr"] if text.makes_tdr else []),
+    }
     rendered = render(
         "tecs/marshaller.py.j2",
         header=text.header,
         docstring=docstring(f"`{text.signature}`: calls of a TECS board.", 0),
         standard=standard_imports(functions),
         runtime=[
-            import_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t"]),
+            import_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t", *RUNTIME]),
             import_from("rtgen.runtime.opaque_rpc", used),
             *values,
         ],
         imports=sorted(filter(None, lines)),
         proxy=f"{name}Proxy",
         proxy_class=proxy_class(text),
+        renamed=_keyword("methods", renamed),
         servant=servant,
         interface=interface,
         interface_name="::".join(idl.interface.name),
         operations=operations,
-        marshaller=f"{name}Marshaller",
-        base=base,
-        class_docstring=docstring(component.doc, 4),
+        rtc=rtc,
         provider=attributes.ports[0][1],
         consumer=attributes.ports[1][1],
     )
     return fit_text(rendered)
+
+
+def _keyword(name: str, values: dict[str, str]) -> str:
+    """A keyword argument behind others; nothing for an empty dict."""
+    pairs = [f"{string_literal(k)}: {string_literal(v)}" for k, v in values.items()]
+    return f", {name}={{{', '.join(pairs)}}}" if pairs else ""
 
 
 class _Servant:
@@ -109,11 +129,24 @@ class _Servant:
         self._idl = idl
         self._imports = imports
 
+    def converts(self, layout: FunctionLayout, operation: Operation) -> bool:
+        """Whether a value of the function differs between CDL and IDL."""
+        results = [] if layout.is_void else [layout.returned]
+        return (
+            any(p.type == _ANY for p in operation.parameters)
+            or any(item.asked for item in layout.items)
+            or any(to_codec(i, "value") != "value" for i in layout.items if i.inward)
+            or any(
+                to_idl(i, "value") != "value"
+                for i in [*results, *(i for i in layout.items if i.outward)]
+            )
+        )
+
     def operation(self, layout: FunctionLayout, operation: Operation) -> Method:
         """Converts what is given, has the proxy call, converts what comes back."""
         annotate = self._imports.mapping.annotation
         views = _views_used([layout])
-        names = distinct((p.name for p in operation.parameters), LOCALS.union(views))
+        names = distinct((p.name for p in operation.parameters), _LOCALS.union(views))
         pairs = list(zip(layout.items, operation.parameters, strict=True))
         taken = set(names.values())
         body: list[str] = []

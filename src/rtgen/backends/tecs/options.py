@@ -175,12 +175,17 @@ class RtcOptions:
 
 _FIELDS = {each.metadata["name"]: each for each in fields(RtcOptions)}
 
-PC_OPTIONS = tuple(
-    name
-    for name in _FIELDS
-    if name not in ("tdr", "address", "port", "PPAllocatorSize")
-)
-"""The options that mean nothing for the board's half."""
+PC_OPTIONS = tuple(name for name in _FIELDS if name != "PPAllocatorSize")
+"""The options that tecsgen's OpaqueRPCPlugin does not know."""
+
+_NETWORK = RtcOptions().widths
+NETWORK_WIDTHS = {
+    "shortBits": _NETWORK.short,
+    "intBits": _NETWORK.int_,
+    "longBits": _NETWORK.long,
+    "intptrBits": _NETWORK.intptr,
+}
+"""The widths of C's types that tecsgen's boards send in the network's order."""
 
 
 def read_options(through: Through) -> tuple[RtcOptions, list[Diagnostic]]:

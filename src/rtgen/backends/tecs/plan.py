@@ -58,6 +58,19 @@ class RtcJoin:
         """The board's TCP port."""
         return self.options.port or FIRST_PORT + self.number
 
+    @property
+    def path(self) -> str:
+        """What `RTCPlugin.rb` knows the join by: its call port.
+
+        A region's plug-in is known by its region and the target, for callers share it.
+        """
+        join, through = self.join, self.through
+        if through.origin == "through":
+            return f"{self.cell.scoped}.{join.port}{_subscript(join.index)}"
+        target = f"{'::'.join(join.target)}.{join.target_port}"
+        region = "::".join(through.region)
+        return f"{through.origin} {region} {target}{_subscript(join.target_index)}"
+
 
 @dataclass(frozen=True, slots=True)
 class TecsPackage:
@@ -199,6 +212,10 @@ def _distinct(
         if through.origin == "through" or key not in seen:
             seen.add(key)
             yield cell, join, through
+
+
+def _subscript(index: int | None) -> str:
+    return "" if index is None else f"[{index}]"
 
 
 def _service(signature: Signature, options: RtcOptions) -> Service:

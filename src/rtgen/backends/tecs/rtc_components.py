@@ -10,6 +10,9 @@ from rtgen.model import Component, Interface, NamedType, Port, PortKind
 COMMUNICATION = ("OpaqueRpc",)
 """The interface of the communication RTC."""
 
+RTCS = ("Marshaller", "Client")
+"""What the names of the RTCs of a service end in."""
+
 
 def consumer_name(service: Service) -> str:
     """The port by which a marshaller uses the communication RTC."""
@@ -62,7 +65,7 @@ def components_of(
                 PortKind.CONSUMER,
                 consumer_name(service),
                 NamedType(COMMUNICATION),
-                "The channel to the board.",
+                "The board's channel.",
             ),
         ),
         f"Carries calls of {scoped} to a TECS board.",

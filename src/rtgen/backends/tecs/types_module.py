@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
-from rtgen.backends.python_text import (
-    comment_text,
+from rtgen.backends.python_text import fit_text
+from rtgen.backends.quoting.python import (
     docstring,
-    fit_text,
     number_literal,
     string_literal,
 )
 from rtgen.backends.rendering import render
-from rtgen.layouts.tdr import Node, Record
-from rtgen.layouts.tdr_messages import layout_of
+from rtgen.layouts.tdr import Node, Record, SignatureLayout
 from rtgen.model.tecs import (
     CStructType,
-    Signature,
     TecsConst,
     TecsTypedef,
     TecsUnit,
@@ -32,35 +30,43 @@ from rtgen.typemap.tecs_python import (
 )
 
 
-def types_text(unit: TecsUnit, signatures: Iterable[Signature], header: str) -> str:
-    """The module: the structs that the signatures need, their typedefs, all constants.
+@dataclass(frozen=True, slots=True)
+class _Class:
+    """The dataclass of a struct, its members as statements."""
 
-    Raises TransferError.
-    """
+    name: str
+    docstring: str
+    members: list[str]
+
+
+def types_text(unit: TecsUnit, layouts: Iterable[SignatureLayout], header: str) -> str:
+    """The module: the structs that the signatures need, their typedefs, all constants."""
     records: dict[str, Record] = {}
-    for signature in signatures:
-        for record in layout_of(unit, signature).records:
+    for layout in layouts:
+        for record in layout.records:
             records.setdefault(struct_class(record.struct.name), record)
     aliases = list(_aliases(unit, records))
     taken = {*records, *(name for name, _ in aliases)}
+    classes = [_class(name, record) for name, record in records.items()]
     text = render(
         "tecs/types.py.j2",
-        key=comment_text(unit.key),
-        classes=[_class(name, record) for name, record in records.items()],
+        key=unit.key,
+        classes=classes,
+        has_fields=any("field(" in line for each in classes for line in each.members),
         aliases=aliases,
         constants=list(_constants(unit, taken)),
     )
     return fit_text(f"{header}{text.rstrip()}\n")
 
 
-def _class(name: str, record: Record) -> dict[str, object]:
+def _class(name: str, record: Record) -> _Class:
     struct = record.struct
     members = [
         f"{member_name(item.name)}: {annotation(item.node)} = {_default(item.node)}"
         for item in record.items
     ]
-    text = docstring(struct.doc or f"`struct {struct.scoped}`.", 4)
-    return {"name": name, "docstring": text, "members": members}
+    text = docstring(struct.doc, 4, f"`struct {struct.scoped}`.")
+    return _Class(name, text, members)
 
 
 def _default(node: Node) -> str:

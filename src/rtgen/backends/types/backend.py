@@ -6,7 +6,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from rtgen.backends import Artifact, Emission, Options
-from rtgen.backends.python_text import docstring, header_comment
+from rtgen.backends.python_text import header_comment
+from rtgen.backends.quoting.python import docstring
 from rtgen.backends.types.calls import Calls
 from rtgen.backends.types.module import TypesModule
 from rtgen.backends.types.packages import Package, package_text, packages
@@ -49,7 +50,7 @@ class TypesBackend:
         representations = Representations(
             model, options.representation == "xcdr2", options.extensibility
         )
-        calls = Calls(model, representations)
+        calls = Calls(model, representations, options.marshalled)
         names = PythonNames(calls.model, options.package)
         types = CdrTypes(calls.model, names.members, representations)
         diagnostics = list(_check(model, types, representations))
@@ -123,8 +124,11 @@ class _Writer:
         self, root: str, package: Package, everything: list[SourceFile]
     ) -> Artifact:
         files = self._sources(package.files) or everything
+        lazy = self._options.lazy and bool(package.imports)
         path = "/".join((root, *package_path(package.scope), "__init__.py"))
-        return self._artifact(path, package_text(package, self._header(files)), files)
+        return self._artifact(
+            path, package_text(package, self._header(files), lazy), files
+        )
 
     def _sources(self, names: Iterable[str]) -> list[SourceFile]:
         """The files, and those included in their declarations, in the order of the model."""

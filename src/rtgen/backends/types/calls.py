@@ -13,7 +13,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 
-from rtgen.backends.python_text import string_literal
+from rtgen.backends.quoting.python import string_literal
 from rtgen.backends.types.scope import Scope
 from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
 from rtgen.layouts.representations import Representations
@@ -63,9 +63,12 @@ class Calls:
     """What has to be added to a model so that the calls of its interfaces can be marshalled.
 
     `model` is the model with the bodies, `origins` the file that each file of bodies is for.
+    Nothing is added if the calls are not to be `marshalled`.
     """
 
-    def __init__(self, model: Model, representations: Representations) -> None:
+    def __init__(
+        self, model: Model, representations: Representations, marshalled: bool = True
+    ) -> None:
         self._types = CdrTypes(
             model, lambda d: {m.name: m.name for m in d.members}, representations
         )
@@ -76,7 +79,8 @@ class Calls:
         self._raised: dict[ScopedName, Struct] = {}
         self.origins: dict[str, str] = {}
         self.of: dict[ScopedName, list[Call]] = {}
-        for declaration in model.declarations:
+        self.marshalled = marshalled
+        for declaration in model.declarations if marshalled else ():
             if isinstance(declaration, Interface) and not declaration.local:
                 calls = list(self._calls(declaration))
                 if calls:

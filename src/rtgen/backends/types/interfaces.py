@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from rtgen.backends.python_text import docstring, string_literal
+from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.rendering import render
 from rtgen.backends.types.calls import Calls
-from rtgen.backends.types.descriptions import Descriptions, attribute_text, signature
+from rtgen.backends.types.descriptions import Descriptions, attribute_text
 from rtgen.backends.types.scope import Scope
 from rtgen.model import (
     VOID,
@@ -28,11 +28,8 @@ class _Attribute:
     type: str
     docstring: str
     readonly: bool
-    key: str
-    get: str
-    set: str
-    get_raises: str
-    set_raises: str
+    get_operation: str
+    set_operation: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +38,7 @@ class _Operation:
     parameters: str
     result: str
     docstring: str
-    key: str
-    call: str
-    count: int
-    raises: str
-    dispatcher: str
+    operation: str
 
 
 class Interfaces:
@@ -74,14 +67,13 @@ class Interfaces:
         stub_bases = [py.companion(base, "Stub") for base in ordered]
         skeleton_bases = [py.companion(base, "Skeleton") for base in ordered]
         bases = [py.reference(base) for base in ordered]
-        doc = declaration.doc or f"`{declaration.scoped}`."
         return render(
             "types/interface.py.j2",
             py=py,
             name=name,
             scoped=declaration.scoped,
             bases=", ".join(bases or [py.Servant]),
-            docstring=docstring(doc, 4),
+            docstring=docstring(declaration.doc, 4, f"`{declaration.scoped}`."),
             calls=self._calls_module(declaration),
             descriptor=self._describe.interface(declaration),
             nested=nested + [line for line in contested.values() if line not in nested],
@@ -103,29 +95,22 @@ class Interfaces:
         return _Attribute(
             name=name,
             type=self._mapping.annotation(attribute.type),
-            docstring=docstring(attribute.doc or f"`{attribute_text(attribute)}`.", 8),
+            docstring=docstring(attribute.doc, 8, f"`{attribute_text(attribute)}`."),
             readonly=attribute.readonly,
-            key=string_literal(name),
-            get=string_literal(f"_get_{attribute.name}"),
-            set=string_literal(f"_set_{attribute.name}"),
-            get_raises=self._raises(attribute.get_raises),
-            set_raises=self._raises(attribute.set_raises),
+            get_operation=self._marks(attribute.name, name, attribute.get_raises),
+            set_operation=self._marks(attribute.name, name, attribute.set_raises),
         )
 
     def _operation(self, operation: Operation, called: dict[str, str]) -> _Operation:
-        names = _parameter_names(operation)
-        given = [p for p in operation.parameters if p.direction is not Direction.OUT]
-        key = string_literal(operation.name)
+        name = called[operation.name]
         return _Operation(
-            name=called[operation.name],
+            name=name,
             parameters=self.parameters(operation),
             result=self.result(operation),
-            docstring=docstring(operation.doc or f"`{signature(operation)}`.", 8),
-            key=key,
-            call=", ".join([key, *(names[p.name] for p in given)]),
-            count=len(given),
-            raises=self._raises(operation.raises),
-            dispatcher="_send_" if operation.oneway else "_call_",
+            docstring=docstring(operation.doc, 8),
+            operation=self._marks(
+                operation.name, name, operation.raises, operation.oneway
+            ),
         )
 
     def annotation(self, type_: Type) -> str:
@@ -150,13 +135,22 @@ class Interfaces:
             return f"{self._py.tuple}[{', '.join(annotations)}]"
         return annotations[0] if annotations else "None"
 
-    def _raises(self, names: Sequence[ScopedName]) -> str:
-        classes = [self._py.reference(name) for name in dict.fromkeys(names)]
-        if not classes:
-            return ""
-        return (
-            f", ({classes[0]},)" if len(classes) == 1 else f", ({', '.join(classes)})"
-        )
+    def _marks(
+        self,
+        name: str,
+        python_name: str,
+        raises: Sequence[ScopedName],
+        oneway: bool = False,
+    ) -> str:
+        """The arguments of the decorator `operation`; empty where none is needed."""
+        marks: list[str] = [string_literal(name)] if name != python_name else []
+        classes = [self._py.reference(r) for r in dict.fromkeys(raises)]
+        if classes:
+            comma = "," if len(classes) == 1 else ""
+            marks.append(f"raises=({', '.join(classes)}{comma})")
+        if oneway:
+            marks.append("oneway=True")
+        return ", ".join(marks)
 
 
 def _parameter_names(operation: Operation) -> dict[str, str]:

@@ -7,12 +7,9 @@ from dataclasses import dataclass
 from decimal import Decimal
 from math import isfinite
 
-from rtgen.backends.python_text import (
-    docstring,
-    fit_text,
-    number_literal,
-    string_literal,
-)
+from rtgen.backends.python_text import fit_text
+from rtgen.backends.quoting.code import HashComment
+from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.rendering import render
 from rtgen.backends.types.calls import Calls, CallTable
 from rtgen.backends.types.constants import Layouts
@@ -136,7 +133,7 @@ class TypesModule:
             isinstance(declaration, Interface) and self._names.hides(declaration)
             for declaration in self._names.declarations(self._module)
         ):
-            header += _HIDING
+            header = HashComment(header + _HIDING)
         text = render(
             "types/module.py.j2",
             header=header,
@@ -176,7 +173,7 @@ class TypesModule:
         return self._names.implementation(declaration.name)[1]
 
     def _doc(self, declaration: Declaration) -> str:
-        return docstring(declaration.doc or f"`{declaration.scoped}`.", 4)
+        return docstring(declaration.doc, 4, f"`{declaration.scoped}`.")
 
     # Structs and exceptions.
 
@@ -473,8 +470,17 @@ class TypesModule:
         if self._is_ahead(declaration.type):
             annotation = f'"{annotation}"'
         doc = docstring(declaration.doc, 0)
+        if not self._calls.marshalled and self._is_inside_interface(declaration):
+            return f"{name}: {self.scope.TypeAlias} = {annotation}\n{doc}"
         descriptor = f"{self.scope.alias(declaration.name)} = {self._describe.alias(declaration)}"
         return f"{name}: {self.scope.TypeAlias} = {annotation}\n{doc}{descriptor}\n"
+
+    def _is_inside_interface(self, declaration: Declaration) -> bool:
+        holder = declaration.name[:-1]
+        return bool(holder) and any(
+            isinstance(d, Interface) and d.name == holder
+            for d in self._names.declarations(self._module)
+        )
 
     def _is_ahead(self, type_: Type, through_aliases: bool = False) -> bool:
         """Whether the type names a class of this module that is defined further down."""
@@ -501,6 +507,8 @@ class TypesModule:
         return [Block(text) for alias in ready if (text := self._codec(alias))]
 
     def _has_codec(self, declaration: Typedef) -> bool:
+        if not self._calls.marshalled:
+            return False
         plain = self._model.unalias(declaration.type)
         if not isinstance(plain, SequenceType | ArrayType | MapType):
             return False

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from rtgen.backends.python_text import docstring, fit_text, string_literal
+from rtgen.backends.python_text import fit_text
+from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.rendering import render
 from rtgen.model import (
     Declaration,
@@ -65,8 +66,8 @@ def _fill(
             package.enumerators.append((outside, public, attribute))
 
 
-def package_text(package: Package, header: str) -> str:
-    """The text of its `__init__.py`."""
+def package_text(package: Package, header: str, lazy: bool = False) -> str:
+    """The text of its `__init__.py`; `lazy`: modules are imported when a name is asked for."""
     dots = "." * (len(package_path(package.scope)) + 1)
     public = [p for pairs in package.imports.values() for _, p in pairs]
     public += [outside for outside, _, _ in package.enumerators]
@@ -78,11 +79,26 @@ def package_text(package: Package, header: str) -> str:
         else "What stands in the global scope of IDL."
     )
     imports = []
+    homes = []
     for module, pairs in sorted(package.imports.items()):
-        items = ", ".join(
-            f"{local} as {p}" for local, p in sorted(pairs, key=lambda x: x[1])
+        ordered = sorted(pairs, key=lambda pair: pair[1])
+        names = [
+            p if local == p and lazy else f"{local} as {p}" for local, p in ordered
+        ]
+        imports.append(f"from {dots}_idl.{module} import {', '.join(names)}")
+        shown = ", ".join(map(string_literal, names))
+        key = string_literal(f"{dots}_idl.{module}")
+        homes.append(f"{key}: ({shown}{',' if len(names) == 1 else ''})")
+    if lazy and not package.enumerators:
+        text = render(
+            "types/lazy_package.py.j2",
+            header=header,
+            docstring=docstring(title, 0),
+            imports=imports,
+            homes=", ".join(homes),
+            exported=", ".join(string_literal(name) for name in sorted(public)),
         )
-        imports.append(f"from {dots}_idl.{module} import {items}")
+        return fit_text(text)
     text = fit_text(
         render(
             "types/package.py.j2",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rtgen.backends.python_text import comment_text, string_literal
+from rtgen.backends.quoting.python import comment_text, string_literal
 from rtgen.backends.types.constants import Layouts
 from rtgen.backends.types.decoder import Decoder
 from rtgen.backends.types.descriptions import Descriptions
@@ -132,7 +132,7 @@ class Unions:
         return branches
 
     def _doc(self, case: Case) -> str:
-        doc = comment_text(case.doc).replace("\\", "\\\\").replace('"', "'")
+        doc = comment_text(case.doc).replace('"', "'")
         return doc or f"The value, if the branch `{case.name}` is selected."
 
     def _other(self, union: Union, switch: Atom) -> str | None:

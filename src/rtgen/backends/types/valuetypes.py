@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rtgen.backends.python_text import docstring, string_literal
+from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.rendering import render
 from rtgen.backends.types.descriptions import Descriptions, attribute_text, signature
 from rtgen.backends.types.interfaces import Interfaces
@@ -64,7 +64,7 @@ class Valuetypes:
                 name=called[o.name],
                 parameters=self._interfaces.parameters(o),
                 result=self._interfaces.result(o),
-                docstring=docstring(o.doc or f"`{signature(o)}`.", 8),
+                docstring=docstring(o.doc, 8, f"`{signature(o)}`."),
                 message=string_literal(f"{declaration.scoped}::{o.name}"),
             )
             for o in declaration.operations
@@ -73,7 +73,7 @@ class Valuetypes:
             _Property(
                 name=called[a.name],
                 type=self._interfaces.annotation(a.type),
-                docstring=docstring(a.doc or f"`{attribute_text(a)}`.", 8),
+                docstring=docstring(a.doc, 8, f"`{attribute_text(a)}`."),
                 readonly=a.readonly,
                 message=string_literal(f"{declaration.scoped}::{a.name}"),
             )
@@ -85,7 +85,7 @@ class Valuetypes:
             py=py,
             name=py.reference(declaration.name),
             bases=", ".join(bases or [py.Value]),
-            docstring=docstring(declaration.doc or f"`{declaration.scoped}`.", 4),
+            docstring=docstring(declaration.doc, 4, f"`{declaration.scoped}`."),
             descriptor_class=py.ValueDescriptor,
             descriptor=self._describe.value(declaration),
             nested=nested,
@@ -105,7 +105,7 @@ class Valuetypes:
             py=py,
             name=py.reference(declaration.name),
             bases=py.Box,
-            docstring=docstring(declaration.doc or f"`{declaration.scoped}`.", 4),
+            docstring=docstring(declaration.doc, 4, f"`{declaration.scoped}`."),
             descriptor_class=py.BoxDescriptor,
             descriptor=self._describe.box(declaration),
             nested=[],

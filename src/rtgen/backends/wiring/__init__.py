@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
-from rtgen.backends.wiring.diagram import ComponentView, PortView, view_of
+from rtgen.backends.wiring.diagram import (
+    ComponentView,
+    PortView,
+    TimedConnection,
+    view_of,
+)
 from rtgen.backends.wiring.drawing import render
 
-__all__ = ["ComponentView", "PortView", "render", "view_of"]
+__all__ = ["ComponentView", "PortView", "TimedConnection", "render", "view_of"]

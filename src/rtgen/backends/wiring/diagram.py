@@ -1,15 +1,18 @@
-"""What a wiring diagram shows: boxes with ports, and links between ports."""
+"""What a wiring diagram shows: boxes with ports, links between ports, and media."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from enum import Enum
 
 from rtgen.model import Component, PortKind, PortReference, System
 
 _DATA_PORTS = (PortKind.INPORT, PortKind.OUTPORT)
 _LEFT = (PortKind.INPORT, PortKind.PROVIDER)
+_MOST_IDLE = 3
+"""So many ports of a side of a box are drawn although nothing is connected with them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,23 +27,46 @@ class PortView:
 
 @dataclass(frozen=True, slots=True)
 class ComponentView:
-    """A component type as seen from outside."""
+    """A component type as seen from outside; `parameters` maps names to default texts."""
 
     name: str
     ports: tuple[PortView, ...]
+    parameters: Mapping[str, str] = field(default_factory=dict)
 
 
 def view_of(component: Component) -> ComponentView:
     """The view of a component that was defined."""
     ports = (PortView(p.name, p.kind, str(p.type), p.port) for p in component.ports)
-    return ComponentView(component.name[-1], tuple(ports))
+    parameters = {
+        p.name: "" if p.default is None else str(p.default)
+        for p in component.configuration
+    }
+    return ComponentView(component.name[-1], tuple(ports), parameters)
+
+
+@dataclass(frozen=True, slots=True)
+class TimedConnection:
+    """A connection that a timeline makes, `time` seconds after the start of the run."""
+
+    source: PortReference
+    target: PortReference
+    time: float
+
+
+class LinkStyle(Enum):
+    """How a link is drawn."""
+
+    DATA = "data"
+    SERVICE = "service"
+    PDO = "pdo"
 
 
 @dataclass(slots=True, eq=False)
 class Tab:
     """A port in the diagram; `row` counts down its side of the box.
 
-    `type_label` is the type's name without modules, unless that would be ambiguous.
+    `type_label` is the type's name without modules, unless that would be ambiguous. `views` are
+    the ports that the tab stands for, if it stands for several.
     """
 
     view: PortView
@@ -48,6 +74,7 @@ class Tab:
     row: int
     connected: bool = False
     type_label: str = ""
+    views: tuple[PortView, ...] = ()
 
     @property
     def is_left(self) -> bool:
@@ -57,13 +84,17 @@ class Tab:
 
 @dataclass(slots=True, eq=False)
 class Box:
-    """An instance of a component in the diagram."""
+    """An instance of a component in the diagram.
+
+    `media` are the media that it is attached to, each with what the component is there.
+    """
 
     instance: str
     type: str
     rate: float | None
     location: tuple[int, int] | None
     tabs: list[Tab] = field(default_factory=list)
+    media: list[tuple[Medium, str]] = field(default_factory=list)
 
     def add(self, view: PortView) -> Tab:
         """A new tab for the port, below those of its side."""
@@ -71,6 +102,21 @@ class Box:
         tab = Tab(view, self, sum(each.is_left is left for each in self.tabs))
         self.tabs.append(tab)
         return tab
+
+    def collapse(self) -> None:
+        """Replace many ports of a side that nothing is connected with by one tab."""
+        for left in (True, False):
+            side = [tab for tab in self.tabs if tab.is_left is left]
+            idle = [tab for tab in side if not tab.connected]
+            if len(idle) <= _MOST_IDLE:
+                continue
+            kept = [tab for tab in side if tab.connected]
+            views = tuple(tab.view for tab in idle)
+            view = PortView(f"{len(idle)} more ports", views[0].kind, "")
+            kept.append(Tab(view, self, 0, views=views))
+            for row, tab in enumerate(kept):
+                tab.row = row
+            self.tabs = [tab for tab in self.tabs if tab.is_left is not left] + kept
 
     @property
     def rows(self) -> int:
@@ -80,12 +126,25 @@ class Box:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Link:
-    """A connection, from a tab at a right side to one at a left side."""
+    """A connection, from a tab at a right side to one at a left side.
+
+    `times` are the seconds at which a timeline makes it; none for one that is there at the start.
+    """
 
     source: Tab
     target: Tab
-    service: bool
+    style: LinkStyle
     properties: tuple[tuple[str, str], ...] = ()
+    times: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Medium:
+    """A bus or line that carries data between components, and their names on it."""
+
+    label: str
+    number: int
+    nodes: list[tuple[Box, str]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,10 +154,15 @@ class Diagram:
     title: str
     boxes: tuple[Box, ...]
     links: tuple[Link, ...]
+    media: tuple[Medium, ...] = ()
 
 
-def diagram_of(system: System, profiles: Mapping[str, ComponentView]) -> Diagram:
-    """The diagram of a system; what no profile tells is taken from the connectors."""
+def diagram_of(
+    system: System,
+    profiles: Mapping[str, ComponentView],
+    timeline: Sequence[TimedConnection] = (),
+) -> Diagram:
+    """The diagram of a system; what no profile states is taken from the connectors."""
     boxes = {
         c.instance: Box(c.instance, c.type, c.rate, c.location and c.location[:2])
         for c in system.components
@@ -106,16 +170,15 @@ def diagram_of(system: System, profiles: Mapping[str, ComponentView]) -> Diagram
     for box in boxes.values():
         for view in profiles[box.type].ports if box.type in profiles else ():
             box.add(view)
-    links: list[Link] = []
+    links: dict[tuple[Tab, Tab], Link] = {}
     for connection in system.connections:
-        ends = boxes.get(connection.source.instance), boxes.get(
-            connection.target.instance
-        )
-        source, target = ends
+        source = boxes.get(connection.source.instance)
+        target = boxes.get(connection.target.instance)
         if source is None or target is None:
             continue
         if connection.service:
             pairs = _service_pairs(source, connection.source, target, connection.target)
+            style = LinkStyle.SERVICE
         else:
             type_ = _type_of_id(
                 dict(connection.properties).get("dataport.data_type", "")
@@ -124,11 +187,35 @@ def diagram_of(system: System, profiles: Mapping[str, ComponentView]) -> Diagram
             pairs = [
                 (out, _data_tab(target, connection.target.port, PortKind.INPORT, type_))
             ]
-        for left, right in pairs:
-            left.connected = right.connected = True
-            links.append(Link(left, right, connection.service, connection.properties))
+            style = LinkStyle.DATA
+        for pair in pairs:
+            links[pair] = Link(*pair, style, connection.properties)
+    for link in _timed_links(boxes, timeline):
+        links.setdefault((link.source, link.target), link)
+    for link in links.values():
+        link.source.connected = link.target.connected = True
     _label_types([tab for box in boxes.values() for tab in box.tabs])
-    return Diagram(system.name, tuple(boxes.values()), tuple(links))
+    return Diagram(system.name, tuple(boxes.values()), tuple(links.values()))
+
+
+def _timed_links(
+    boxes: Mapping[str, Box], timeline: Sequence[TimedConnection]
+) -> Iterable[Link]:
+    times: dict[tuple[Tab, Tab], list[float]] = defaultdict(list)
+    styles: dict[tuple[Tab, Tab], LinkStyle] = {}
+    for made in timeline:
+        source, target = boxes[made.source.instance], boxes[made.target.instance]
+        service = bool(_interfaces(source, made.source.port))
+        if service:
+            pairs = _service_pairs(source, made.source, target, made.target)
+        else:
+            out = _data_tab(source, made.source.port, PortKind.OUTPORT, "")
+            pairs = [(out, _data_tab(target, made.target.port, PortKind.INPORT, ""))]
+        for pair in pairs:
+            times[pair].append(made.time)
+            styles[pair] = LinkStyle.SERVICE if service else LinkStyle.DATA
+    for pair, made_at in times.items():
+        yield Link(*pair, styles[pair], times=tuple(made_at))
 
 
 def _label_types(tabs: Sequence[Tab]) -> None:
@@ -158,7 +245,7 @@ def _data_tab(box: Box, name: str, kind: PortKind, type_: str) -> Tab:
 
 def _service_pairs(
     source: Box, source_end: PortReference, target: Box, target_end: PortReference
-) -> Iterable[tuple[Tab, Tab]]:
+) -> list[tuple[Tab, Tab]]:
     """Consumer and provider of each interface that the two service ports share."""
     ends = (_interfaces(source, source_end.port), _interfaces(target, target_end.port))
     pairs = [

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Sequence
+from bisect import bisect_right, insort
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
 from typing import TypeAlias
 
 from rtgen.backends.wiring.diagram import Box, Diagram
@@ -20,6 +21,34 @@ _SWEEPS = 6
 def place(diagram: Diagram) -> dict[Box, Cell]:
     """The cell of each box; no two share one."""
     return _by_location(diagram.boxes) or _by_layers(diagram)
+
+
+def folded(
+    diagram: Diagram, cells: Mapping[Box, Cell], columns: int
+) -> dict[Box, Cell]:
+    """The cells in bands of at most `columns` columns, one band below the other.
+
+    Boxes without links fill the rows below, so that they do not widen the picture.
+    """
+    linked = {tab.box for link in diagram.links for tab in (link.source, link.target)}
+    used = {column: n for n, column in enumerate(sorted({cells[b][0] for b in linked}))}
+    bands: dict[int, dict[Box, Cell]] = defaultdict(dict)
+    for box, (column, row) in cells.items():
+        if box in linked:
+            bands[used[column] // columns][box] = used[column] % columns, row
+    found: dict[Box, Cell] = {}
+    first = 0
+    for _, band in sorted(bands.items()):
+        rows = {row: n for n, row in enumerate(sorted({r for _, r in band.values()}))}
+        for box, (column, row) in band.items():
+            found[box] = column, first + rows[row]
+        first += len(rows)
+    others = sorted(
+        (cells[box][::-1], n, box) for n, box in enumerate(cells) if box not in linked
+    )
+    for place, (_, _, box) in enumerate(others):
+        found[box] = place % columns, first + place // columns
+    return {box: found[box] for box in cells}
 
 
 def _by_location(boxes: Sequence[Box]) -> dict[Box, Cell] | None:
@@ -155,10 +184,13 @@ def _crossings(
         )
         for a, b in edges
     ]
-    crossed = sum(
-        (one[0][1] - other[0][1]) * (one[1][1] - other[1][1]) < 0
-        for index, one in enumerate(spans)
-        for other in spans[:index]
-        if one[0][0] == other[0][0] and one[1][0] == other[1][0]
-    )
+    groups: dict[tuple[int, int], list[tuple[int, int]]] = defaultdict(list)
+    for start, end in spans:
+        groups[start[0], end[0]].append((start[1], end[1]))
+    crossed = 0
+    for ends in groups.values():
+        above: list[int] = []
+        for _, row in sorted(ends):
+            crossed += len(above) - bisect_right(above, row)
+            insort(above, row)
     return crossed, sum(abs(start[1] - end[1]) for start, end in spans)

@@ -1,7 +1,8 @@
 """Where everything lies: boxes on a grid, and links through the channels between them.
 
 A link to the next column is one curve. Any other runs along a lane in the gap above or below a row,
-so that no link hides behind a box. Links from one port share their lane. Lengths are in SVG units.
+so that no link hides behind a box. Links from one port share their lane. A medium (CAN bus, TCP or
+serial line) is a trunk below all boxes with risers in the channels. Lengths are in SVG units.
 """
 
 from __future__ import annotations
@@ -12,16 +13,31 @@ from dataclasses import dataclass
 from math import fsum
 from typing import TypeAlias
 
-from rtgen.backends.wiring.diagram import Box, Diagram, Link, Tab
-from rtgen.backends.wiring.placement import Cell
+from rtgen.backends.wiring.diagram import Box, Diagram, Link, Medium, Tab
+from rtgen.backends.wiring.placement import Cell, folded, place
 
-HEADER = 44
-ROW = 32
+HEADER = 46
+ROW = 34
+MEDIUM_ROW = 24
 TAB = 10
 MARGIN = 20
 TITLE = 28
 
+TITLE_SIZE = 16
+NAME_SIZE = 14
+TEXT_SIZE = 12
+"""Font sizes: of the title, of instance names, of all other text."""
+
+README_WIDTH = 830
+"""Width in px of the column in which a code host shows a picture of a page."""
+
+_LEGIBLE = 9
+"""The smallest text in px that a picture may have in that column."""
+
+MAX_WIDTH = README_WIDTH * TEXT_SIZE // _LEGIBLE
+
 _MIN_BOX = 130
+_TRUNK = 34
 _CHANNEL = 44
 _GAP = 36
 _STEP = 10
@@ -43,18 +59,28 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Geometry:
-    """The finished layout; `paths` are SVG path data, one for each link of the diagram."""
+    """The finished layout.
+
+    `paths` are SVG path data, one for each link of the diagram. `trunks` have the line of each
+    medium as (x1, x2, y), `risers` its path from the trunk to the boxes.
+    """
 
     width: float
     height: float
     frames: Mapping[Box, Frame]
     paths: Sequence[str]
+    trunks: Mapping[Medium, tuple[float, float, float]]
+    risers: Mapping[Medium, str]
 
     def anchor(self, tab: Tab) -> Point:
         """The middle of a tab, on the border of its box."""
         frame = self.frames[tab.box]
         x = frame.x if tab.is_left else frame.x + frame.width
         return x, frame.y + HEADER + (tab.row + 0.5) * ROW
+
+    def media_row(self, box: Box, index: int) -> float:
+        """The height of the row for a medium of a box."""
+        return self.frames[box].y + HEADER + box.rows * ROW + (index + 0.5) * MEDIUM_ROW
 
 
 def text_width(text: str, size: float) -> float:
@@ -73,20 +99,50 @@ def _share(character: str) -> float:
 
 def box_width(box: Box) -> float:
     """The width at which title and ports of a box do not run into each other."""
-    title = max(text_width(box.instance, 14), text_width(subtitle(box), 11)) + 24
+    header = (
+        text_width(box.instance, NAME_SIZE),
+        text_width(subtitle(box), TEXT_SIZE),
+        *(text_width(node, TEXT_SIZE) for _, node in box.media),
+    )
+    title = max(header) + 24
     sides: dict[tuple[int, bool], float] = defaultdict(float)
     for tab in box.tabs:
-        name, type_ = text_width(tab.view.name, 12), text_width(tab.type_label, 10)
-        sides[tab.row, tab.is_left] = max(name, type_)
+        sides[tab.row, tab.is_left] = max(
+            text_width(text, TEXT_SIZE) for text in (tab.view.name, tab.type_label)
+        )
     ports = max(
         (sides[row, True] + sides[row, False] for row in range(box.rows)), default=0
     )
     return max(_MIN_BOX, title, ports + 2 * TAB + 16)
 
 
+def notes(diagram: Diagram) -> dict[Tab, str]:
+    """For each port that a timeline connects, when it does."""
+    times: dict[Tab, set[float]] = defaultdict(set)
+    for link in diagram.links:
+        if link.times:
+            times[link.target] |= set(link.times)
+    return {
+        tab: ", ".join(f"{time:g}" for time in sorted(found)) + " s"
+        for tab, found in times.items()
+    }
+
+
 def subtitle(box: Box) -> str:
     """Type and rate of a box."""
     return box.type if box.rate is None else f"{box.type} · {box.rate:g} Hz"
+
+
+def lay_out(diagram: Diagram) -> Geometry:
+    """The layout in at most MAX_WIDTH, if boxes in one column fit there."""
+    cells = place(diagram)
+    most = max((column for column, _ in cells.values()), default=0) + 1
+    geometry = route(diagram, cells)
+    for columns in range(most, 0, -1):
+        if geometry.width <= MAX_WIDTH:
+            break
+        geometry = route(diagram, folded(diagram, cells, columns))
+    return geometry
 
 
 def route(diagram: Diagram, cells: Mapping[Box, Cell]) -> Geometry:
@@ -117,6 +173,10 @@ class _Router:
         self._columns = max((column for column, _ in cells.values()), default=-1) + 1
         self._rows = max((row for _, row in cells.values()), default=-1) + 1
         self._taken = set(cells.values())
+        self._widths = self._column_widths()
+        self._tallest: dict[int, float] = defaultdict(float)
+        for box, (_, row) in cells.items():
+            self._tallest[row] = max(self._tallest[row], self._height(box))
         self._detours = {
             link: _Detour(link, self._gap_for(link))
             for link in diagram.links
@@ -125,20 +185,82 @@ class _Router:
         self._lanes = self._assign_lanes()
         self._leaving = self._assign_tracks(d.net for d in self._detours.values())
         self._landing = self._assign_tracks(d.landing for d in self._detours.values())
+        self._notes = self._note_widths()
+        self._attached = self._media_by_column()
 
     def run(self) -> Geometry:
         self._xs, right = self._column_places()
         self._ys, bottom = self._row_places()
-        widths = self._column_widths()
         frames = {
             box: Frame(
-                self._xs[column], self._ys[row], widths[column], self._height(box)
+                self._xs[column], self._ys[row], self._widths[column], self._height(box)
             )
             for box, (column, row) in self._cells.items()
         }
-        geometry = Geometry(right, bottom, frames, ())
-        paths = [self._path(link, geometry) for link in self._diagram.links]
-        return Geometry(right, bottom, frames, paths)
+        first = bottom - MARGIN + _TRUNK
+        heights = {m: first + m.number * _TRUNK for m in self._diagram.media}
+        if heights:
+            bottom = max(heights.values()) + _TRUNK
+        trunks = {
+            medium: (
+                min(xs := self._riser_places(medium)),
+                max(*xs, min(xs) + text_width(medium.label, TEXT_SIZE) + _CLEAR),
+                y,
+            )
+            for medium, y in heights.items()
+        }
+        right = max(right, *(x + MARGIN for _, x, _ in trunks.values()), 0)
+        geometry = Geometry(right, bottom, frames, (), trunks, {})
+        return Geometry(
+            right,
+            bottom,
+            frames,
+            [self._path(link, geometry) for link in self._diagram.links],
+            trunks,
+            {medium: self._risers(medium, geometry) for medium in heights},
+        )
+
+    def _note_widths(self) -> dict[int, float]:
+        """By column, the width of the longest note of times at a port there."""
+        widths: dict[int, float] = defaultdict(float)
+        for tab, note in notes(self._diagram).items():
+            column = self._cells[tab.box][0]
+            widths[column] = max(widths[column], text_width(note, TEXT_SIZE) + TAB)
+        return widths
+
+    def _media_by_column(self) -> dict[int, list[Medium]]:
+        attached: dict[int, list[Medium]] = defaultdict(list)
+        for medium in self._diagram.media:
+            for column in sorted({self._cells[box][0] for box, _ in medium.nodes}):
+                attached[column].append(medium)
+        return attached
+
+    def _inset(self, column: int) -> float:
+        """The part of a channel next to the boxes that notes and risers take."""
+        risers = len(self._attached[column])
+        return self._notes[column] + (risers * _STEP + _CLEAR / 2 if risers else 0)
+
+    def _riser_x(self, medium: Medium, column: int) -> float:
+        place = self._attached[column].index(medium)
+        return self._xs[column] - TAB - _CLEAR / 2 - place * _STEP
+
+    def _riser_places(self, medium: Medium) -> list[float]:
+        columns = {self._cells[box][0] for box, _ in medium.nodes}
+        return [self._riser_x(medium, column) for column in sorted(columns)]
+
+    def _risers(self, medium: Medium, geometry: Geometry) -> str:
+        """A vertical line for each column with boxes on the medium, and a stub to each box."""
+        down = geometry.trunks[medium][2]
+        tops: dict[float, float] = {}
+        stubs = []
+        for box, _ in medium.nodes:
+            x = self._riser_x(medium, self._cells[box][0])
+            index = [m for m, _ in box.media].index(medium)
+            y = geometry.media_row(box, index)
+            tops[x] = min(y, tops.get(x, y))
+            stubs.append(f"M{_n(x)},{_n(y)} H{_n(geometry.frames[box].x)}")
+        lines = [f"M{_n(x)},{_n(top)} V{_n(down)}" for x, top in sorted(tops.items())]
+        return " ".join((*lines, *stubs))
 
     def _is_direct(self, link: Link) -> bool:
         """Whether nothing stands between the two boxes, seen from the source's row."""
@@ -165,10 +287,7 @@ class _Router:
     def _depth(self, tab: Tab) -> float:
         """How far down its row a tab is, from 0 to 1."""
         row = self._cells[tab.box][1]
-        tallest = max(
-            self._height(box) for box, cell in self._cells.items() if cell[1] == row
-        )
-        return (HEADER + (tab.row + 0.5) * ROW) / tallest
+        return (HEADER + (tab.row + 0.5) * ROW) / self._tallest[row]
 
     def _assign_lanes(self) -> dict[tuple[Tab, int], int]:
         """A lane of its gap for each net: short ones inside, none overlapping."""
@@ -202,7 +321,8 @@ class _Router:
         }
 
     def _height(self, box: Box) -> float:
-        return HEADER + max(box.rows, 1) * ROW + 8
+        rows = box.rows or (0 if box.media else 1)
+        return HEADER + rows * ROW + len(box.media) * MEDIUM_ROW + 8
 
     def _column_widths(self) -> list[float]:
         return [
@@ -217,15 +337,15 @@ class _Router:
         """The left edge of each column, and the right edge of the picture."""
         leaving = self._track_counts(self._leaving)
         landing = self._track_counts(self._landing)
-        widths = self._column_widths()
         places: list[float] = []
         x = float(MARGIN)
         for column in range(self._columns):
             tracks = leaving[column - 1] + landing[column]
             inner = _CHANNEL if column else TAB
             x += inner + (tracks * _STEP + _CLEAR if tracks else 0)
+            x += self._inset(column)
             places.append(x)
-            x += widths[column]
+            x += self._widths[column]
         tracks = leaving[self._columns - 1]
         return places, x + TAB + (tracks * _STEP + _CLEAR if tracks else 0) + MARGIN
 
@@ -247,9 +367,7 @@ class _Router:
             gap = lanes[row] * _STEP
             y += gap + (_GAP if row else _CLEAR if gap else 0)
             places.append(y)
-            y += max(
-                self._height(box) for box, cell in self._cells.items() if cell[1] == row
-            )
+            y += self._tallest[row]
         gap = lanes[self._rows] * _STEP
         return places, y + (gap + _CLEAR if gap else 0) + MARGIN
 
@@ -274,6 +392,7 @@ class _Router:
         lane = self._lane_y(detour.net, geometry)
         out = x1 + _CLEAR / 2 + self._leaving[detour.net] * _STEP
         back = x2 - _CLEAR / 2 - self._landing[detour.landing] * _STEP
+        back -= self._inset(self._cells[link.target.box][0])
         return _rounded(
             [(x1, y1), (out, y1), (out, lane), (back, lane), (back, y2), (x2, y2)]
         )
@@ -282,15 +401,17 @@ class _Router:
         """Straight along the source's row, then one curve through the last channel."""
         column = self._cells[link.target.box][0]
         previous = column - 1
-        turn = max(start[0], self._xs[previous] + self._column_widths()[previous] + TAB)
+        turn = max(start[0], self._xs[previous] + self._widths[previous] + TAB)
         if previous == self._cells[link.source.box][0]:
             turn = start[0]
-        middle = (turn + end[0]) / 2
+        last = end[0] - self._inset(column)
+        middle = (turn + last) / 2
         line = f"M{_n(start[0])},{_n(start[1])}"
         if turn > start[0]:
             line += f" H{_n(turn)}"
-        points = f"{_n(middle)},{_n(start[1])} {_n(middle)},{_n(end[1])} {_n(end[0])},{_n(end[1])}"
-        return f"{line} C{points}"
+        points = f"{_n(middle)},{_n(start[1])} {_n(middle)},{_n(end[1])} {_n(last)},{_n(end[1])}"
+        straight = f" H{_n(end[0])}" if last < end[0] else ""
+        return f"{line} C{points}{straight}"
 
 
 def _rounded(points: Sequence[Point]) -> str:

@@ -12,6 +12,7 @@ from rtgen.runtime.canopen.lss_master import (
     LssMaster,
     Procedure,
     scan,
+    select,
     switch,
 )
 
@@ -23,7 +24,8 @@ _TRIES = 3
 def unconfigured(exchange: Exchange) -> list[LssAddress]:
     """The addresses of the nodes without node-id, which are left as they were. Raises ToolError.
 
-    A node that was found is in configuration state, so the next scan finds another.
+    A node that was found is in configuration state, so the next scan finds another. A late answer
+    makes a scan find an address that no node has: so each is confirmed by selecting it.
     """
     master = LssMaster()
     outcomes: list[list[LssAddress] | LssError] = []
@@ -47,5 +49,10 @@ def _all() -> Procedure[list[LssAddress]]:
         else:
             found.append(address)
             tries = _TRIES
+    confirmed = []
+    for address in found:
+        yield switch(lss.WAITING)
+        if (yield from select(address)):
+            confirmed.append(address)
     yield switch(lss.WAITING)
-    return found
+    return confirmed

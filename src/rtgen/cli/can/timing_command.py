@@ -8,7 +8,9 @@ from pathlib import Path
 
 import click
 
+from rtgen import systems
 from rtgen.backends.canopen.reports import timing_text
+from rtgen.cli.can.writing_rates import writings
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
 from rtgen.layouts.can_messages import messages
 from rtgen.layouts.can_timing import Timing, load, response_times
@@ -25,13 +27,25 @@ _BIT_RATES = (10, 20, 50, 100, 125, 250, 500, 800, 1000)
     type=click.Choice([str(rate) for rate in _BIT_RATES]),
     help="Work it out for another bit rate, in kbit/s.",
 )
+@click.option(
+    "--system",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="Take the rates at which the components of a system write to the proxies.",
+)
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
 @with_console
-def timing_(console: Console, file: Path, bit_rate: str | None, as_json: bool) -> int:
+def timing_(
+    console: Console,
+    file: Path,
+    bit_rate: str | None,
+    system: Path | None,
+    as_json: bool,
+) -> int:
     """Tell the load of a bus, and how late each of its messages can be in the worst case.
 
-    After Davis, Burns, Bril and Lukkien (2007), with the worst number of stuff bits. Exit code 1: a
-    message has no bound, or can be later than the next one of it.
+    After Davis, Burns, Bril and Lukkien (2007), with the worst number of stuff bits, and with a
+    queue for what the manager and proxies send. Exit code 1: a message has no bound, or can be
+    later than the next one of it.
     """
     from rtgen.frontends import bus as front_end
 
@@ -40,7 +54,14 @@ def timing_(console: Console, file: Path, bit_rate: str | None, as_json: bool) -
     if result.bus is None:
         return BAD_INPUT
     bus = replace(result.bus, bit_rate=int(bit_rate or result.bus.bit_rate))
-    found = messages(bus)
+    rates = None
+    if system is not None:
+        read = systems.read([system], root=Path.cwd(), output=Path.cwd())
+        console.findings(read.diagnostics, read.sources)
+        if not read.systems:
+            return BAD_INPUT
+        rates = writings(bus, read.systems[0])
+    found = messages(bus, rates)
     timings = list(response_times(found, bus.bit_rate))
     if as_json:
         told = {
@@ -51,7 +72,7 @@ def timing_(console: Console, file: Path, bit_rate: str | None, as_json: bool) -
         }
         write_out(f"{json.dumps(told)}\n")
     else:
-        write_out(timing_text(bus, ()).lstrip("\n"))
+        write_out(timing_text(bus, (), rates).lstrip("\n"))
     return NO if any(t.response is None or _is_late(t) for t in timings) else OK
 
 

@@ -9,6 +9,7 @@ from rtgen.cli.groups import LazyGroup
 COMMANDS = {
     "list": "List the functions of the signatures.",
     "call": "Call a function of a device.",
+    "check": "Compare the signature of a device with that of a CDL file.",
     "encode": "Print the bytes of a request or a reply.",
     "decode": "Print the values in a request or a reply.",
     "serve": "Stand in for a device.",

@@ -22,6 +22,7 @@ from rtgen.runtime.opaque_rpc import (
     ProtocolError,
     codecs,
 )
+from rtgen.runtime.opaque_rpc.digest import DIGEST, digest_handler
 from rtgen.typemap.tecs_python import zero
 
 _KEYS = {"function", "args", "return", "outs", "delay"}
@@ -62,11 +63,10 @@ class MockBoard:
         self._service = service
         self._answers = None if script is None else _answers(service, script)
         self._print_call = print_call
-        functions = {f.layout.function.id: f for f in service.functions.values()}
         self.handlers: Handlers = {
-            head: self._handler(functions[number])
-            for head, number in service.codec.heads.items()
-        }
+            service.codec.request_head(f.layout.function.id): self._handler(f)
+            for f in service.functions.values()
+        } | {service.codec.request_head(DIGEST): digest_handler(service.codec)}
 
     def _handler(self, function: Function) -> Handler:
         def handle(more: More) -> bytes | None:

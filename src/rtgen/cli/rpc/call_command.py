@@ -54,16 +54,12 @@ def call_(
     {...}}, in one line. A call that failed on the way gives exit code 3; where the function
     returns ER, its code is printed all the same.
     """
-    address, rest = ("", words) if serial else (words[:1], words[1:])
+    address, rest = ((), words) if serial else (words[:1], words[1:])
     if not 1 <= len(rest) <= 2:
         raise click.UsageError("give HOST:PORT or --serial DEV, SIG.FUNC, and JSON")
     name, text = rest[0], rest[1] if len(rest) > 1 else "{}"
     function = function_of(read_unit(cdl, include), name, peer)
-    channel: TcpChannel | SerialChannel
-    if serial:
-        channel = SerialChannel(serial, baud, peer.timeout)
-    else:
-        channel = TcpChannel(*host_and_port(*address), timeout=peer.timeout)
+    channel = channel_of(*address, serial=serial, baud=baud, peer=peer)
     try:
         arguments = function.arguments_from_json(parsed(text))
         returned, outs = _exchange(function, channel, arguments)
@@ -83,6 +79,15 @@ def call_(
 def _returns_code(function: Function) -> bool:
     """Whether a failure is told by the return value: its type is ER or ER_INT as written."""
     return str(function.layout.function.returns) in ("ER", "ER_INT")
+
+
+def channel_of(
+    address: str = "", *, serial: str | None, baud: int, peer: Peer
+) -> TcpChannel | SerialChannel:
+    """The channel to a serial device, or to HOST:PORT; raises ClickException."""
+    if serial:
+        return SerialChannel(serial, baud, peer.timeout)
+    return TcpChannel(*host_and_port(address), timeout=peer.timeout)
 
 
 def host_and_port(text: str) -> tuple[str, int]:

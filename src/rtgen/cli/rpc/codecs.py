@@ -37,6 +37,7 @@ from rtgen.runtime.opaque_rpc import (
     ReplyOrder,
     Tdr,
 )
+from rtgen.runtime.opaque_rpc.functions import Messages
 from rtgen.runtime.opaque_rpc.tdr import SOP_REQUEST
 from rtgen.typemap.tecs_python import codec_class, codec_module, zero
 
@@ -56,22 +57,26 @@ class Service:
     ) -> None:
         self.signature = signature
         self.layout: SignatureLayout = layout_of(unit, signature)
-        self.types, class_ = _loaded(unit, signature)
-        self.codec: Codec = class_(tdr, reply=reply, limit=limit)
+        self.types, class_ = _loaded(unit, signature, reply)
+        self.codec: Codec = class_(tdr, limit=limit)
+        messages = {f.name: f for f in self.codec.functions.values()}
         self.functions = {
-            layout.function.name: Function(layout, self.codec, self.types)
+            name: Function(layout, self.codec, messages[name], self.types)
             for layout in self.layout.functions
+            for name in [layout.function.name]
         }
 
 
 def _loaded(
-    unit: TecsUnit, signature: Signature
+    unit: TecsUnit, signature: Signature, reply: ReplyOrder
 ) -> tuple[ModuleType, Callable[..., Codec]]:
     package = f"_rtgen_rpc_{next(_PACKAGES)}"
     _module(package, "").__path__ = []
-    types = _module(f"{package}._types", types_text(unit, [signature], ""))
+    types = _module(
+        f"{package}._types", types_text(unit, [layout_of(unit, signature)], "")
+    )
     name = f"{package}.{codec_module(signature)}"
-    codec = _module(name, codec_text(unit, signature, ""))
+    codec = _module(name, codec_text(unit, signature, "", reply))
     return types, cast(Callable[..., Codec], getattr(codec, codec_class(signature)))
 
 
@@ -86,32 +91,38 @@ def _module(name: str, text: str) -> ModuleType:
 class Function:
     """A function of a service."""
 
-    def __init__(self, layout: FunctionLayout, codec: Codec, types: ModuleType) -> None:
+    def __init__(
+        self,
+        layout: FunctionLayout,
+        codec: Codec,
+        messages: Messages[..., object],
+        types: ModuleType,
+    ) -> None:
         self.layout = layout
         self.name = layout.function.name
         self.oneway = layout.function.oneway
         self._codec = codec
+        self._messages = messages
         self._types = types
 
     @property
     def first(self) -> int:
         """How many bytes of a reply to ask for first; 0 for a oneway function."""
-        return 0 if self.oneway else int(getattr(self._codec, f"{self.name}_first"))
+        return self._messages.first
 
     def encode_request(self, arguments: Sequence[object]) -> bytes:
         """The request; raises ArgumentError."""
-        return cast(bytes, self._method("encode", "request")(*arguments))
+        return self._messages.encode_request(*arguments)
 
     def read_request(self, more: More) -> tuple[object, ...]:
         """The arguments of what follows SOP and id; raises RpcError."""
-        found = self._method("read", "request")(more)
-        return cast(tuple[object, ...], found)
+        return self._messages.read_request(more)
 
     def decode_request(self, data: bytes) -> tuple[object, ...]:
         """The arguments of a whole request and nothing more; raises RpcError."""
         reader = Reader(data)
         head = reader.more(4)
-        if self._codec.heads.get(head) != self.layout.function.id:
+        if head != self._codec.request_head(self.layout.function.id):
             sop = self._codec.tdr.int16(SOP_REQUEST)
             what = "another function" if head[:2] == sop else "no request"
             raise ChannelError(E_BOVR, f"{self.name}: this is {what}")
@@ -124,15 +135,13 @@ class Function:
     ) -> bytes:
         """The reply; raises ArgumentError."""
         results = [] if self.layout.is_void else [returned]
-        encode = self._method("encode", "reply")
-        return cast(bytes, encode(*kept, *results, *outs))
+        return self._messages.encode_reply(*kept, *results, *outs)
 
     def read_reply(
         self, first: bytes, more: More, kept: Sequence[object]
     ) -> tuple[object, tuple[object, ...] | None]:
         """Return value and outs, None where they are left out; raises RpcError."""
-        read = self._method("read", "reply")
-        return cast(tuple[object, tuple[object, ...] | None], read(first, more, *kept))
+        return self._messages.read_reply(first, more, *kept)
 
     def decode_reply(
         self, data: bytes, kept: Sequence[object]
@@ -205,10 +214,6 @@ class Function:
             else:
                 choices.append(sizes)
         return product(*choices)
-
-    def _method(self, verb: str, what: str) -> Callable[..., object]:
-        method = getattr(self._codec, f"{verb}_{self.name}_{what}")
-        return cast(Callable[..., object], method)
 
 
 class Reader:

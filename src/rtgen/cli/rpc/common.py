@@ -108,7 +108,7 @@ def read_unit(path: Path, include: tuple[str, ...] = ()) -> TecsUnit:
     from rtgen.project import load
 
     project = load()
-    folders = [*map(Path, include), *project.include]
+    folders = [*map(Path, include), *project.include, *project.tecs_path]
     define = dict(project.define)
     result = cdl.load([path], root=project.root, include=folders, define=define)
     if has_errors(result.diagnostics):

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import click
 
+from rtgen.backends.tecs.function_text import sizes_text
 from rtgen.cli.common import OK, Console, with_console, write_out
 from rtgen.cli.rpc.common import Peer, read_unit, signatures_of, with_cdl, with_peer
 from rtgen.layouts.tdr_messages import problems
-from rtgen.model.tecs import Sizes, TecsFunction, TecsParameter
+from rtgen.model.tecs import TecsFunction, TecsParameter
 
 
 @click.command("list")
@@ -41,17 +42,5 @@ def _parameter(parameter: TecsParameter) -> str:
     direction = str(parameter.direction.value)
     if parameter.allocator:
         direction += f"({'::'.join(parameter.allocator)})"
-    specifiers = ", ".join([direction, *_sizes(parameter.sizes)])
+    specifiers = ", ".join([direction, *sizes_text(parameter.sizes)])
     return f"[{specifiers}] {parameter.type} {parameter.name}"
-
-
-def _sizes(sizes: Sizes) -> list[str]:
-    most = "" if sizes.max_size is None else f", {sizes.max_size}"
-    found = {
-        "size_is": "" if sizes.size_is is None else f"({sizes.size_is}{most})",
-        "count_is": "" if sizes.count_is is None else f"({sizes.count_is})",
-        "string": "" if sizes.string is None else f"({sizes.string})",
-    }
-    texts = [f"{name}{text}" for name, text in found.items() if text]
-    texts += ["string"] if sizes.unsized_string else []
-    return texts + (["nullable"] if sizes.nullable else [])

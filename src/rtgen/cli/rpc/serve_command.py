@@ -101,7 +101,8 @@ def serve_(
         raise ToolError(
             f"cannot serve at {serial or f'{host}:{port}'}: {error}"
         ) from error
-    log.addHandler(_Report(console))
+    report = _Report(console)
+    log.addHandler(report)
     log.setLevel(logging.INFO)
     write_out(f"listening {place}\n")
     try:
@@ -112,15 +113,16 @@ def serve_(
         return OK
     finally:
         server.close()
+        log.removeHandler(report)
     return OK
 
 
 class _Report(logging.Handler):
-    """Tells on the console why a connection was given up."""
+    """Prints why a connection was given up, and the traceback of what failed."""
 
     def __init__(self, console: Console) -> None:
         super().__init__()
         self._console = console
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._console.say(record.getMessage())
+        self._console.say(self.format(record))

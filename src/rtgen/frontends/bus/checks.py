@@ -11,6 +11,7 @@ from rtgen.frontends.eds.pdos import PdoReader
 from rtgen.frontends.eds.rules import pdos as pdo_rules
 from rtgen.frontends.located_toml import Toml
 from rtgen.layouts.can_messages import identifier_of, messages
+from rtgen.layouts.can_supervision import heartbeat_timeout
 from rtgen.layouts.can_timing import load, response_times
 from rtgen.model.can_bus import Bus, BusNode
 from rtgen.model.canopen import Pdo, PdoDirection
@@ -37,6 +38,7 @@ def check(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
     for node in bus.nodes:
         yield from _mappings(node)
         yield from _like_its_kind(node)
+        yield from _supervision(node)
         rates = node.device.info.bit_rates
         if rates and bus.bit_rate not in rates:
             message = f"{node.kind.path} does not name {bus.bit_rate} kbit/s"
@@ -82,6 +84,23 @@ def _like_its_kind(node: BusNode) -> Iterator[Diagnostic]:
                 related=[Related(node.kind.span, "the kind")],
                 hint="give the node a kind of its own, with another name",
             )
+
+
+def _supervision(node: BusNode) -> Iterator[Diagnostic]:
+    if heartbeat_timeout(node):
+        return
+    numbers = (("1017", "its heartbeat"), ("100C", "node guarding"))
+    hint = next(
+        (
+            f'`"{number}" = 100` in its `values` sets {what}, in ms'
+            for number, what in numbers
+            if (found := node.device.find(int(number, 16))) is not None
+            and found.access.writable
+        ),
+        f"{node.kind.path} has neither 1017h nor 100Ch",
+    )
+    message = f"nobody notices when {node.name} fails: it has no heartbeat"
+    yield rules.NO_SUPERVISION.at(node.span, message, hint=hint)
 
 
 def _cob_ids(bus: Bus) -> Iterator[Diagnostic]:

@@ -17,7 +17,7 @@ from rtgen.frontends.bus.schema import problems
 from rtgen.frontends.bus.values import BadValueError, configured, number_of
 from rtgen.frontends.eds.rules.lexical import MISSING_FILE, UNREADABLE
 from rtgen.frontends.located_toml import Path as Place
-from rtgen.frontends.located_toml import Toml, TomlError
+from rtgen.frontends.located_toml import Toml
 from rtgen.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
 from rtgen.model.canopen import (
     INVALID,
@@ -28,6 +28,7 @@ from rtgen.model.canopen import (
     Value,
     resolved,
 )
+from rtgen.toml_text import TomlError
 from rtgen.typemap.canopen_names import identifier, module_name
 
 MANAGER = 127
@@ -35,7 +36,7 @@ EVENT = 0.01
 
 _NODE_SETTINGS = (
     *("heartbeat_timeout", "boot_timeout", "restarts", "mandatory", "start", "lss"),
-    *("revision", "serial"),
+    *("recoveries", "revision", "serial"),
 )
 _BOOT_TIME = (0x1F89, 0)
 """How long a node may take to boot, in ms (CiA 302-2)."""
@@ -179,8 +180,10 @@ class _Reader:
         device = self._device(told["eds"], ("device", name, "eds"), None)
         if device is None:
             return None
+        described = device
         device, _ = self._written(device, ("device", name))
         kind = DeviceKind(
+            described=described,
             name=name,
             module=told.get("name", module_name(Path(told["eds"]).stem)),
             path=told["eds"],
@@ -228,6 +231,8 @@ class _Reader:
         device, common = self._written(device, ("device", kind.name))
         device, own = self._written(device, ("node", name))
         settings = {key: node[key] for key in _NODE_SETTINGS if key in node}
+        common_stops = self._toml.content["device"][kind.name].get("emergency_stop", [])
+        settings["emergency_stop"] = ",".join(node.get("emergency_stop", common_stops))
         boot_time = device.find(*_BOOT_TIME)
         told = None if boot_time is None else boot_time.current
         if isinstance(told, int) and told:

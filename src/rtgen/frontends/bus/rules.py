@@ -156,6 +156,29 @@ its own.
 """,
 )
 
+NO_SUPERVISION = Rule(
+    "EDS0711",
+    "node that nobody supervises",
+    Severity.WARNING,
+    """
+The node has neither a heartbeat (1017h) nor node guarding (100Ch), so nobody notices when it fails:
+its proxy stays ACTIVE, and what its inputs told last goes on to count.
+
+```toml
+[device.drive.values]
+"1017" = 100                   # ms: a heartbeat, if the device has 1017h
+```
+
+A device without 1017h is polled by node guarding, if it has 100Ch and 100Dh:
+
+```toml
+[device.drive.values]
+"100C" = 100                   # ms between two requests
+"100D" = 3                     # lost after so many without an answer
+```
+""",
+)
+
 RULES = (
     BAD_FILE,
     BAD_CONTENT,
@@ -168,4 +191,5 @@ RULES = (
     NO_BIT_RATE,
     OVERLOAD,
     NOT_LIKE_KIND,
+    NO_SUPERVISION,
 )

@@ -47,6 +47,13 @@ _VALUES = _each(
     "What is written to objects at start-up: index and sub-index in hexadecimal digits.",
 )
 
+_STOPS = {
+    "type": "array",
+    "items": {"type": "string", "pattern": "^-?[0-9A-Fa-fxX]{4}$"},
+    "description": "Emergency codes that stop the proxy, with x for any digit; the last one that "
+    "matches decides, with - it only reports. Default: xxxx, -8110, -8120, -8140, -82xx.",
+}
+
 SCHEMA: dict[str, Any] = {
     "$schema": "https://json-schema.org/draft/2020-12/schema",
     "title": "CANopen bus file of rtgen",
@@ -105,6 +112,7 @@ SCHEMA: dict[str, Any] = {
                         _OBJECT, {"type": "string"}, "Units of the physical values."
                     ),
                     "values": _VALUES,
+                    "emergency_stop": _STOPS,
                 },
                 "eds",
             ),
@@ -148,6 +156,14 @@ SCHEMA: dict[str, Any] = {
                         "type": "boolean",
                         "description": "Whether it may have no node-id yet, so that the manager "
                         "assigns it; default false.",
+                    },
+                    "emergency_stop": _STOPS,
+                    "recoveries": {
+                        "type": "integer",
+                        "minimum": 0,
+                        "maximum": 1_000_000,
+                        "description": "How often in a row its proxy leaves ERROR by itself; "
+                        "default 0.",
                     },
                     "revision": _U32
                     | {"description": "Its revision number (1018h:3), to be checked."},

@@ -162,17 +162,19 @@ class Builder:
         return tree.InitDeclarator(declarator, value, declarator.start, end)
 
     def qualified_type(self, children: Children) -> tree.QualifiedType:
-        *qualifiers, type_ = children
-        start = qualifiers[0].start if qualifiers else type_.start
-        return tree.QualifiedType(tuple(qualifiers), type_, start, type_.end)
+        type_ = children[-1]
+        qualifiers = tuple(children[:-1])
+        return tree.QualifiedType(qualifiers, type_, children[0].start, type_.end)
 
     def qualifier(self, children: Children) -> tree.Name:
         return _keyword(children[0])
 
     def basic_type(self, children: Children) -> tree.BasicType:
         *sign, word = children
+        kind = _SCALARS[_word(word)]
         return tree.BasicType(
-            _SCALARS[_word(word)],
+            kind,
+            kind is Scalar.CHAR and word.type == "CHAR",
             _word(sign[0]) if sign else None,
             _start(children[0]),
             word.end_pos,
@@ -247,10 +249,11 @@ class Builder:
         )
 
     def direct_declarator(self, children: Children) -> tree.Declarator:
-        first, *suffixes = children
-        inner = _name(first) if _is(first, "IDENT") else first
+        first = children[0]
+        inner = first if isinstance(first, tree.Declarator) else _name(first)
+        suffixes = tuple(children[1:])
         end = suffixes[-1].end if suffixes else inner.end
-        return tree.Declarator((), inner, tuple(suffixes), inner.start, end)
+        return tree.Declarator((), inner, suffixes, inner.start, end)
 
     def group_declarator(self, children: Children) -> tree.Declarator:
         opening, inner, closing = children
@@ -273,13 +276,11 @@ class Builder:
         return tree.Parameters(tuple(items), opening.start_pos, closing.end_pos)
 
     def parameter(self, children: Children) -> tree.Parameter:
-        return tree.Parameter(
-            _first(children, tree.Specifiers),
-            _first(children, tree.QualifiedType),
-            _first(children, tree.Declarator),
-            children[0].start,
-            children[-1].end,
-        )
+        first, last = children[0], children[-1]
+        specifiers = first if isinstance(first, tree.Specifiers) else None
+        declarator = last if isinstance(last, tree.Declarator) else None
+        type_ = first if specifiers is None else children[1]
+        return tree.Parameter(specifiers, type_, declarator, first.start, last.end)
 
     def type_name(self, children: Children) -> tree.TypeName:
         type_, *declarator = children

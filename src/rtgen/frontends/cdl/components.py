@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -145,7 +146,7 @@ class Components:
 
     def generate(self, node: tree.Generate, place: Place) -> None:
         """Take a plug-in that is applied to something declared before."""
-        maker = self._regions.applied.unknown
+        maker = self._regions.applied.of_types
         self.applied(node.plugin, place)
         target = place.lookup(node.target)
         if target is None and (place.lost(node.target) or self._analysis.incomplete):
@@ -257,23 +258,25 @@ class Components:
 
     def _check_ids(self) -> None:
         """The ids of a celltype in a link unit are 1 to the number of its cells."""
+        counts: dict[Scope, Counter[known.Celltype]] = {}
         groups: dict[tuple[known.Celltype, Scope], list[known.Cell]] = {}
         for cell in self._cells.all:
+            if cell.celltype is None:
+                continue
             unit = self._regions.link_unit(cell.region)
-            for type_ in cell.celltype.real() if cell.celltype is not None else ():
-                groups.setdefault((type_, unit), []).append(cell)
-        for (type_, _), cells in groups.items():
+            counts.setdefault(unit, Counter()).update(cell.celltype.real())
+            groups.setdefault((cell.celltype, unit), []).append(cell)
+        for (type_, unit), cells in groups.items():
+            count = counts[unit][type_]
             taken: dict[int, known.Cell] = {}
             for cell in cells:
-                if cell.id is None or cell.celltype is not type_:
+                if cell.id is None:
                     continue
                 assert cell.id_span is not None
-                number = cell.id if cell.id > 0 else len(cells) + 1 + cell.id
+                number = cell.id if cell.id > 0 else count + 1 + cell.id
                 first = taken.setdefault(number, cell)
-                if not 1 <= number <= len(cells):
-                    plural = (
-                        "is 1 cell" if len(cells) == 1 else f"are {len(cells)} cells"
-                    )
+                if not 1 <= number <= count:
+                    plural = "is 1 cell" if count == 1 else f"are {count} cells"
                     message = f"there {plural} of {type_.name}, so no id {cell.id}"
                     self._report(rules.ID_TAKEN.at(cell.id_span, message))
                 elif first is not cell:
@@ -332,12 +335,13 @@ class Components:
             index = join.index
             if index == -1:
                 index = seen[join.name] = seen.get(join.name, -1) + 1
-            if join.cell is None:
+            target = join.cell.entity.name if join.cell is not None else join.made
+            if not target:
                 continue
             yield Join(
                 port=join.name,
                 index=index,
-                target=join.cell.entity.name,
+                target=target,
                 target_port=join.port_name,
                 target_index=join.port_index,
                 signature=(
@@ -409,9 +413,10 @@ def _argument(plugin: known.Plugin) -> PluginArgument:
 
 def _words(cell: known.Cell, join: known.Join, plugin: known.Plugin) -> dict[str, str]:
     """What stands between dollars in the argument of a plug-in."""
-    assert join.cell is not None
-    caller, callee = cell.entity.name, join.cell.entity.name
-    start, end = cell.region, join.cell.region
+    caller = cell.entity.name
+    callee = join.cell.entity.name if join.cell is not None else join.made
+    start = cell.region
+    end = join.cell.region if join.cell is not None else start
     preferred = start if plugin.origin in ("out_through", "to_through") else end
     return {
         "source": caller[-1],

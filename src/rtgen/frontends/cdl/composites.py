@@ -19,7 +19,9 @@ from rtgen.frontends.cdl.entities import (
 from rtgen.frontends.cdl.joins import Joins
 from rtgen.frontends.cdl.open_ends import OpenEnds
 from rtgen.frontends.cdl.rules import celltypes as rules
+from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.suggestions import nearest
+from rtgen.limits import MOST_LEVELS
 
 
 class Composites:
@@ -69,6 +71,10 @@ class Composites:
             self._joins.resolve(inner_cell)
         for inner_cell in inner:
             self._open_ends.check(inner_cell)
+        composite.close()
+        if composite.levels == MOST_LEVELS + 1:
+            message = f"composites are nested for more than {MOST_LEVELS} levels"
+            self._report(syntax.TOO_DEEP.at(composite.entity.place, message))
         self._check_exports(composite)
         self._check_allocators(composite)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol, TypeAlias
 
@@ -240,15 +241,13 @@ class Celltype:
         factory = self.cell_factory or (self.singleton and self.celltype_factory)
         return not self.active and not factory
 
-    def real(self) -> Iterator[Celltype]:
-        """The celltypes of the cells that a cell of this type stands for."""
-        yield self
+    def real(self) -> Counter[Celltype]:
+        """The celltypes of the cells that a cell of this type stands for, and how many."""
+        return Counter([self])
 
-    def fixed(self) -> Iterator[tuple[Port, str]]:
+    def fixed(self) -> Sequence[tuple[Port, str]]:
         """The ports with a fixed join, with the names that they have here."""
-        for port in self.ports:
-            if port.fixed is not None:
-                yield port, port.name
+        return [(port, port.name) for port in self.ports if port.fixed is not None]
 
 
 @dataclass(eq=False, slots=True)
@@ -262,12 +261,24 @@ class Exported:
 
 
 @dataclass(eq=False, slots=True)
+class _Inside:
+    """What the inner cells of a composite come to."""
+
+    real: Counter[Celltype] = field(default_factory=Counter)
+    inactive: bool = True
+    fixed: list[tuple[Port, str]] = field(default_factory=list)
+    kept: list[Port] = field(default_factory=list)
+    levels: int = 1
+
+
+@dataclass(eq=False, slots=True)
 class Composite(Celltype):
     """A composite with its inner cells. `tried` are names whose export is wrong, and told."""
 
     inner: dict[str, Cell] = field(default_factory=dict)
     tried: set[str] = field(default_factory=set)
     exports: list[Exported] = field(default_factory=list)
+    _inside: _Inside = field(default_factory=_Inside)
 
     def export(self, name: str) -> Exported | None:
         """The first export of that name."""
@@ -276,36 +287,45 @@ class Composite(Celltype):
     @property
     def inactive(self) -> bool:
         """Whether none of the inner cells runs by itself."""
-        return not self.active and all(
-            cell.celltype is None or cell.celltype.inactive
-            for cell in self.inner.values()
-        )
+        return not self.active and self._inside.inactive
 
-    def real(self) -> Iterator[Celltype]:
+    def real(self) -> Counter[Celltype]:
         """The celltypes of the inner cells, down to those that are no composites."""
-        for cell in self.inner.values():
-            if cell.celltype is not None:
-                yield from cell.celltype.real()
+        return self._inside.real
 
-    def fixed(self) -> Iterator[tuple[Port, str]]:
+    def fixed(self) -> Sequence[tuple[Port, str]]:
         """The ports with a fixed join, those of inner cells under their outer names."""
-        yield from Celltype.fixed(self)
-        for cell in self.inner.values():
-            for port, name in (
-                cell.celltype.fixed() if cell.celltype is not None else ()
-            ):
-                if name in cell.exported:
-                    yield port, cell.exported[name].name
+        return [*Celltype.fixed(self), *self._inside.fixed]
 
-    def kept(self) -> Iterator[Port]:
+    def kept(self) -> Sequence[Port]:
         """The ports with a fixed join that inner cells keep to themselves."""
+        return self._inside.kept
+
+    @property
+    def levels(self) -> int:
+        """How many composites stand in one another."""
+        return self._inside.levels
+
+    def close(self) -> None:
+        """Note what the inner cells come to, once all of them are read."""
+        found = _Inside()
+        kept: dict[Port, None] = {}
         for cell in self.inner.values():
             type_ = cell.celltype
             if type_ is None:
                 continue
-            yield from (p for p, name in type_.fixed() if name not in cell.exported)
+            found.real.update(type_.real())
+            found.inactive = found.inactive and type_.inactive
+            for port, name in type_.fixed():
+                if name in cell.exported:
+                    found.fixed.append((port, cell.exported[name].name))
+                else:
+                    kept[port] = None
             if isinstance(type_, Composite):
-                yield from type_.kept()
+                found.levels = max(found.levels, type_.levels + 1)
+                kept.update(dict.fromkeys(type_.kept()))
+        found.kept = list(kept)
+        self._inside = found
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,7 +345,8 @@ class Join:
     """What a cell joins or sets. `index` is -1 for `[]`, None without a subscript.
 
     `value` is what was written; the target is named by it, or by `target` where the join was made
-    for `require`, a reverse or fixed join, or an allocator.
+    for `require`, a reverse or fixed join, or an allocator. `made` is the name of a target that a
+    plug-in may make; `port` is the call port then.
     """
 
     name: str
@@ -336,6 +357,7 @@ class Join:
     target: Target | None = None
     plugins: tuple[Plugin, ...] = ()
     cell: Cell | None = None
+    made: ScopedName = ()
     port: Port | None = None
     port_name: str = ""
     port_index: int | None = None

@@ -78,17 +78,27 @@ class _UnknownError(Exception):
 
 
 class Declarations:
-    """Reads declarations one by one, and knows those before. `names` gives displayed files."""
+    """Reads the declarations of one C header after the other into one table.
 
-    def __init__(self, names: Mapping[str, str]) -> None:
-        self._names = names
+    As in tecsgen, a header may use the typedefs and enumerators of headers that were imported
+    before it. `enter` starts the next header.
+    """
+
+    def __init__(self) -> None:
+        self._names: Mapping[str, str] = {}
         self._parser = CParser()
         self._typedefs: dict[str, CType] = {}
         self._values: dict[str, int] = {}
-        self._anonymous = 0
+        self._declared: set[str] = set()
+        self._tags: dict[tuple[str, int, int], str] = {}
         self._file = ""
         self._line = 1
         self._found: list[TecsDeclaration] = []
+
+    def enter(self, names: Mapping[str, str]) -> None:
+        """Start a header; `names` maps the paths of its files to displayed names."""
+        self._names = names
+        self._declared.clear()
 
     def read(self, text: str, file: str, line: int) -> Iterator[TecsDeclaration]:
         """What a declaration declares. Raises NotCError."""
@@ -121,8 +131,9 @@ class Declarations:
                 type_ = CScalarType(_NAMED[name])
             if depth(type_) > MAX_DEPTH:
                 raise NotCError(f"'{name}' is nested too deeply", self._line)
-            known = self._typedefs.setdefault(name, type_)
-            if known is type_ and name not in RESERVED:
+            self._typedefs.setdefault(name, type_)
+            if name not in self._declared and name not in RESERVED:
+                self._declared.add(name)
                 self._found.append(
                     TecsTypedef(
                         name=(name,),
@@ -191,10 +202,10 @@ class Declarations:
         kind = _BASIC.get(" ".join(words) or "int")
         if kind is None:
             raise _UnknownError
-        return CScalarType(kind)
+        return CScalarType(kind, plain="char" in words)
 
     def _struct(self, node: Any) -> CType:
-        tag = node.name or self._internal()
+        tag = node.name or self._internal(node.coord)
         if node.decls is None:
             return CStructType((tag,))
         members = []
@@ -224,7 +235,7 @@ class Declarations:
         return CStructType((tag,))
 
     def _enum(self, node: Any) -> CType:
-        tag = node.name or self._internal()
+        tag = node.name or self._internal(node.coord)
         if node.values is None:
             return CEnumType((tag,))
         members = []
@@ -245,9 +256,11 @@ class Declarations:
         )
         return CEnumType((tag,))
 
-    def _internal(self) -> str:
-        self._anonymous += 1
-        return f"C_TAG__{self._anonymous - 1}__"
+    def _internal(self, coord: Any) -> str:
+        """A tag for a struct or enum without one; the same each time its header is read."""
+        span = self._span(coord)
+        place = (self._file, span.line, span.column)
+        return self._tags.setdefault(place, f"C_TAG__{len(self._tags)}__")
 
     def _value(self, node: Any) -> int:
         """The value of a constant expression. Raises _UnknownError."""

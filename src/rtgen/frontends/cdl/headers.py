@@ -125,7 +125,7 @@ class LimitError(Exception):
 
 
 class Headers:
-    """Reads C headers; what they include is looked for as the library says."""
+    """Reads the C headers of a main file; what they include is looked for as the library says."""
 
     def __init__(
         self,
@@ -136,6 +136,7 @@ class Headers:
         self._library = library
         self._define = define
         self._report = report
+        self._table = Declarations()
         self.lacking = False
         """Whether an included file is missing."""
 
@@ -174,7 +175,8 @@ class Headers:
         self, pieces: list[Piece], place: Span, names: Mapping[str, str]
     ) -> Iterator[TecsDeclaration]:
         mistakes = 0
-        declarations = Declarations(names)
+        declarations = self._table
+        declarations.enter(names)
         for piece in pieces:
             try:
                 yield from declarations.read(piece.text, piece.file, piece.line)

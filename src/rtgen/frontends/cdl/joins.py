@@ -178,6 +178,8 @@ class Joins:
                 join.cell, join.port_name = found, target.port
                 join.port_index = target.index
                 found.used = True
+            else:
+                self._expect(join, None, target)
 
     def _define(self, cell: Cell, join: Join) -> None:
         if join.done:
@@ -281,11 +283,26 @@ class Joins:
             return
         callee = self._cell(cell, target)
         if callee is None:
+            if cell.inside is None:
+                self._expect(join, port, target)
             return
         callee.used = True
         if self._enter(join, port, callee, target):
             self._put_plugins(cell, join, port, callee)
             self._allocator_joins(cell, join, callee, target)
+
+    def _expect(self, join: Join, port: Port | None, target: Target) -> None:
+        """Keep a join to a cell that a plug-in may make."""
+        name = target.cell
+        if (
+            isinstance(name, tree.ScopedName)
+            and self._regions.applied.of_cells is not None
+            and target.place.lookup(name) is None
+        ):
+            join.made = tuple(part.text for part in name.parts)
+            join.port_name, join.port_index = target.port, target.index
+            if port is not None:
+                join.port, join.chain = port, join.plugins
 
     def _target(self, join: Join) -> Target | None:
         """What is named by `Cell.eEntry` or `Cell.eEntry[i]`."""

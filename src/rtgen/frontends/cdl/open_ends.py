@@ -21,6 +21,7 @@ from rtgen.frontends.cdl.rules import cells as rules
 from rtgen.frontends.cdl.rules import celltypes as celltype_rules
 from rtgen.frontends.cdl.rules import regions as region_rules
 
+_MOST_NAMED = 5
 _WORD = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 
@@ -89,14 +90,16 @@ class OpenEnds:
         taken = set(numbers) if min(numbers) >= 0 else set(range(len(numbers)))
         size = port.size if port.size is not None else max(taken) + 1
         surplus = max(taken) + 1 > size
-        holes = [n for n in range(size) if n not in taken]
+        # Among so many places there is a hole to be named for each that is left out.
+        places = range(min(size, len(taken) + _MOST_NAMED + 1))
+        holes = [n for n in places if n not in taken]
         if not surplus and (port.optional or not holes):
             return
         if surplus:
             message = f"{port.name} has {size} places, and {max(taken) + 1} joins"
         else:
-            which = ", ".join(f"{port.name}[{n}]" for n in holes[:5])
-            message = f"{which}{' ...' * (len(holes) > 5)} of {cell.name} is not joined"
+            which = ", ".join(f"{port.name}[{n}]" for n in holes[:_MOST_NAMED])
+            message = f"{which}{' ...' * (len(holes) > _MOST_NAMED)} of {cell.name} is not joined"
         self._report(
             rules.ARRAY_HOLE.at(
                 joins[-1].span, message, related=[Related(port.span, "the port")]

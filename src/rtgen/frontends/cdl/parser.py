@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from rtgen.diagnostics import Diagnostic, Severity
 from rtgen.frontends import lalr
@@ -65,16 +65,11 @@ def parse(
     return _Run(unit, types, imports, report).result()
 
 
-class TooDeepError(Exception):
-    """Nesting that goes too deep at a token."""
-
-    def __init__(self, found: Token) -> None:
-        super().__init__(found.start_pos)
-        self.token = found
-
-
 class CdlParser(lalr.Parser):
     """A parser that knows which words are types, and which stand in a bracket of specifiers."""
+
+    watched = frozenset(("SEMI", "LBRACE", "SPEC_L", "SPEC_R"))
+    most = MAX_NESTING
 
     def __init__(self, unit: Unit, types: TypeNames, imports: Imports) -> None:
         super().__init__(_grammar(), unit.source.code)
@@ -97,7 +92,8 @@ class CdlParser(lalr.Parser):
     def other(self, found: Token) -> Token:
         kind = {"LBRACK": "SPEC_L", "RBRACK": "SPEC_R"}.get(found.type)
         if kind is not None and self.takes(kind):
-            return token(kind, found.start_pos, found)
+            found.type = kind
+            return found
         return self.refused(found)
 
     def refused(self, found: Token) -> Token:
@@ -107,21 +103,15 @@ class CdlParser(lalr.Parser):
             raise lalr.UnexpectedCharacterError
         raise lalr.UnexpectedTokenError(found)
 
-    def feed(self, found: Token) -> Any:
-        if len(self.states) > MAX_NESTING:
-            raise TooDeepError(found)
-        result = super().feed(found)
+    def shifted(self, found: Token) -> None:
         kind = found.type
         if kind == "SEMI":
             self._ended(self.values[-2])
         elif kind == "LBRACE":
             if isinstance(self.values[-2], Head):
                 self.space = (*self.space, self.values[-2].name.text)
-        elif kind == "SPEC_L":
-            self._in_specifiers = True
-        elif kind == "SPEC_R":
-            self._in_specifiers = False
-        return result
+        else:
+            self._in_specifiers = kind == "SPEC_L"
 
     def _ended(self, statement: object) -> None:
         """What the end of a statement means for the tokens behind it."""
@@ -180,7 +170,7 @@ class _Run:
                 self._unexpected(error.token)
             except lalr.UnexpectedCharacterError:
                 self._bad_character()
-            except TooDeepError as error:
+            except lalr.TooDeepError as error:
                 self._too_deep(error.token)
 
     def _emit(self, diagnostic: Diagnostic, offset: int) -> None:

@@ -121,12 +121,6 @@ class Applied:
         return self.generators[-1] if self.generators else None
 
     @property
-    def unknown(self) -> str | None:
-        """A plug-in that nobody knows, among those that may have declared something."""
-        names = (name for name in reversed(self.generators) if not is_known(name))
-        return next(names, None)
-
-    @property
     def of_cells(self) -> str | None:
         """A plug-in that may make a cell."""
         return next(reversed((*self.generators, *self.on_ways)), None)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Diagnostic, Rule, Span
 from rtgen.frontends.cdl import parser, tree
@@ -12,9 +14,13 @@ from rtgen.frontends.cdl.header_file import HeaderFile
 from rtgen.frontends.cdl.rules import files
 from rtgen.frontends.cdl.rules import headers as header_rules
 from rtgen.frontends.cdl.source import Source
+from rtgen.frontends.cdl.tool_information import tool_information
 from rtgen.frontends.cdl.unit import TypeNames, Unit
 from rtgen.frontends.library import Library, absolute_path
 from rtgen.model.tecs import TecsTypedef
+
+if TYPE_CHECKING:
+    from rtgen.frontends.cdl.headers import Headers
 
 MAX_DEPTH = 100
 """How deep files may import files."""
@@ -41,8 +47,9 @@ class Reader:
         self.units: list[Unit] = []
         self._library = library
         self._header_files = header_files
-        self._headers: dict[str, list[str]] = {}
-        self._define = define
+        self._definitions: dict[str, list[str]] = {}
+        self._define = dict(define)
+        self._folders = list(library.include)
         self._types = TypeNames(prelude)
         self._report = report
         self._read: dict[str, Unit] = {}
@@ -55,9 +62,28 @@ class Reader:
         self._read[absolute_path(source.path)] = unit
         for problem in source.problems:
             self._report(problem)
-        unit.items = parser.parse(unit, self._types, self, self._report)
+        imported = self._tool_imports(unit)
+        parsed = parser.parse(unit, self._types, self, self._report)
+        unit.items = (*imported, *parsed)
         self.units.append(unit)
         return unit
+
+    def _tool_imports(self, unit: Unit) -> tuple[tree.Item, ...]:
+        """Do what a file says to tecsgen; the imports that it names."""
+        found = tool_information(unit.source)
+        if found is None:
+            return ()
+        self._folders += [Path(folder) for folder in found.folders]
+        for macro in found.macros:
+            name, equals, value = macro.partition("=")
+            if _DEFINITION.fullmatch(macro):
+                self._define.setdefault(name, value if equals else "1")
+        imports = [
+            tree.Import(name, False, found.start, found.end) for name in found.imports
+        ]
+        for statement in imports:
+            self.import_file(statement, unit)
+        return tuple(tree.Item(None, i, found.start, found.end) for i in imports)
 
     def import_file(self, statement: tree.Import, unit: Unit) -> None:
         span = unit.span(statement.start, statement.end)
@@ -112,22 +138,26 @@ class Reader:
         if file is None:
             self._tell_missing(name, span, header_rules.MISSING_HEADER)
             return
-        known = self._headers.get(file.name)
+        known = self._definitions.get(file.name)
         if known is not None:
             if known != definitions:
                 message = f"{name} was imported with other definitions before"
                 self._report(header_rules.HEADER_TWICE.at(span, message))
             return
-        self._headers[file.name] = definitions
-        from rtgen.frontends.cdl.headers import Headers
-
-        headers = Headers(self._header_files, self._define, self._report)
-        header = headers.read(file, definitions, span)
-        self.lacks_types |= headers.lacking
+        self._definitions[file.name] = definitions
+        header = self._headers.read(file, definitions, span)
+        self.lacks_types |= self._headers.lacking
         unit.headers[statement] = header
         for declaration in header.declarations:
             if isinstance(declaration, TecsTypedef):
                 self._types.declare((), declaration.name[-1])
+
+    @cached_property
+    def _headers(self) -> Headers:
+        """Made when the first header is read, for pcpp and pycparser take time to import."""
+        from rtgen.frontends.cdl.headers import Headers
+
+        return Headers(self._header_files, self._define, self._report)
 
     def _found(self, name: str, unit: Unit) -> Source | None:
         for path, folder in self._candidates(name, unit):
@@ -139,7 +169,7 @@ class Reader:
     def _candidates(self, name: str, unit: Unit) -> Iterator[tuple[Path, Path | None]]:
         """Where a file is looked for, in order."""
         yield Path(name), None
-        for folder in self._library.include:
+        for folder in self._folders:
             yield folder / name, folder
         yield unit.source.folder / name, None
 

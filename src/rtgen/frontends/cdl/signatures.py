@@ -40,6 +40,7 @@ _CONTEXTS = ("task", "non-task", "any")
 _DIRECTIONS = {direction.value: direction for direction in TecsDirection}
 _LENGTHS = ("size_is", "count_is", "string")
 _ALLOWED = frozenset((*_DIRECTIONS, *_LENGTHS, "nullable"))
+_NO_SIZES = Sizes()
 _INWARD = (TecsDirection.IN, TecsDirection.INOUT)
 _OUTWARD = (TecsDirection.OUT, TecsDirection.INOUT)
 
@@ -94,6 +95,7 @@ class _Signature:
             | tree.Specifier
             | tree.Specifiers
             | tree.Parameters
+            | tree.Parameter
         ),
         message: str,
         hint: str | None = None,
@@ -295,7 +297,6 @@ class _Parameters(_Signature):
         return isinstance(written, tree.BasicType) and written.kind is Scalar.VOID
 
     def _parameter(self, item: tree.Parameter) -> _Parameter | None:
-        span = self._unit.span(item.start, item.end)
         name = item.declarator.name if item.declarator is not None else None
         if len(item.type.qualifiers) > 1:
             message = "a parameter has one qualifier at most"
@@ -310,12 +311,12 @@ class _Parameters(_Signature):
                 self._tell_void(item)
                 return None
             message = "this parameter has no name"
-            self._analysis.report(rules.NO_NAME.at(span, message))
+            self._tell(rules.NO_NAME, item, message)
             return None
         if item.specifiers is None:
             message = f"the parameter '{name.text}' has no specifiers"
             hint = "write [in], [out] or [inout] before it"
-            self._analysis.report(rules.NO_BRACKET.at(span, message, hint=hint))
+            self._tell(rules.NO_BRACKET, item, message, hint)
             return None
         if type_ is None:
             return None
@@ -406,6 +407,8 @@ class _Parameters(_Signature):
         assert direction is not None
         found = resolve(type_)
         is_pointer = isinstance(found, CPointerType)
+        if not is_pointer and not given and direction is TecsDirection.IN:
+            return
         for word in (*_LENGTHS, "nullable"):
             if word in given and not is_pointer:
                 message = f"'{word}' is about pointers, and '{name.text}' is none"
@@ -479,6 +482,8 @@ class _Parameters(_Signature):
         names: dict[str, CType],
         directions: dict[str, TecsDirection | None],
     ) -> Sizes | None:
+        if not parameter.given:
+            return _NO_SIZES if parameter.good else None
         values: dict[str, Operand] = {}
         max_size: int | None = None
         for word in _LENGTHS:

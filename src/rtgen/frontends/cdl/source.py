@@ -136,7 +136,12 @@ class Source:
 
     def span(self, start: int, end: int) -> Span:
         """The span of [start, end)."""
-        return Span(self.name, *self.position(start), *self.position(max(start, end)))
+        starts = self._line_starts
+        line = bisect_right(starts, start)
+        first = starts[line - 1] - 1
+        if line < len(starts) and start <= end < starts[line]:
+            return Span(self.name, line, start - first, line, end - first)
+        return Span(self.name, line, start - first, *self.position(max(start, end)))
 
     def after(self, offset: int) -> Span:
         """The place just behind the character before `offset`, one column wide."""

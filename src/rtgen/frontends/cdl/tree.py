@@ -277,9 +277,13 @@ class Specifiers:
 
 @node
 class BasicType:
-    """A basic type; `sign` is `signed` or `unsigned` where that was written before it."""
+    """A basic type; `sign` is `signed` or `unsigned` where that was written before it.
+
+    `plain` tells `char` from `char_t`, which are of one kind.
+    """
 
     kind: Scalar
+    plain: bool
     sign: str | None
     start: int
     end: int

@@ -35,6 +35,8 @@ from rtgen.model.tecs import (
 if TYPE_CHECKING:
     from rtgen.frontends.cdl.analysis import Analysis
 
+_SCALARS = {kind: CScalarType(kind) for kind in Scalar}
+_CHAR = CScalarType(Scalar.CHAR, plain=True)
 _SIGNED = {
     Scalar.CHAR: (Scalar.SCHAR, Scalar.UCHAR),
     Scalar.SHORT: (Scalar.SHORT, Scalar.USHORT),
@@ -174,7 +176,7 @@ class Types:
 
     def _basic(self, written: tree.BasicType, unit: Unit) -> CType | None:
         if written.sign is None:
-            return CScalarType(written.kind)
+            return _CHAR if written.plain else _SCALARS[written.kind]
         span = unit.span(written.start, written.end)
         if written.kind not in _SIGNED:
             message = f"{written.kind} has a sign of its own"
@@ -185,7 +187,7 @@ class Types:
         if written.kind in _WITH_SIZE:
             message = f"'{written.sign} {written.kind}' is an old way to write {kind}"
             self._report(rules.SIGN_OF_SIZED.at(span, message, hint=f"write {kind}"))
-        return CScalarType(kind)
+        return CScalarType(kind, plain=written.plain)
 
     def _typedef(
         self, written: tree.TypedefName, unit: Unit, scope: Scope
@@ -461,13 +463,12 @@ class Types:
 
         Only a struct member may point to a struct that is not known.
         """
-        span = unit.place(name)
         inner = type_
         while isinstance(inner, CArrayType):
             inner = resolve(inner.element)
         if is_void(inner):
             message = f"'{name.text}' cannot be of type void"
-            self._report(rules.VOID_VALUE.at(span, message))
+            self._report(rules.VOID_VALUE.at(unit.place(name), message))
             return False
         found = resolve(inner)
         if isinstance(found, CStructType) and not found.tag[0].startswith(_OPAQUE):
@@ -476,11 +477,13 @@ class Types:
                 if not self._analysis.incomplete:
                     message = f"the members of {found} are not known"
                     hint = "declare it before"
+                    span = unit.place(name)
                     self._report(rules.UNKNOWN_STRUCT.at(span, message, hint=hint))
                 return False
             if entity.declaration is None and not entity.broken:
                 message = f"{found} cannot hold itself"
                 hint = "use a pointer"
+                span = unit.place(name)
                 self._report(rules.UNKNOWN_STRUCT.at(span, message, hint=hint))
                 return False
         return member or self.knows_struct(inner, unit, name)

@@ -12,9 +12,21 @@ from rtgen.frontends.eds.lists import check_count
 from rtgen.frontends.eds.outline import ObjectSections
 from rtgen.frontends.eds.rules import objects as rules
 from rtgen.frontends.eds.variables import VariableReader
-from rtgen.model.canopen import Access, DataType, Object, ObjectType, Variable
+from rtgen.model.canopen import (
+    PDOS,
+    RPDO_MAPPING,
+    TPDO_MAPPING,
+    Access,
+    DataType,
+    Object,
+    ObjectType,
+    Variable,
+)
 
 MOST = 254
+_MAPPINGS = frozenset(
+    first + number for first in (RPDO_MAPPING, TPDO_MAPPING) for number in range(PDOS)
+)
 
 
 def expand(
@@ -44,12 +56,14 @@ def expand(
     one = reader.read(head, index, 1, name)
     if one is None:
         return {}
+    # A mapping is changed by way of its sub-index 0 (CiA 301, 7.5.2.36), so that is writable, too.
+    mapping = index in _MAPPINGS and one.access.writable
     first = Variable(
         index=index,
         subindex=0,
         name="Highest sub-index supported",
         data_type=DataType.UNSIGNED8,
-        access=Access.RO,
+        access=Access.RW if mapping else Access.RO,
         written_access=Access.RO.value,
         span=head.span,
         value_span=entry.span,

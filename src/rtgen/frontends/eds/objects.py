@@ -13,9 +13,8 @@ from rtgen.frontends.eds.outline import ObjectSections
 from rtgen.frontends.eds.rules import information, lexical
 from rtgen.frontends.eds.rules import objects as rules
 from rtgen.frontends.eds.variables import VariableReader
+from rtgen.limits import MOST_VARIABLES
 from rtgen.model.canopen import DataType, Object, ObjectType, Variable
-
-MAX_VARIABLES = 100_000
 
 _LAST = 0xBFFF
 _TYPES_END = 0x1000
@@ -36,7 +35,7 @@ class ObjectReader:
         self._sections = sections
         self._findings = findings
         self._variables = VariableReader(findings, self._defined_types(sections), dcf)
-        self._room = MAX_VARIABLES
+        self._room = MOST_VARIABLES
 
     def read(self) -> list[Object]:
         """The objects, by index; DEFTYPE, DEFSTRUCT and NULL are none."""
@@ -49,7 +48,7 @@ class ObjectReader:
             if self._room < 0:
                 span = sections.heads[index].span
                 message = (
-                    f"the objects have more than {MAX_VARIABLES:,} variables in all"
+                    f"the objects have more than {MOST_VARIABLES:,} variables in all"
                 )
                 self._findings.add(lexical.TOO_MANY_OBJECTS, span, message)
                 return []

@@ -150,6 +150,10 @@ def _described(
     if not (sections.objects.heads or sections.objects.subs):
         message = "there is no object in this file"
         hint = "an EDS has sections such as [1000]"
+        if document.text.lstrip().startswith("<"):
+            hint = (
+                "this is XML: export an XDD as an EDS, with CANopenEditor for example"
+            )
         findings.add(lexical.NO_DEVICE, document.start, message, hint=hint)
         return None
     keys.check(sections, findings)

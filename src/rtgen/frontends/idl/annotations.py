@@ -137,6 +137,7 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
         "name": _define("port configuration component", required="value", value=TEXT),
         "port": _define("port", required="value", value=TEXT),
         "instance": _define("port", required="value", value=TEXT),
+        "type_name": _define("port", required="value", value=TEXT),
         "openrtm_name": _define("port", required="value", value=TEXT),
         # RtcProfile 0.3: a port for events of a state machine, and the transitions it can cause
         "event_port": _define("port"),

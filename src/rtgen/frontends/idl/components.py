@@ -177,6 +177,7 @@ class Components:
         name = self._outside(found, "name", node.name.text, entity)
         service = kind not in _DATA
         interface = str(type_).rpartition("::")[2]
+        type_name = self._outside(found, "type_name", "", entity) if service else ""
         return Port(
             span=entity.span,
             doc=self._lowering.doc(item, unit),
@@ -190,6 +191,7 @@ class Components:
                 self._outside(found, "instance", interface, entity) if service else ""
             ),
             unit=text(found, "unit") or "",
+            type_name="" if type_name == str(type_) else type_name,
         )
 
     def _fits(

@@ -12,6 +12,7 @@ from rtgen.diagnostics import Diagnostic, Related, Severity, Span, in_order
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import checks, preprocessor, tables
 from rtgen.frontends.idl.alike import alike
+from rtgen.frontends.idl.checks import levels
 from rtgen.frontends.idl.lower import Lowering
 from rtgen.frontends.idl.macros import ExpansionError, Macro
 from rtgen.frontends.idl.names import Resolver
@@ -190,6 +191,7 @@ class _Run:
             declaration = lowering.declaration(entity)
             if declaration is not None:
                 made[declaration.name] = declaration
+        made = levels.checked(made, self._report)
         checks.run(tables, types, made, self._report)
         if not self._counts[Severity.ERROR]:
             checks.left_out(tables, types, made, self._report)

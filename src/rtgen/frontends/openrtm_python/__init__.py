@@ -2,65 +2,47 @@
 
 from __future__ import annotations
 
-import ast
-import tokenize
-import warnings
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from io import BytesIO
 from pathlib import Path
 
-from rtgen.diagnostics import Diagnostic, Span
-from rtgen.frontends.openrtm_python import rules
+from rtgen.diagnostics import Diagnostic
+from rtgen.frontends.openrtm_python.modules import Module, Modules
 from rtgen.frontends.openrtm_python.reader import ModuleReader
+from rtgen.frontends.openrtm_python.source import read_source
 from rtgen.model.rtc_profile import RtcProfile
-
-_MAX_BYTES = 4 * 1024 * 1024
 
 
 @dataclass(frozen=True, slots=True)
 class ModuleResult:
-    """What `read` gives: no profile if there are errors; `source` is the module's text.
+    """What `read` gives: no profile if there are errors; `sources` are texts by displayed path.
 
     Beside a module that rtgen made, `generated`, there is an RtcProfile that says more.
     """
 
     profile: RtcProfile | None
     diagnostics: tuple[Diagnostic, ...]
-    source: str
+    sources: Mapping[str, str]
     generated: bool = False
 
 
-def read(path: Path) -> ModuleResult:
-    """The component of a module. Whatever is wrong with the file is in the diagnostics."""
-    file = path.as_posix()
-    start = Span(file, 1, 1, 1, 2)
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(_MAX_BYTES + 1)
-        if len(data) > _MAX_BYTES:
-            raise ValueError(f"it is larger than {_MAX_BYTES:,} bytes")
-        encoding, _ = tokenize.detect_encoding(BytesIO(data).readline)
-        source = data.decode(encoding)
-    except (OSError, ValueError, SyntaxError) as error:
-        reason = getattr(error, "strerror", None) or error
-        found = rules.UNREADABLE.at(start, f"{file} cannot be read: {reason}")
-        return ModuleResult(None, (found,), "")
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            tree = ast.parse(source, file)
-    except SyntaxError as error:
-        line, column = error.lineno or 1, max(error.offset or 1, 1)
-        span = Span(file, line, column, line, column + 1)
-        message = f"this is not Python 3: {error.msg}"
-        hint = "convert a module for Python 2 first"
-        return ModuleResult(
-            None, (rules.UNREADABLE.at(span, message, hint=hint),), source
-        )
-    except (ValueError, RecursionError, MemoryError) as error:
-        found = rules.UNREADABLE.at(start, f"{file} cannot be read: {error}")
-        return ModuleResult(None, (found,), source)
-    reader = ModuleReader(file)
-    profile = reader.profile(tree)
-    diagnostics = tuple(reader.diagnostics)
-    return ModuleResult(profile, diagnostics, source, reader.generated)
+def read(path: Path, include: Sequence[Path] = ()) -> ModuleResult:
+    """The component of a module. Whatever is wrong with the file is in the diagnostics.
+
+    Modules that it imports are looked for beside it, up to the folder of the repository, and in
+    `include`.
+    """
+    source = read_source(path)
+    if source.tree is None:
+        return ModuleResult(None, source.diagnostics, {source.file: source.text})
+    modules = Modules(path, include)
+    reader = ModuleReader(Module(source, source.tree), modules)
+    profile = reader.profile()
+    read = (source, *modules.sources)
+    found = [d for each in read for d in each.diagnostics]
+    return ModuleResult(
+        profile,
+        (*found, *reader.diagnostics),
+        {each.file: each.text for each in read},
+        reader.generated,
+    )

@@ -1,120 +1,111 @@
-"""Where in a module the component stands: its module spec, its class, and what is done there."""
+"""Where in a module the component stands: its module spec, and its class."""
 
 from __future__ import annotations
 
 import ast
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
+from rtgen.frontends.openrtm_python.modules import Module
 from rtgen.frontends.openrtm_python.values import (
-    argument,
-    called,
+    Class,
+    Named,
+    Unknown,
+    Value,
     dotted,
-    text,
-    variable,
 )
+from rtgen.frontends.openrtm_python.walker import Frame, Walker
 
 _BASES = ("DataFlowComponentBase", "FiniteStateMachineComponentBase")
 _KEY = "implementation_id"
 
 
-def module_spec(tree: ast.Module) -> tuple[ast.expr, list[ast.expr]] | None:
-    """The first list of texts with an implementation id: itself, and its items."""
-    for node in ast.walk(tree):
+Item = tuple[ast.expr, Value]
+"""An item of a list: where it stands, and its value."""
+
+
+def module_spec(module: Module, walker: Walker) -> tuple[ast.expr, list[Item]] | None:
+    """The first list of texts with an implementation id: where it stands, and its items."""
+    for node in ast.walk(module.tree):
         if not isinstance(node, ast.Assign | ast.AnnAssign) or node.value is None:
             continue
-        items = list(_items(node.value))
-        if any(text(item) == _KEY for item in items[::2]):
+        items = list(_items(node.value, Frame(module), walker))
+        if any(value == _KEY for _, value in items[::2] if isinstance(value, str)):
             return node.value, items
     return None
 
 
-def _items(node: ast.expr) -> Iterator[ast.expr]:
-    """The items of a list that is written out, of lists that are added to it, too."""
-    match node:
-        case ast.List(elts=items) | ast.Tuple(elts=items):
-            for item in items:
+def _items(node: ast.expr, frame: Frame, walker: Walker) -> Iterator[Item]:
+    """The items of a list, and of those that are added to it."""
+    parts = [node]
+    while isinstance(parts[0], ast.BinOp) and isinstance(parts[0].op, ast.Add):
+        parts[:1] = [parts[0].left, parts[0].right]
+    for part in parts:
+        if isinstance(part, ast.List | ast.Tuple):
+            for item in part.elts:
                 if isinstance(item, ast.Starred):
-                    yield from _items(item.value)
+                    yield from _items(item.value, frame, walker)
                 else:
-                    yield item
-        case ast.BinOp(left=left, op=ast.Add(), right=right):
-            if not isinstance(left, ast.Constant):
-                yield from _items(left)
-                yield from _items(right)
+                    yield item, walker.expressions.value(item, frame)
+        elif isinstance(part, ast.Name):
+            found = walker.expressions.value(part, frame)
+            if isinstance(found, list | tuple):
+                yield from ((part, value) for value in found)
 
 
-def component_classes(tree: ast.Module) -> list[ast.ClassDef]:
-    """The class of the component, then those of the module that it derives from.
+def component_classes(module: Module, walker: Walker) -> list[Class]:
+    """The class of the component, then those of the repository that it derives from.
 
     It is the one that a factory is registered for, else the first that derives from OpenRTM's.
     """
-    classes = {n.name: n for n in ast.walk(tree) if isinstance(n, ast.ClassDef)}
-    known = [found for c in classes.values() if (found := _line(c, classes))]
-    for call in ast.walk(tree):
-        if isinstance(call, ast.Call) and called(call)[-1:] == ("registerFactory",):
-            name = dotted(argument(call, 1, "new_func"))
-            chosen = [line for line in known if (line[0].name,) == name]
-            if chosen:
-                return chosen[0]
+    frame = Frame(module)
+    classes = [
+        Class(node, module)
+        for node in ast.walk(module.tree)
+        if isinstance(node, ast.ClassDef)
+    ]
+    own = {each.node.name: each for each in classes}
+    known = [found for each in classes if (found := _line(each, own, walker, []))]
+    for call in ast.walk(module.tree):
+        if not isinstance(call, ast.Call) or len(call.args) < 2:
+            continue
+        if dotted(call.func)[-1:] == ("registerFactory",):
+            named = walker.expressions.value(call.args[1], frame)
+            if isinstance(named, Class):
+                chosen = [line for line in known if line[0].node is named.node]
+                chosen = chosen or [_line(named, own, walker, [])]
+                if chosen[0]:
+                    return chosen[0]
     return known[0] if known else []
 
 
 def _line(
-    made: ast.ClassDef, classes: dict[str, ast.ClassDef], depth: int = 0
-) -> list[ast.ClassDef]:
+    made: Class, own: dict[str, Class], walker: Walker, above: list[ast.ClassDef]
+) -> list[Class]:
     """The class and those it derives from, if one of them derives from OpenRTM's."""
-    for base in made.bases:
-        name = dotted(base)[-1:]
-        if name and name[0] in _BASES:
-            return [made]
-        above = classes.get(name[0]) if name else None
-        if above is not None and depth < 20:
-            rest = _line(above, classes, depth + 1)
-            if rest:
-                return [made, *rest]
-    return []
+    if made.node in above or len(above) > 50:
+        return []
+    rest: list[Class] = []
+    found = False
+    for base in made.node.bases:
+        value = walker.expressions.value(base, Frame(made.module))
+        if isinstance(value, Named | Unknown) and dotted(base)[-1:] == dotted(base):
+            value = own.get(dotted(base)[-1] if dotted(base) else "", value)
+        if isinstance(value, Named) and value.path[-1] in _BASES:
+            found = True
+        elif isinstance(value, Class):
+            line = _line(value, own, walker, [*above, made.node])
+            found = found or bool(line)
+            rest += [
+                each for each in line if all(each.node is not r.node for r in rest)
+            ]
+    return [made, *rest] if found else []
 
 
-@dataclass
-class Body:
-    """What classes do: the first value of each variable, annotations, and calls in order.
-
-    Variables are `self.x`, and `x` for a local one, which is unknown where it is set twice.
-    """
-
-    values: dict[str, ast.expr] = field(default_factory=dict)
-    types: dict[str, ast.expr] = field(default_factory=dict)
-    calls: list[ast.Call] = field(default_factory=list)
-
-    def take(self, made: ast.ClassDef) -> None:
-        """Adds a class."""
-        calls = []
-        for node in ast.walk(made):
-            match node:
-                case ast.Assign(targets=targets, value=value):
-                    for target in targets:
-                        self._set(target, value)
-                case ast.AnnAssign(target, annotation, ast.expr() as value):
-                    self._set(target, value)
-                    if (name := variable(target)) is not None:
-                        self.types.setdefault(name, annotation)
-                case ast.Call():
-                    calls.append(node)
-        calls.sort(key=lambda call: (call.lineno, call.col_offset))
-        self.calls += calls
-
-    def _set(self, target: ast.expr, value: ast.expr) -> None:
-        match target, value:
-            case (ast.Tuple(elts=names), ast.Tuple(elts=items)) if len(names) == len(
-                items
-            ):
-                for each, item in zip(names, items, strict=True):
-                    self._set(each, item)
-                return
-        name = variable(target)
-        if name is None:
-            return
-        if name in self.values and not name.startswith("self."):
-            self.values[name] = ast.Constant(None)
-        self.values.setdefault(name, value)
+def unknown_bases(module: Module, walker: Walker) -> Iterator[tuple[ast.expr, str]]:
+    """The bases of the module's classes that are defined somewhere else."""
+    for node in ast.walk(module.tree):
+        for base in node.bases if isinstance(node, ast.ClassDef) else ():
+            value = walker.expressions.value(base, Frame(module))
+            outside = isinstance(value, Named) and value.imported
+            if outside and value.path[0] not in ("OpenRTM_aist", "omniORB"):
+                yield base, ".".join(value.path)

@@ -7,29 +7,32 @@ from collections.abc import Iterator, Sequence
 
 from rtgen.diagnostics import Diagnostic, Rule, Span
 from rtgen.frontends.openrtm_python import rules
+from rtgen.frontends.openrtm_python.modules import Module, Modules
 from rtgen.frontends.openrtm_python.outline import (
-    Body,
+    Item,
     component_classes,
     module_spec,
+    unknown_bases,
 )
+from rtgen.frontends.openrtm_python.ports import ADD_DATA_PORT, ADD_SERVICE_PORT, Ports
 from rtgen.frontends.openrtm_python.values import (
+    GENERATED,
     GENERATED_VARIABLE,
-    Imports,
-    argument,
-    called,
+    UNKNOWN,
+    Class,
+    Component,
+    Value,
     dotted,
-    text,
-    variable,
+)
+from rtgen.frontends.openrtm_python.walker import (
+    MOST_STEPS,
+    Call,
+    TooMuchError,
+    Walker,
 )
 from rtgen.frontends.rtc_profile.names import ACTIVITY_TYPES, COMPONENT_TYPES
 from rtgen.model.constraints import ConstraintError, parse
-from rtgen.model.rtc_profile import (
-    ProfileDataPort,
-    ProfileInterface,
-    ProfileParameter,
-    ProfileServicePort,
-    RtcProfile,
-)
+from rtgen.model.rtc_profile import ProfileParameter, RtcProfile
 
 _BASE = "DataFlowComponentBase"
 _PROPERTIES = ("__widget__", "__constraints__", "__type__")
@@ -47,9 +50,6 @@ _CALLBACKS = tuple(
         *("Aborting", "Error", "Reset", "StateUpdate", "RateChanged"),
     )
 )
-_ADD_DATA_PORT = ("addInPort", "addOutPort", "registerInPort", "registerOutPort")
-_ADD_SERVICE_PORT = ("addPort", "registerPort")
-_DATA_PORTS = ("InPort", "OutPort")
 _WORDS = {bool: "bool", int: "int", float: "double", str: "string"}
 _DATE = "1970-01-01T00:00:00+00:00"
 
@@ -57,48 +57,56 @@ _DATE = "1970-01-01T00:00:00+00:00"
 class ModuleReader:
     """Reads one module; what could not be carried over is in `diagnostics`."""
 
-    def __init__(self, file: str) -> None:
+    def __init__(self, module: Module, modules: Modules) -> None:
         self.diagnostics: list[Diagnostic] = []
-        self._file = file
-        self._imports = Imports()
-        self._body = Body()
+        self._module = module
+        self._file = module.source.file
+        self._walker = Walker(modules)
 
     @property
     def generated(self) -> bool:
         """Whether it is a module that rtgen makes."""
-        return self._imports.generated
+        start = ".".join(GENERATED)
+        return any(
+            (node.module or "").startswith(start)
+            for node in ast.walk(self._module.tree)
+            if isinstance(node, ast.ImportFrom)
+        )
 
-    def profile(self, tree: ast.Module) -> RtcProfile | None:
+    def profile(self) -> RtcProfile | None:
         """The component, None if there is none."""
-        for node in ast.walk(tree):
-            if isinstance(node, ast.stmt):
-                self._imports.note(node)
-        spec = module_spec(tree)
-        classes = component_classes(tree)
-        if spec is None or not classes:
-            what = "module spec" if spec is None else f"class that derives from {_BASE}"
+        try:
+            self._walker.module(self._module)
+            spec = module_spec(self._module, self._walker)
+            classes = component_classes(self._module, self._walker)
+        except (TooMuchError, RecursionError):
             start = Span(self._file, 1, 1, 1, 2)
-            self._tell(rules.NO_COMPONENT, start, f"there is no {what}")
+            message = f"the module does more than {MOST_STEPS:,} steps before its class"
+            self._tell(rules.NO_COMPONENT, start, message)
+            return None
+        if spec is None or not classes:
+            self._told_nothing(spec is None)
             return None
         place, items = spec
         made = classes[0]
-        # What a base does comes first, as its __init__ and onInitialize are called first.
+        component = Component(classes)
+        self._walk(component)
         for each in reversed(classes):
-            self._body.take(each)
             self._told_callbacks(each)
         values = dict(self._pairs(items))
         self._told_entries(place, values)
         kind = values.get("activity_type", "")
+        ports = Ports(self._walker, self._module, component, self._tell)
         return RtcProfile(
             file=self._file,
-            span=self._span(made),
+            span=self._span(made.node),
             format_version="0.3",
-            name=values.get("implementation_id") or made.name,
+            name=values.get("implementation_id") or made.node.name,
             vendor=values.get("vendor", ""),
             category=values.get("category", ""),
             version=values.get("version") or "1.0.0",
             description=values.get("description", ""),
-            doc=_own_text(ast.get_docstring(made)),
+            doc=_own_text(ast.get_docstring(made.node)),
             component_type=kind if kind in COMPONENT_TYPES else "STATIC",
             activity=kind if kind in ACTIVITY_TYPES else "PERIODIC",
             kind="DataFlowComponent",
@@ -108,8 +116,8 @@ class ModuleReader:
             created=_DATE,
             updated=_DATE,
             parameters=tuple(self._parameters(place, values)),
-            data_ports=tuple(self._data_ports()),
-            service_ports=tuple(self._service_ports()),
+            data_ports=tuple(ports.data_ports()),
+            service_ports=tuple(ports.service_ports()),
         )
 
     def _tell(
@@ -117,37 +125,68 @@ class ModuleReader:
     ) -> None:
         self.diagnostics.append(rule.at(span, message, hint=hint))
 
-    def _span(self, node: ast.AST) -> Span:
-        line = getattr(node, "lineno", 1)
-        column = getattr(node, "col_offset", 0) + 1
-        end = getattr(node, "end_lineno", line)
-        end_column = getattr(node, "end_col_offset", column) + 1
-        if isinstance(node, ast.ClassDef):
-            end, end_column = line, column + len("class ") + len(node.name)
-        return Span(self._file, line, column, end, end_column)
+    def _span(self, node: ast.AST, file: str = "") -> Span:
+        return span_of(node, file or self._file)
+
+    def _told_nothing(self, no_spec: bool) -> None:
+        start = Span(self._file, 1, 1, 1, 2)
+        what = "module spec" if no_spec else f"class that derives from {_BASE}"
+        hint = None
+        if not no_spec:
+            for base, name in unknown_bases(self._module, self._walker):
+                start = self._span(base)
+                what += f", and {name} is not found"
+                hint = "name the folder of its module with -I"
+                break
+        self._tell(rules.NO_COMPONENT, start, f"there is no {what}", hint)
+
+    # What is done when the component is made.
+
+    def _walk(self, component: Component) -> None:
+        """Follows the constructor and onInitialize, then what else adds ports."""
+        try:
+            for name in ("__init__", "onInitialize"):
+                self._walker.method(component, name)
+            for each in component.line:
+                for node in each.node.body:
+                    if not isinstance(node, ast.FunctionDef) or not _adds(node):
+                        continue
+                    function = component.method(node.name)
+                    later = node not in self._walker.walked
+                    if later and function is not None and function.node is node:
+                        self._walker.perhaps(function, component)
+        except (TooMuchError, RecursionError):
+            place = component.line[0]
+            message = f"more than {MOST_STEPS:,} steps are needed; the rest is left out"
+            self._tell(
+                rules.COMPUTED,
+                self._span(place.node, place.module.source.file),
+                message,
+            )
 
     # The module spec and the class.
 
-    def _pairs(self, items: Sequence[ast.expr]) -> Iterator[tuple[str, str]]:
-        for key, value in zip(items[::2], items[1::2], strict=False):
-            name, told = text(key), text(value)
-            if name is None or told is None:
-                message = f"the entry {name or ''} of the module spec is computed"
-                self._tell(rules.COMPUTED, self._span(value), message)
+    def _pairs(self, items: Sequence[Item]) -> Iterator[tuple[str, str]]:
+        for (_, name), (node, told) in zip(items[::2], items[1::2], strict=False):
+            if not isinstance(name, str) or not isinstance(told, str):
+                shown = name if isinstance(name, str) else ""
+                message = f"the entry {shown} of the module spec is computed"
+                self._tell(rules.COMPUTED, self._span(node), message)
             else:
                 yield name, told
 
-    def _told_callbacks(self, made: ast.ClassDef) -> None:
+    def _told_callbacks(self, made: Class) -> None:
         bodies = [
             node.name
-            for node in made.body
+            for node in made.node.body
             if isinstance(node, ast.FunctionDef)
             and node.name in _CALLBACKS
             and not _is_empty(node)
         ]
         if bodies:
             message = f"the bodies of {', '.join(bodies)} stay where they are"
-            self._tell(rules.BEHAVIOUR, self._span(made), message)
+            span = self._span(made.node, made.module.source.file)
+            self._tell(rules.BEHAVIOUR, span, message)
 
     def _told_entries(self, place: ast.expr, values: dict[str, str]) -> None:
         for key in values:
@@ -172,10 +211,14 @@ class ModuleReader:
             if key.startswith("conf.default.")
         ]
         for name in dict.fromkeys((*names, *bound)):
-            node, to, default = bound.get(name, (place, "", ""))
-            span = self._span(node)
-            told = values.get(f"conf.default.{name}", default)
-            word = values.get(f"conf.__type__.{name}") or self._word(to)
+            call = bound.get(name)
+            span = self._span(place) if call is None else self._place(call)
+            word = values.get(f"conf.__type__.{name}")
+            if word is None:
+                word = self._word(name, call, span)
+            default = values.get(f"conf.default.{name}")
+            if default is None:
+                default = self._default(name, call, span)
             constraint = None
             try:
                 constraint = parse(values.get(f"conf.__constraints__.{name}", ""))
@@ -185,167 +228,83 @@ class ModuleReader:
             yield ProfileParameter(
                 name=name,
                 type=word,
-                default=told,
+                default=default,
                 span=span,
                 type_span=span,
                 default_span=span,
-                variable=self._identifier(to),
+                variable="" if call is None else self._identifier(call),
                 widget=values.get(f"conf.__widget__.{name}", ""),
                 constraint=constraint,
             )
 
-    def _identifier(self, told: str) -> str:
-        name = told.removeprefix("self.")
+    def _place(self, call: Call) -> Span:
+        return self._span(call.made.node, call.made.file)
+
+    def _identifier(self, call: Call) -> str:
+        arguments = call.made.node.args
+        names = dotted(arguments[1]) if len(arguments) > 1 else ()
+        if not names or (len(names) > 1 and (len(names) > 2 or names[0] != "self")):
+            return ""
+        name = names[-1]
         if self.generated:
             return name.removeprefix(GENERATED_VARIABLE)
         return name.lstrip("_")
 
-    def _bound(self) -> Iterator[tuple[str, tuple[ast.expr, str, str]]]:
-        for call in self._body.calls:
-            if not _is(call, "bindParameter"):
+    def _bound(self) -> Iterator[tuple[str, Call]]:
+        for call in self._walker.calls:
+            if call.name != "bindParameter":
                 continue
-            name = text(argument(call, 0, "param_name"))
-            if name is None:
+            name = call.argument(0, "param_name")
+            if not isinstance(name, str):
                 message = "the name of a parameter is computed"
-                self._tell(rules.COMPUTED, self._span(call), message)
+                self._tell(rules.COMPUTED, self._place(call), message)
                 continue
-            bound = variable(argument(call, 1, "var"))
-            default = text(argument(call, 2, "def_val"))
-            yield name, (call, bound or "", default or "")
+            if not call.made.certain:
+                message = f"whether there is a parameter {name} depends on the run"
+                self._tell(rules.COMPUTED, self._place(call), message)
+            yield name, call
 
-    def _word(self, bound: str) -> str:
-        """The type of a variable that a parameter is bound to, by its first value."""
-        match self._body.values.get(bound):
-            case ast.List(elts=[first]):
-                match first:
-                    case ast.Constant(value=value):
-                        return _WORDS.get(type(value), "string")
-                    case ast.UnaryOp(operand=ast.Constant(value=value)):
-                        return _WORDS.get(type(value), "string")
-                    case ast.List(elts=[ast.Constant(value=value), *_]):
-                        return f"std::vector<{_WORDS.get(type(value), 'string')}>"
+    def _word(self, name: str, call: Call | None, span: Span) -> str:
+        """The type of the variable that a parameter is bound to, by its first value."""
+        first = UNKNOWN if call is None else call.argument(1, "var")
+        if isinstance(first, list) and len(first) == 1:
+            item = first[0]
+            if type(item) in _WORDS:
+                return _WORDS[type(item)]
+            if isinstance(item, list | tuple) and item and type(item[0]) in _WORDS:
+                return f"std::vector<{_WORDS[type(item[0])]}>"
+        if call is not None:
+            message = f"the type of the parameter {name} is computed; string is taken"
+            self._tell(rules.COMPUTED, span, message)
         return "string"
 
-    # Ports.
-
-    def _data_ports(self) -> Iterator[ProfileDataPort]:
-        adding = [call for call in self._body.calls if _is(call, *_ADD_DATA_PORT)]
-        added = [argument(call, 1, "inport", "outport") for call in adding]
-        names = {variable(port) for port in added}
-        made = [(name, call) for name, call in self._body.values.items()]
-        made += [("", port) for port in added if isinstance(port, ast.Call)]
-        for holder, value in made:
-            if not isinstance(value, ast.Call) or not _is(value, *_DATA_PORTS):
-                continue
-            span = self._span(value)
-            name = text(argument(value, 0, "name"))
-            if name is None:
-                which = f" {holder.removeprefix('self.')}" if holder else ""
-                message = f"the name of the port{which} is computed"
-                self._tell(rules.COMPUTED, span, message)
-                continue
-            if holder and holder not in names:
-                self._tell(rules.NOT_ADDED, span, f"the port {name} is left out")
-                continue
-            type_ = self._data_type(argument(value, 1, "value"))
-            if type_ is None:
-                message = f"the type of the port {name} is computed"
-                self._tell(rules.COMPUTED, span, message)
-                type_ = "Unknown"
-            yield ProfileDataPort(
-                name=name,
-                output=_is(value, "OutPort"),
-                type=type_,
-                span=span,
-                type_span=span,
-            )
-        self._other_ports(adding, added)
-
-    def _other_ports(
-        self, adding: Sequence[ast.Call], added: Sequence[ast.expr | None]
-    ) -> None:
-        """Ports that are added, but made in no way that is understood."""
-        for call, port in zip(adding, added, strict=True):
-            made = self._body.values.get(variable(port) or "", port)
-            if not _is(made, *_DATA_PORTS):
-                name = text(call.args[0]) if call.args else None
-                message = f"the port {name or ''} is computed"
-                self._tell(rules.COMPUTED, self._span(call), message)
-
-    def _data_type(self, datum: ast.expr | None) -> str | None:
-        name = variable(datum)
-        if name in self._body.types:
-            return self._imports.scoped(dotted(self._body.types[name]))
-        value = self._body.values.get(name) if name is not None else datum
-        if not isinstance(value, ast.Call):
-            return None
-        if _is(value, "instantiateDataType") and value.args:
-            return self._imports.scoped(dotted(value.args[0]))
-        return self._imports.scoped(called(value))
-
-    def _service_ports(self) -> Iterator[ProfileServicePort]:
-        added = {
-            variable(argument(call, 0, "port"))
-            for call in self._body.calls
-            if _is(call, *_ADD_SERVICE_PORT)
-        }
-        for holder, value in self._body.values.items():
-            if not _is(value, "CorbaPort"):
-                continue
-            assert isinstance(value, ast.Call)
-            name = text(argument(value, 0, "name"))
-            if name is None:
-                shown = holder.removeprefix("self.")
-                message = f"the name of the service port {shown} is computed"
-                self._tell(rules.COMPUTED, self._span(value), message)
-            elif holder not in added:
-                span = self._span(value)
-                self._tell(rules.NOT_ADDED, span, f"the port {name} is left out")
-            else:
-                interfaces = tuple(self._interfaces(holder))
-                yield ProfileServicePort(name=name, interfaces=interfaces)
-
-    def _interfaces(self, port: str) -> Iterator[ProfileInterface]:
-        kinds = {"registerProvider": True, "registerConsumer": False}
-        for call in self._body.calls:
-            names = called(call)
-            if ".".join(names[:-1]) != port or names[-1] not in kinds:
-                continue
-            span = self._span(call)
-            instance, type_ = (
-                text(argument) for argument in [*call.args[:2], None][:2]
-            )
-            if instance is None or type_ is None:
-                shown = port.removeprefix("self.")
-                message = f"an interface of the port {shown} is computed"
-                self._tell(rules.COMPUTED, span, message)
-                continue
-            provided = kinds[names[-1]]
-            if not provided and len(call.args) > 2:
-                type_ = self._consumed(call.args[2]) or type_
-            yield ProfileInterface(
-                name=instance,
-                provided=provided,
-                type=type_,
-                span=span,
-                type_span=span,
-            )
-
-    def _consumed(self, consumer: ast.expr) -> str | None:
-        """The interface of a `CorbaConsumer`, whose registration may leave out its module."""
-        name = variable(consumer)
-        value = self._body.values.get(name) if name is not None else consumer
-        if not _is(value, "CorbaConsumer"):
-            return None
-        assert isinstance(value, ast.Call)
-        arguments = [k.value for k in value.keywords if k.arg == "interfaceType"]
-        arguments += value.args
-        return self._imports.scoped(dotted(arguments[0])) if arguments else None
+    def _default(self, name: str, call: Call | None, span: Span) -> str:
+        default: Value = UNKNOWN if call is None else call.argument(2, "def_val")
+        if isinstance(default, str):
+            return default
+        message = f"the default of the parameter {name} is computed"
+        self._tell(rules.COMPUTED, span, message)
+        return ""
 
 
-def _is(node: ast.expr | None, *names: str) -> bool:
-    """Whether it is a call of one of these, wherever they are imported from."""
-    return called(node)[-1:] in {(name,) for name in names}
+def span_of(node: ast.AST, file: str) -> Span:
+    """Where a node stands; of a class, its name."""
+    line = getattr(node, "lineno", 1)
+    column = getattr(node, "col_offset", 0) + 1
+    end = getattr(node, "end_lineno", line)
+    end_column = getattr(node, "end_col_offset", column) + 1
+    if isinstance(node, ast.ClassDef):
+        end, end_column = line, column + len("class ") + len(node.name)
+    return Span(file, line, column, end, end_column)
+
+
+def _adds(function: ast.FunctionDef) -> bool:
+    """Whether a method itself adds ports or parameters."""
+    wanted = {*ADD_DATA_PORT, *ADD_SERVICE_PORT, "bindParameter"}
+    return any(
+        isinstance(node, ast.Attribute) and node.attr in wanted
+        for node in ast.walk(function)
+    )
 
 
 def _is_empty(function: ast.FunctionDef) -> bool:

@@ -6,11 +6,12 @@ from rtgen.diagnostics import Rule, Severity
 
 UNREADABLE = Rule(
     "RTC0550",
-    "not a Python 3 module",
+    "not a module of Python",
     Severity.ERROR,
     """\
-The file cannot be opened, or is not a module of Python 3. Components of OpenRTM-aist 1.x are often
-written for Python 2 (`print "..."`); convert them first. Nothing in the file is executed.
+The file cannot be opened, or is not a module of Python. Components of OpenRTM-aist 1.x are often
+written for Python 2 (`print "..."`): `pip install 'rtgen[python2]'` brings a converter, with which
+they are read as they are. Nothing in the file is executed.
 """,
 )
 NO_COMPONENT = Rule(
@@ -27,9 +28,10 @@ COMPUTED = Rule(
     "is worked out when the module runs",
     Severity.WARNING,
     """\
-A name, a type or a value is the outcome of a computation (a loop, a variable, a file that is read).
-The module is only read, never executed, so what it gives is not known. Add it to the definition
-by hand.
+A name, a type or a value is the outcome of a computation that only running the module settles: an
+argument, a file that is read, a parameter. The module is only read, never executed. Loops over
+constants, formatted texts, methods and base classes of the same repository are followed. Add the
+rest to the definition by hand.
 """,
 )
 NOT_ADDED = Rule(
@@ -61,4 +63,22 @@ move them into the skeleton that `rtgen generate` creates.
 """,
 )
 
-RULES = (UNREADABLE, NO_COMPONENT, COMPUTED, NOT_ADDED, NOT_CARRIED, BEHAVIOUR)
+ASSUMED = Rule(
+    "RTC0556",
+    "module that is not read as it stands",
+    Severity.WARNING,
+    """\
+The file is not in the encoding that it declares (UTF-8 if it declares none), or is written for
+Python 2. It was read all the same: check texts with other letters than English ones.
+""",
+)
+
+RULES = (
+    UNREADABLE,
+    NO_COMPONENT,
+    COMPUTED,
+    NOT_ADDED,
+    NOT_CARRIED,
+    BEHAVIOUR,
+    ASSUMED,
+)

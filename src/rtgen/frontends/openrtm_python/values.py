@@ -1,63 +1,17 @@
-"""Expressions of a module as far as they are known without running it."""
+"""What is known of a module's values without running it."""
 
 from __future__ import annotations
 
 import ast
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+if TYPE_CHECKING:
+    from rtgen.frontends.openrtm_python.modules import Module
 
 GLOBAL_STUBS = ("_GlobalIDL", "_GlobalIDL__POA")
 """The packages in which omniidl's Python back end puts what stands in no IDL module."""
-
-
-def text(node: ast.expr | None) -> str | None:
-    """A text that is written out; texts may be joined by `+`, numbers turned into texts."""
-    match node:
-        case ast.Constant(value=str(value)):
-            return value
-        case ast.Call(
-            func=ast.Name(id="str"),
-            args=[ast.Constant(value=int() | float() as number)],
-            keywords=[],
-        ):
-            return str(number)
-        case ast.BinOp(left=left, op=ast.Add(), right=right):
-            one, two = text(left), text(right)
-            return None if one is None or two is None else one + two
-    return None
-
-
-def dotted(node: ast.expr | None) -> tuple[str, ...]:
-    """`a.b.c` as its names; empty for everything else."""
-    match node:
-        case ast.Name(id=name):
-            return (name,)
-        case ast.Attribute(value=value, attr=name):
-            before = dotted(value)
-            return (*before, name) if before else ()
-    return ()
-
-
-def variable(node: ast.expr | None) -> str | None:
-    """A member of `self`, as `self.x`, or a local variable."""
-    names = dotted(node)
-    if len(names) == 2 and names[0] == "self":
-        return f"self.{names[1]}"
-    return names[0] if len(names) == 1 else None
-
-
-def argument(call: ast.Call, place: int, *names: str) -> ast.expr | None:
-    """An argument of a call by its place, or by one of its names."""
-    if place < len(call.args):
-        return call.args[place]
-    return next((k.value for k in call.keywords if k.arg in names), None)
-
-
-def called(node: ast.expr | None) -> tuple[str, ...]:
-    """The names of what a call calls; empty for everything else."""
-    return dotted(node.func) if isinstance(node, ast.Call) else ()
-
-
-_NO_STUBS = ("OpenRTM_aist", "omniORB")
 
 GENERATED = ("rtgen", "runtime", "openrtm")
 """What modules that rtgen makes import."""
@@ -65,47 +19,153 @@ GENERATED = ("rtgen", "runtime", "openrtm")
 GENERATED_VARIABLE = "_c_"
 """What the variables of parameters begin with in them."""
 
+_NO_STUBS = ("OpenRTM_aist", "omniORB")
 
-@dataclass
-class Imports:
-    """What the names of imports stand for, as scoped names of IDL."""
+Value: TypeAlias = Any
+"""A constant, list, tuple or dict of Python, or one of the classes below."""
 
-    modules: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    open_modules: list[str] = field(default_factory=list)
+CONSTANTS = (str, int, float, bytes, type(None))
 
-    def note(self, node: ast.stmt) -> None:
-        """Takes an import statement."""
-        match node:
-            case ast.Import(names=names):
-                for alias in names:
-                    path = tuple(alias.name.split("."))
-                    self.modules[alias.asname or path[0]] = (
-                        path if alias.asname else path[:1]
-                    )
-            case ast.ImportFrom(module=str(module), names=names):
-                for alias in names:
-                    if alias.name == "*":
-                        self.open_modules.append(module)
-                    else:
-                        path = (*module.split("."), alias.name)
-                        self.modules[alias.asname or alias.name] = path
 
-    @property
-    def generated(self) -> bool:
-        """Whether it is a module that rtgen makes."""
-        return any(path[:3] == GENERATED for path in self.modules.values())
+@dataclass(frozen=True, slots=True)
+class Unknown:
+    """A value that only running the module tells; `choices` are what it may be, if known."""
 
-    def scoped(self, names: tuple[str, ...]) -> str | None:
-        """The IDL name of a class of stubs, None for what is none."""
-        if not names:
+    choices: tuple[Value, ...] = ()
+
+
+UNKNOWN = Unknown()
+
+
+@dataclass(eq=False, slots=True)
+class Named:
+    """What an import or a name stands for that has no definition here, by its dotted name.
+
+    `imported`: an import says so; else it may come from any module that is imported by `*`.
+    """
+
+    path: tuple[str, ...]
+    imported: bool = False
+
+
+@dataclass(eq=False, slots=True)
+class Made:
+    """The outcome of a call of something that has no definition here, or of a class.
+
+    `certain`: it is made in any case.
+    """
+
+    path: tuple[str, ...]
+    imported: bool
+    arguments: list[Value]
+    keywords: dict[str, Value]
+    node: ast.Call
+    file: str
+    certain: bool
+
+    def argument(self, place: int, *names: str) -> Value:
+        """An argument by its place, or by one of its names; UNKNOWN where it is not given."""
+        if place < len(self.arguments):
+            return self.arguments[place]
+        return next((self.keywords[n] for n in names if n in self.keywords), UNKNOWN)
+
+    def __str__(self) -> str:
+        return self.path[-1] if self.path else ""
+
+
+@dataclass(eq=False, slots=True)
+class Class:
+    """A class statement."""
+
+    node: ast.ClassDef
+    module: Module
+
+
+@dataclass(eq=False, slots=True)
+class Function:
+    """A function, or a method with the class that has it."""
+
+    node: ast.FunctionDef
+    module: Module
+    owner: Class | None = None
+
+
+@dataclass(eq=False, slots=True)
+class Component:
+    """The object that `self` is: its attributes, and its class with all that it derives from."""
+
+    line: list[Class]
+    attributes: dict[str, Value] = field(default_factory=dict)
+
+    def method(self, name: str, behind: Class | None = None) -> Function | None:
+        """The method of that name; of a class behind another in the line if that is given."""
+        place = 0 if behind is None else self.line.index(behind) + 1
+        for each in self.line[place:]:
+            for node in each.node.body:
+                if isinstance(node, ast.FunctionDef) and node.name == name:
+                    return Function(node, each.module, each)
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """An attribute of an object that is looked up to be called."""
+
+    holder: Value
+    name: str
+    function: Function | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Super:
+    """`super()` in a method of a class."""
+
+    holder: Component
+    owner: Class
+
+
+def alternatives(value: Value) -> Iterator[Value]:
+    """The value, or all that an unknown one may be."""
+    if isinstance(value, Unknown):
+        for choice in value.choices:
+            yield from alternatives(choice)
+    else:
+        yield value
+
+
+def merged(one: Value, other: Value) -> Value:
+    """What is known where either of two values is there."""
+    same = one is other or (
+        isinstance(one, CONSTANTS) and type(one) is type(other) and one == other
+    )
+    if same:
+        return one
+    choices = (*alternatives(one), *alternatives(other))
+    return Unknown(choices[:20])
+
+
+def dotted(node: ast.expr | None) -> tuple[str, ...]:
+    """`a.b.c` as its names; empty for everything else."""
+    names: list[str] = []
+    while isinstance(node, ast.Attribute):
+        names.append(node.attr)
+        node = node.value
+    if not isinstance(node, ast.Name):
+        return ()
+    return (node.id, *reversed(names))
+
+
+def scoped(value: Named | Made | Class | Value, open_modules: list[str]) -> str | None:
+    """The IDL name of a class of stubs, None for what is none."""
+    if not isinstance(value, Named | Made) or not value.path:
+        return None
+    path = value.path
+    if not value.imported and len(path) == 1:
+        stubs = [m for m in open_modules if m.split(".")[0] not in _NO_STUBS]
+        if not stubs:
             return None
-        path = (*self.modules.get(names[0], names[:1]), *names[1:])
-        if len(names) == 1 and names[0] not in self.modules:
-            stubs = [m for m in self.open_modules if m.split(".")[0] not in _NO_STUBS]
-            if not stubs:
-                return None
-            path = (*(stubs if len(stubs) == 1 else ()), *path)
-        if path[0] in GLOBAL_STUBS:
-            path = path[1:]
-        path = tuple(part.removesuffix("__POA") for part in path)
-        return "::".join(path) if path and path[0] != "OpenRTM_aist" else None
+        path = (*(stubs if len(stubs) == 1 else ()), *path)
+    if path[0] in GLOBAL_STUBS:
+        path = path[1:]
+    path = tuple(part.removesuffix("__POA") for part in path)
+    return "::".join(path) if path and path[0] != "OpenRTM_aist" else None

@@ -49,10 +49,10 @@ class Definitions:
         """The port with what its facts say; `events` are those of an event port, as annotations."""
         with self._passing_over(made.span):
             is_data = made.kind in (PortKind.INPORT, PortKind.OUTPORT)
-            name = _text(facts, "name")
+            name = facts.get("name")
             if name and (not is_data or name.strip() == made.name):
                 made = replace(made, name=name)
-            port, instance = _text(facts, "port"), _text(facts, "instance")
+            port, instance = facts.get("port"), facts.get("instance")
             if port is not None and port.strip() == made.port:
                 made = replace(made, port=port)
             if instance is not None and instance.strip() == made.instance:
@@ -65,7 +65,7 @@ class Definitions:
     def type(self, parameter: ProfileParameter) -> Type | None:
         """The IDL type of a parameter, None where its word alone says it."""
         with self._passing_over(parameter.type_span):
-            text = _text(parameter.facts, "type")
+            text = parameter.facts.get("type")
             if text is None:
                 return None
             found = parsed(text)
@@ -100,7 +100,7 @@ class Definitions:
         """The parameter with the rest of its facts."""
         facts = parameter.facts
         with self._passing_over(made.span):
-            name = _text(facts, "name")
+            name = facts.get("name")
             if name is not None and name.strip() == made.name:
                 made = replace(made, name=name)
             if parameter.widget == "text" and facts.get("widget") == "text":
@@ -114,7 +114,7 @@ class Definitions:
     ) -> ConfigurationParameter:
         """The parameter with bounds and the wording of its constraint. Raises ValueError."""
         facts = parameter.facts
-        constraint = _text(facts, "constraint")
+        constraint = facts.get("constraint")
         tried = replace(
             made,
             minimum=self._bound(made, facts, "min"),
@@ -147,7 +147,7 @@ class Definitions:
     def name(self, profile: RtcProfile, last: str) -> ScopedName:
         """The scoped name; `last` is the component's own."""
         with self._passing_over(profile.span):
-            text = _text(profile.facts, "name")
+            text = profile.facts.get("name")
             if text is None:
                 return (last,)
             *modules, _ = parts = text.split("::")
@@ -164,15 +164,15 @@ class Definitions:
         facts = profile.facts
         with self._passing_over(made.span):
             for field, usual in profile_facts.WITH_USUAL.items():
-                text = _text(facts, field)
+                text = facts.get(field)
                 if text is None:
                     continue
                 if profile_facts.read_text(text, usual) == getattr(made, field):
                     changed: dict[str, Any] = {field: text}
                     made = replace(made, **changed)
             made = self._with_texts(made, facts)
-            name = _text(facts, "name") or profile.name
-            repository_id = _text(facts, "repository_id")
+            name = facts.get("name") or profile.name
+            repository_id = facts.get("repository_id")
             if repository_id and name == made.scoped:
                 made = replace(made, repository_id=repository_id)
             made = replace(made, ports=_in_order(made.ports, facts.get("order")))
@@ -181,7 +181,7 @@ class Definitions:
         return self._annotated(made, facts)
 
     def _with_texts(self, made: Component, facts: Facts) -> Component:
-        doc, description = _text(facts, "doc"), _text(facts, "description")
+        doc, description = facts.get("doc"), facts.get("description")
         if doc is not None:
             wanted = made.description if description is None else description
             summary = profile_texts.summary(wanted, doc)
@@ -194,10 +194,7 @@ class Definitions:
         return made
 
     def _supported(self, made: Component, facts: Facts) -> Iterator[ScopedName]:
-        told = facts.get("supports", [])
-        if not isinstance(told, list):
-            raise ValueError("`supports` is no list")
-        for text in told:
+        for text in facts.get("supports") or ():
             name = tuple(str(text).split("::"))
             if isinstance(self.declared.get(name), Interface):
                 yield name
@@ -206,7 +203,7 @@ class Definitions:
 
     def _with_base(self, made: Component, facts: Facts) -> Component:
         """The component with its base, if it has all that the base has."""
-        text = _text(facts, "base")
+        text = facts.get("base")
         if text is None:
             return made
         base = self.declared.get(tuple(text.split("::")))
@@ -228,7 +225,9 @@ class Definitions:
     ) -> _Item:
         entries: list[Told] = []
         with self._passing_over(made.span):
-            entries = profile_facts.annotations_from_json(facts.get("annotations", []))
+            entries = profile_facts.annotations_from_json(
+                facts.get("annotations") or []
+            )
         known = [each for each in entries if isinstance(each, Annotation)]
         gone = [
             each
@@ -259,26 +258,17 @@ def identifier_of(variable: str, facts: Facts) -> str | None:
     return variable if found == variable else None
 
 
-def _text(facts: Facts, key: str) -> str | None:
-    found = facts.get(key)
-    if found is None or isinstance(found, str):
-        return found
-    raise ValueError(f"`{key}` is no text")
-
-
 def _with_doc(made: _Item, facts: Facts) -> _Item:
-    doc = _text(facts, "doc")
+    doc = facts.get("doc")
     if doc is None or profile_facts.read_doc(doc) != made.doc:
         return made
     return replace(made, doc=doc)
 
 
-def _in_order(ports: Sequence[Port], order: Any) -> tuple[Port, ...]:
+def _in_order(ports: Sequence[Port], order: Sequence[Any] | None) -> tuple[Port, ...]:
     """The ports as the definition has them; new ones come last."""
     if order is None:
         return tuple(ports)
-    if not isinstance(order, list):
-        raise ValueError("`order` is no list")
     places = {str(name): place for place, name in enumerate(order)}
     return tuple(
         sorted(ports, key=lambda port: places.get(port.identifier, len(places)))

@@ -48,6 +48,8 @@ _DATA = (Struct, Union)
 _BREAKS_ID = re.compile(r"[:\r\n\t]")
 _BREAKS_VERSION = re.compile(r"[:\s]+")
 _REPOSITORY_ID = re.compile(r"IDL:(.*?)(?::[\d.]*)?")
+_TYPE_NAME = re.compile(r"\w+(?:::\w+)*")
+"""Other forms, such as repository ids, are not what components register."""
 _LONGEST_NAME = 100
 
 
@@ -148,6 +150,15 @@ class Lowering:
             self._tell(rules.NAME, profile.span, message)
         return mended
 
+    def _outside_name(self, span: Span, text: str) -> str:
+        """The name of a port, interface or parameter, told if it had to be mended."""
+        mended = "".join(c if c.isprintable() else "_" for c in text)
+        mended = mended if mended.strip() else "_"
+        if mended != text:
+            message = f"{text!r} cannot be printed; {mended!r} is taken"
+            self._tell(rules.NAME, span, message)
+        return mended
+
     def _is_taken(self, name: ScopedName) -> bool:
         """Whether the name, whatever the case, is one of a type or module, or inside of a type."""
         scopes = tuple(_scopes(name))
@@ -167,7 +178,7 @@ class Lowering:
         kind = PortKind.OUTPORT if port.output else PortKind.INPORT
         made = Port(
             kind=kind,
-            name=port.name,
+            name=self._outside_name(port.span, port.name),
             identifier=_identifier(port, kind.value, taken),
             type=type_,
             span=port.span,
@@ -194,8 +205,9 @@ class Lowering:
             name=identifier,
             identifier=identifier,
             type=type_,
-            port=service,
-            instance=interface.name,
+            port=self._outside_name(interface.span, service),
+            instance=self._outside_name(interface.span, interface.name),
+            type_name=_type_name(interface, type_),
             span=interface.span,
             doc=interface.doc,
         )
@@ -209,7 +221,8 @@ class Lowering:
         service: bool,
     ) -> Type:
         """The type of a port: one of the model, else a placeholder."""
-        written = _scoped(port.type)
+        facts = port.facts if port.facts.get("type_name") == port.type else {}
+        written = _scoped(facts.get("type", port.type))
         name = self._found(written, service)
         if name is None:
             return self._placeholder(profile, port, written, service)
@@ -295,7 +308,7 @@ class Lowering:
             self._tell(rules.PARAMETER_TYPE, parameter.type_span, message, hint)
             type_ = StringType()
         made = ConfigurationParameter(
-            name=parameter.name,
+            name=self._outside_name(parameter.span, parameter.name),
             identifier=_identifier(parameter, "value", taken),
             type=type_,
             span=parameter.span,
@@ -376,6 +389,13 @@ def _scoped(text: str) -> ScopedName:
     if "::" not in text:
         text = text.replace("/", "::").replace(".", "::")
     return tuple(part.strip() for part in text.split("::") if part.strip())
+
+
+def _type_name(interface: ProfileInterface, type_: Type) -> str:
+    """The name that a profile has for an interface's type, if that is not the scoped name."""
+    written = interface.type.strip()
+    is_name = _TYPE_NAME.fullmatch(written) or interface.facts.get("type_name")
+    return written if is_name and written != str(type_) else ""
 
 
 def _opaque(name: ScopedName, service: bool, file: str, span: Span) -> Declaration:

@@ -28,7 +28,7 @@ from rtgen.model.rtc_profile import (
     RtcProfile,
 )
 from rtgen.typemap.dates import has_zone, is_date
-from rtgen.typemap.profile_facts import PROPERTY, Facts, facts_from
+from rtgen.typemap.profile_facts import PROPERTY, Facts, checked, facts_from
 from rtgen.typemap.profile_texts import lines, one_line
 
 VERSIONS = ("0.1", "0.2", "0.3")
@@ -209,15 +209,26 @@ class Reader:
 
     def _facts(self, element: Element) -> Facts:
         """What rtgen has written beside the attributes; nothing where somebody else did."""
+        found, place = self._property(element)
+        return self._checked(found, place)
+
+    def _property(self, element: Element) -> tuple[Facts, Span]:
         for item in element.all(RTC_EXT, "Properties"):
             if item.get(RTC_EXT, "name") != PROPERTY:
                 continue
+            place = item.place("value")
             try:
-                return facts_from(item.get(RTC_EXT, "value"))
+                return facts_from(item.get(RTC_EXT, "value")), place
             except ValueError as error:
                 message = f"the property {PROPERTY} is passed over: {error}"
-                self._tell(rules.FACTS, item.place("value"), message)
-        return {}
+                self._tell(rules.FACTS, place, message)
+        return {}, element.span
+
+    def _checked(self, found: object, place: Span) -> Facts:
+        facts, wrong = checked(found)
+        for message in wrong:
+            self._tell(rules.FACTS, place, f"the property {PROPERTY}: {message}")
+        return facts
 
     # Parameters and ports.
 
@@ -310,7 +321,7 @@ class Reader:
 
     def _interfaces(self, port: Element) -> Iterator[ProfileInterface]:
         known: set[str] = set()
-        facts = self._facts(port)
+        facts, place = self._property(port)
         directions = {"provided": True, "required": False}
         for element in port.all(RTC, "ServiceInterface"):
             name, direction = (
@@ -327,7 +338,6 @@ class Reader:
             if not self._is_new(f"{direction} {name}", known, element, "interface"):
                 continue
             variable = self._variable(element)
-            own = facts.get(variable)
             yield ProfileInterface(
                 name=name,
                 provided=provided,
@@ -338,7 +348,7 @@ class Reader:
                 variable=variable,
                 instance=self._get(element, "instanceName"),
                 doc=lines(_doc(element)),
-                facts=own if isinstance(own, dict) else {},
+                facts=self._checked(facts.get(variable, {}), place),
             )
 
     def _is_new(self, name: str, known: set[str], element: Element, what: str) -> bool:
@@ -374,7 +384,6 @@ def idl_files(profiles: Iterable[RtcProfile]) -> list[str]:
         named += [port.idl_file for port in profile.data_ports]
         for service in profile.service_ports:
             named += [interface.idl_file for interface in service.interfaces]
-        match profile.facts.get("files"):
-            case list(files):
-                named += [_base_name(file) for file in files if isinstance(file, str)]
+        files = profile.facts.get("files") or ()
+        named += [_base_name(file) for file in files if isinstance(file, str)]
     return [name for name in dict.fromkeys(named) if name.lower().endswith(".idl")]

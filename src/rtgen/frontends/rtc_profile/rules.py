@@ -136,7 +136,8 @@ NAME = Rule(
     """\
 The component's name is no identifier, is too long, or is that of a type or module, so the component
 gets another name; or its vendor, category or version has a colon, a line break or the like, which
-would break the id that is made of them. Names of ports and parameters may be any text.
+would break the id that is made of them. Names of ports, interfaces and
+parameters may be any text that can be printed; `_` stands for other characters.
 """,
 )
 

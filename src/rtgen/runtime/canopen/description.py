@@ -90,7 +90,9 @@ class DeviceDescription:
     """A device: what a generated module `objects` has as `DESCRIPTION`.
 
     `lss` says that it takes part in layer setting services, `granularity` is the smallest unit of
-    a mapping in bits, `dummies` are the data types that may fill gaps.
+    a mapping in bits, `dummies` are the data types that may fill gaps. `configuration` is what a
+    master writes to the node where no network says so. `bit_rates` are those that LSS may set, in
+    kbit/s, none for all.
     """
 
     name: str
@@ -102,6 +104,8 @@ class DeviceDescription:
     lss: bool = False
     granularity: int = 8
     dummies: tuple[int, ...] = ()
+    configuration: tuple[Write, ...] = ()
+    bit_rates: tuple[int, ...] = ()
 
     @cached_property
     def by_number(self) -> dict[ObjectNumber, ObjectDescription]:
@@ -123,12 +127,32 @@ class DeviceDescription:
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """A value that is written by SDO, as octets on the wire; `verify` says that it is read back."""
+    """A value that is written by SDO, as octets on the wire.
+
+    `verify` says that it is read back, `relative` that the node-id is to be added to it.
+    """
 
     index: int
     subindex: int
     value: bytes
     verify: bool = True
+    relative: bool = False
+
+    def octets(self, node_id: int) -> bytes:
+        """The octets for a node."""
+        if not self.relative:
+            return self.value
+        size = len(self.value)
+        number = int.from_bytes(self.value, "little") + node_id
+        return (number & (1 << 8 * size) - 1).to_bytes(size, "little")
+
+    @property
+    def repeatable(self) -> bool:
+        """Whether it may be carried out twice.
+
+        What cannot be read back may be a command (1010h, 1011h, write-only objects).
+        """
+        return self.verify
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,6 +163,9 @@ class NodeDescription:
     `configuration` is what the manager writes, in order, after the boot-up message. `pdos` are
     those that hold after it, COB-IDs absolute. `heartbeat` is the node's period and
     `heartbeat_timeout` the manager's time-out, both in ms, 0 for none; `boot_timeout` is in ms.
+    `guard_time` is the period of node guarding in ms, for a node without heartbeat; 0 for none.
+    `emergency_stop` has the patterns of `EmergencyPolicy`, empty for the default; `recoveries` is
+    how often in a row its proxy leaves ERROR by itself.
     On an error the manager resets the node up to `restarts` times. A node that is not `mandatory`
     may be missing. With `start` it is started when it is configured.
     `lss` says that it may have no node-id yet: the manager assigns it by its identity.
@@ -157,6 +184,9 @@ class NodeDescription:
     mandatory: bool = True
     start: bool = True
     lss: bool = False
+    guard_time: int = 0
+    emergency_stop: str = ""
+    recoveries: int = 0
 
 
 @dataclass(frozen=True, slots=True)

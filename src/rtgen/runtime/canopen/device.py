@@ -12,7 +12,7 @@ from typing import Any, Final
 
 from rtgen.runtime.callbacks import log
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
-from rtgen.runtime.canopen.frames import Frame
+from rtgen.runtime.canopen.frames import CobId, Frame
 from rtgen.runtime.canopen.heartbeat import HeartbeatEvent, HeartbeatNews
 from rtgen.runtime.canopen.hooks import DeviceHooks, Incoming, Outgoing
 from rtgen.runtime.canopen.link import Link, LinkError
@@ -20,6 +20,7 @@ from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, Transition
 from rtgen.runtime.canopen.node import USER_SOFTWARE, DeviceNode
 from rtgen.runtime.canopen.node_events import NodeEvents
+from rtgen.runtime.canopen.pdo_transmission import RTR, RTR_SYNC
 from rtgen.runtime.component import Component
 from rtgen.runtime.connectors import DataConnector
 from rtgen.runtime.data_ports import InPort, OutPort
@@ -141,7 +142,26 @@ class CanopenDevice(DeviceHooks, Component):
         self._connect_ports()
         with link.lock:
             link.attach(node)
+        self._warn_of_requests(link)
         return link
+
+    def _warn_of_requests(self, link: Link) -> None:
+        """Tells of TPDOs that nobody can ask for, so that no sample of theirs is ever sent."""
+        for pdo in self.description.pdos:
+            value = pdo.cob_id_of(self.node.node_id)
+            if pdo.direction != "tpdo" or value is None or CobId(value).bit31:
+                continue
+            if pdo.transmission_type not in (RTR_SYNC, RTR):
+                continue
+            why = "its COB-ID allows none" if CobId(value).bit30 else ""
+            if not link.carries_remote_frames:
+                why = f"{link} carries none"
+            if why:
+                log.warning(
+                    "%s: what is written to tpdo%d is never sent: its transmission type %d "
+                    "waits for a remote frame, and %s",
+                    *(self.instance_name, pdo.number, pdo.transmission_type, why),
+                )
 
     def _leave_bus(self) -> None:
         link, self._link = self._link, None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from enum import IntFlag
 from typing import Final
@@ -102,6 +103,37 @@ class Emergency:
         text = f"{self.code:04X}h {code_text(self.code)}"
         bits = [bit.name.lower() for bit in self.register if bit.name]
         return f"{text} ({', '.join(bits)})" if bits else text
+
+
+DEFAULT_STOPS: Final = "xxxx,-8110,-8120,-8140,-82xx"
+"""All errors but those of single frames: a CAN overrun, a PDO of another length, a late one."""
+_PATTERN: Final = re.compile("(-?)([0-9A-Fa-fxX]{4})")
+
+
+class EmergencyPolicy:
+    """Which emergency messages stop a component; the others are only reported.
+
+    `patterns` are codes of four hexadecimal digits with `x` for any digit, separated by commas; of
+    those that match, the last one decides: with `-` it reports. Nothing matches: it reports.
+    Raises ValueError for a pattern of another form.
+    """
+
+    def __init__(self, patterns: str) -> None:
+        self._rules: list[tuple[bool, re.Pattern[str]]] = []
+        for text in patterns.split(","):
+            found = _PATTERN.fullmatch(text.strip())
+            if found is None:
+                raise ValueError(
+                    f"{text.strip()!r} is no pattern of emergency codes, such as 23xx or -82xx"
+                )
+            digits = re.sub("[xX]", ".", found[2].upper())
+            self._rules.append((not found[1], re.compile(digits)))
+
+    def stops(self, emergency: Emergency) -> bool:
+        """Whether a message stops the component."""
+        code = f"{emergency.code:04X}"
+        decided = [stops for stops, pattern in self._rules if pattern.fullmatch(code)]
+        return bool(decided) and decided[-1] and not emergency.cleared
 
 
 def decode_emergency(frame: Frame) -> tuple[int, Emergency] | None:

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import Final
 
 from rtgen.runtime.canopen.frames import ERROR_CONTROL, Frame, checked_node_id
+from rtgen.runtime.canopen.guarding import TOGGLE
 from rtgen.runtime.canopen.nmt import NmtState, heartbeat_frame
+
+_STATES: Final = frozenset(NmtState)
 
 
 class HeartbeatProducer:
@@ -56,7 +60,7 @@ class HeartbeatNews(Enum):
 class HeartbeatEvent:
     """News of a node; `asked` tells whether the state is the one that was asked for.
 
-    The state of LOST is the last one known.
+    The state of LOST is the last one known, INITIALISING if none is.
     """
 
     news: HeartbeatNews
@@ -91,6 +95,11 @@ class HeartbeatConsumer:
         self._timeout = timeout
         self.deadline = now + timeout if timeout and self._beating else None
 
+    def watch(self, now: int) -> None:
+        """Supervises from now on, without a first heartbeat: the node is asked for its state."""
+        self._beating = True
+        self.deadline = now + self._timeout if self._timeout else None
+
     def ask(self, state: NmtState) -> None:
         """The node has been told to go there; INITIALISING stands for a reset."""
         self._asked = state
@@ -104,7 +113,8 @@ class HeartbeatConsumer:
             self._beating, self.deadline = False, None
             self.state = NmtState.PRE_OPERATIONAL
             return HeartbeatEvent(HeartbeatNews.BOOT_UP, state, self._settle(state))
-        found, before = not self._beating, self.state
+        before = self.state
+        found = before is None or not self._beating
         self._beating, self.state = True, state
         self.deadline = now + self._timeout if self._timeout else None
         if state is before and not found:
@@ -116,9 +126,9 @@ class HeartbeatConsumer:
 
     def poll(self, now: int) -> HeartbeatEvent | None:
         """LOST, once, when the time-out is over."""
-        if self.deadline is None or now < self.deadline or self.state is None:
+        if self.deadline is None or now < self.deadline:
             return None
-        last = self.state
+        last = NmtState.INITIALISING if self.state is None else self.state
         self.deadline, self.state, self._beating = None, None, False
         return HeartbeatEvent(HeartbeatNews.LOST, last, asked=False)
 
@@ -127,10 +137,10 @@ class HeartbeatConsumer:
             return None
         if len(frame.data) != 1:
             return None
-        try:
-            return NmtState(frame.data[0])
-        except ValueError:
-            return None
+        octet = frame.data[0]
+        # An answer to node guarding has the state below its toggle bit.
+        code = octet & ~TOGGLE or octet
+        return NmtState(code) if code in _STATES else None
 
     def _settle(self, state: NmtState) -> bool:
         """Whether the state was asked for; the question is then answered."""

@@ -64,6 +64,8 @@ class Link(ABC):
 
     master: NmtMaster | None
     """Who sends NMT commands; proxies ask it."""
+    carries_remote_frames: bool = True
+    """Whether remote frames go through: socketcand's protocol has none."""
 
     @property
     @abstractmethod
@@ -109,3 +111,8 @@ class Link(ABC):
         Not from a station's methods. In simulated time no time passes: the frames that wait are
         delivered, in the order of arbitration, until it holds or none is left.
         """
+
+
+def no_guarding(link: Link) -> str:
+    """Why node guarding is impossible on a link without remote frames."""
+    return f"{link} carries no remote frames, so nodes cannot be guarded"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -62,7 +62,8 @@ class LssSlave:
     """Answers the master; what it sets is `pending` until the node takes it over.
 
     `stored` is what a reset of the node comes back with. `activated` is called with a bit rate, in
-    kbit/s, and the delay in ms before and after the change.
+    kbit/s, and the delay in ms before and after the change. Bit rates that are not among
+    `bit_rates` are refused; none there: those of CiA 305 are taken.
     """
 
     def __init__(
@@ -70,9 +71,15 @@ class LssSlave:
         address: Callable[[], LssAddress],
         node_id: int = UNCONFIGURED,
         activated: Callable[[int, int], None] | None = None,
+        bit_rates: Collection[int] = (),
     ) -> None:
         self._address = address
         self._activated = activated
+        self._rates = {
+            index: rate
+            for index, rate in _RATES.items()
+            if not bit_rates or rate in bit_rates
+        }
         self.active = node_id
         """The node-id that the node has now."""
         self.pending = LssSettings(node_id)
@@ -127,9 +134,9 @@ class LssSlave:
                 self.pending.node_id = data[1]
             return message(command, 0 if fits else OUT_OF_RANGE)
         if command is LssCommand.CONFIGURE_BIT_TIMING:
-            fits = data[1] == 0 and data[2] in _RATES
+            fits = data[1] == 0 and data[2] in self._rates
             if fits:
-                self.pending.bit_rate = _RATES[data[2]]
+                self.pending.bit_rate = self._rates[data[2]]
             return message(command, 0 if fits else OUT_OF_RANGE)
         if command is LssCommand.ACTIVATE_BIT_TIMING:
             if self._activated is not None and self.pending.bit_rate is not None:

@@ -11,9 +11,11 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final, Protocol
 
+from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import NodeDescription
 from rtgen.runtime.canopen.emergency import Emergency
 from rtgen.runtime.canopen.frames import MILLISECOND, Frame
+from rtgen.runtime.canopen.guarding import NodeGuard
 from rtgen.runtime.canopen.heartbeat import (
     HeartbeatConsumer,
     HeartbeatEvent,
@@ -24,7 +26,7 @@ from rtgen.runtime.canopen.lss import UNCONFIGURED
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
 from rtgen.runtime.canopen.node_setup import SetUp, SetUpError, number_text, set_up
 from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.sdo_channel import Done, Outcome
+from rtgen.runtime.canopen.sdo_channel import ATTEMPTS, Done, Outcome
 
 
 class NodePhase(IntEnum):
@@ -87,10 +89,18 @@ class Channel(Protocol):
     @property
     def unexpected(self) -> int: ...
 
-    def submit_upload(self, index: int, subindex: int, done: Done) -> None: ...
+    def submit_upload(
+        self, index: int, subindex: int, done: Done, *, attempts: int = 1
+    ) -> None: ...
 
     def submit_download(
-        self, index: int, subindex: int, value: bytes, done: Done
+        self,
+        index: int,
+        subindex: int,
+        value: bytes,
+        done: Done,
+        *,
+        attempts: int = 1,
     ) -> None: ...
 
 
@@ -102,6 +112,9 @@ class Host(Protocol):
 
     def command(self, command: NmtCommand, node_id: int) -> None:
         """Sends an NMT command."""
+
+    def guard(self, request: Frame) -> str:
+        """Sends a node guarding request; why the bus cannot carry it, empty if it can."""
 
     def assign(self, node: ManagedNode) -> None:
         """Gives the node its node-id by LSS; `assigned` or `fail` follows."""
@@ -150,6 +163,10 @@ class ManagedNode:
         self._channel = channel
         self._host = host
         self._timeout = description.heartbeat_timeout * MILLISECOND
+        self._guard = NodeGuard(description.id)
+        self._sign = (
+            "answer to node guarding" if description.guard_time else "heartbeat"
+        )
         self._consumer = HeartbeatConsumer(description.id, self._timeout)
         self._attempt = 0
         self._limit: int | None = None
@@ -157,6 +174,7 @@ class ManagedNode:
         self._start = description.start
         self._assigned = False
         self._answers_before = 0
+        self._boots = 0
         self._beats = 0
         self._first_beat = 0
         self._bus_gone = False
@@ -165,10 +183,8 @@ class ManagedNode:
     @property
     def deadline(self) -> int | None:
         """When `poll` is to be called; None for never."""
-        heartbeat, limit = self._consumer.deadline, self._limit
-        if heartbeat is None or limit is None:
-            return limit if heartbeat is None else heartbeat
-        return min(heartbeat, limit)
+        times = (self._consumer.deadline, self._guard.deadline, self._limit)
+        return min((time for time in times if time is not None), default=None)
 
     @property
     def nmt(self) -> NmtState | None:
@@ -248,6 +264,8 @@ class ManagedNode:
 
     def heard(self, frame: Frame, now: int) -> None:
         """A frame of the node's error control."""
+        if not self._guard.accepts(frame):
+            return
         event = self._consumer.receive(frame, now)
         phase = self.phase
         if phase in _IN_USE and self._too_many_beats(now):
@@ -271,9 +289,15 @@ class ManagedNode:
     def poll(self, now: int) -> None:
         """Does what is due."""
         lost = self._consumer.poll(now)
+        request = self._guard.poll(now)
         if lost is not None and self.phase in _IN_USE:
             milliseconds = self.description.heartbeat_timeout
-            self.fail(f"its heartbeat is lost: none for {milliseconds} ms")
+            if self.description.guard_time:
+                self.fail(f"it is lost: no {self._sign} for {milliseconds} ms")
+            else:
+                self.fail(f"its heartbeat is lost: none for {milliseconds} ms")
+        elif request is not None and (refused := self._host.guard(request)):
+            self.fail(refused, final=True)
         elif self._limit is not None and now >= self._limit:
             self._limit = None
             self._over()
@@ -313,7 +337,10 @@ class ManagedNode:
             self.restarts = 0
         self._attempt += 1
         self._configured, self._emergency = False, None
-        self._answers_before = self._channel.unexpected
+        again = self.phase in (NodePhase.IDENTIFYING, NodePhase.CONFIGURING)
+        self._boots = self._boots + 1 if again else 1
+        if not again:
+            self._answers_before = self._channel.unexpected
         self._enter(NodePhase.IDENTIFYING)
         self._go_on(set_up(self.description, self._identified), None)
 
@@ -331,14 +358,19 @@ class ManagedNode:
             self.fail(str(error), final=error.final)
             return
         attempt = self._attempt
-        index, subindex, octets = transfer
+        index, subindex, octets = transfer.index, transfer.subindex, transfer.value
 
         def done(outcome: Outcome) -> None:
             if attempt != self._attempt or isinstance(outcome, LinkError):
                 return
             if isinstance(outcome, SdoAbort):
                 verb = "read" if octets is None else "written"
-                self.fail(f"{number_text(index, subindex)} cannot be {verb}: {outcome}")
+                what = f"{number_text(index, subindex)} cannot be {verb}: {outcome}"
+                doubled = self._doubled if outcome.code == sdo.TIMED_OUT else ""
+                if doubled:
+                    self._two_nodes(f"{what}, and {doubled}")
+                else:
+                    self.fail(what)
             elif self._answers_too_many():
                 self._two_nodes(_FOREIGN)
             else:
@@ -346,14 +378,20 @@ class ManagedNode:
             self._host.settle(self)
 
         if octets is None:
-            self._channel.submit_upload(index, subindex, done)
+            self._channel.submit_upload(index, subindex, done, attempts=ATTEMPTS)
         else:
-            self._channel.submit_download(index, subindex, octets, done)
+            attempts = ATTEMPTS if transfer.repeatable else 1
+            self._channel.submit_download(
+                index, subindex, octets, done, attempts=attempts
+            )
 
     def _set_up_done(self) -> None:
         self._configured = True
         # From here on the configured heartbeat time holds.
         self._supervise_anew()
+        if self.description.guard_time:
+            now = self._host.now()
+            self._guard.start(self.description.guard_time * MILLISECOND, now)
         if self._start:
             self._go_operational()
         else:
@@ -423,6 +461,14 @@ class ManagedNode:
         many, periods = _EXCESS
         return many * (now - self._first_beat) < periods * beats * period
 
+    @property
+    def _doubled(self) -> str:
+        """What points to a second node of this id since the reset; empty if nothing does."""
+        if self._boots > 1:
+            return "its boot-up message came twice"
+        foreign = self._channel.unexpected > self._answers_before
+        return _FOREIGN if foreign else ""
+
     def _answers_too_many(self) -> bool:
         return self._channel.unexpected >= self._answers_before + _FOREIGN_ANSWERS
 
@@ -448,7 +494,7 @@ class ManagedNode:
             return
         patience = node.boot_timeout + node.heartbeat_timeout
         if self.nmt is None:
-            self.fail(f"no heartbeat within {patience} ms after its configuration")
+            self.fail(f"no {self._sign} within {patience} ms after its configuration")
         else:
             self.fail(f"it has not become operational within {patience} ms")
 
@@ -460,5 +506,7 @@ class ManagedNode:
         """Goes to a phase that may last so long."""
         now = self._host.now()
         self.phase, self.since = phase, now
+        if phase not in _IN_USE:
+            self._guard.stop()
         self._limit = None if milliseconds is None else now + milliseconds * MILLISECOND
         self._host.changed(self)

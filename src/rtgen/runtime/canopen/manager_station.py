@@ -17,7 +17,7 @@ from rtgen.runtime.canopen.frames import (
     Frame,
 )
 from rtgen.runtime.canopen.heartbeat import HeartbeatProducer
-from rtgen.runtime.canopen.link import Link, LinkError
+from rtgen.runtime.canopen.link import Link, LinkError, no_guarding
 from rtgen.runtime.canopen.lss_master import Assigned, LssError, LssMaster, assign
 from rtgen.runtime.canopen.managed_node import ManagedNode, NodePhase, NodeReport
 from rtgen.runtime.canopen.nmt import (
@@ -225,6 +225,13 @@ class ManagerStation:
     def command(self, command: NmtCommand, node_id: int) -> None:
         """See `Host`."""
         self._command(command, node_id)
+
+    def guard(self, request: Frame) -> str:
+        """See `Host`."""
+        if not self.link.carries_remote_frames:
+            return no_guarding(self.link)
+        self._frames.append(request)
+        return ""
 
     def assign(self, node: ManagedNode) -> None:
         """See `Host`."""

@@ -16,7 +16,7 @@ from rtgen.runtime.canopen.description import (
 )
 from rtgen.runtime.canopen.device_pdos import DevicePdos, IsEvent
 from rtgen.runtime.canopen.device_sync import DeviceSync, DeviceTime
-from rtgen.runtime.canopen.emergency import ErrorRegister
+from rtgen.runtime.canopen.emergency import HEARTBEAT_LOST, ErrorRegister
 from rtgen.runtime.canopen.emergency_producer import (
     COB_ID,
     INHIBIT_TIME,
@@ -32,6 +32,7 @@ from rtgen.runtime.canopen.frames import (
     SDO_RESPONSE,
     Frame,
 )
+from rtgen.runtime.canopen.guarding import LifeGuard
 from rtgen.runtime.canopen.heartbeat import (
     HeartbeatEvent,
     HeartbeatNews,
@@ -58,7 +59,10 @@ from rtgen.runtime.canopen.od import (
 from rtgen.runtime.canopen.parameter_store import ParameterStore
 from rtgen.runtime.canopen.sdo_server import SdoServer
 
+GUARD_TIME: Final = (0x100C, 0)
+LIFE_TIME_FACTOR: Final = (0x100D, 0)
 HEARTBEAT_TIME: Final = (0x1017, 0)
+_ERROR_CONTROL: Final = {GUARD_TIME[0], LIFE_TIME_FACTOR[0], HEARTBEAT_TIME[0]}
 IDENTITY: Final = 0x1018
 ERROR_BEHAVIOUR: Final = (0x1029, 1)
 NMT_STARTUP: Final = (0x1F80, 0)
@@ -113,7 +117,7 @@ class DeviceNode:
         self._producer = HeartbeatProducer(1)
         self._effects: dict[ObjectNumber, None] = {}
         self._now = 0
-        self._guard_toggle = 0
+        self._life = LifeGuard()
         self._out: list[Frame] = []
         self._deadline: int | None = None
         self._handlers: dict[int, tuple[Handler, ...]] = {}
@@ -155,6 +159,9 @@ class DeviceNode:
         if self._nmt is not None and self.state is not NmtState.INITIALISING:
             self._out += self._server.poll(now)
             self._consumers.poll(now)
+            if self._life.poll(now):
+                self.errors.add(HEARTBEAT_LOST)
+                self._communication_error()
             sync = self._sync.poll(now) if self._allows(Service.SYNC) else None
             if sync is not None:
                 self._out.append(sync)
@@ -279,7 +286,12 @@ class DeviceNode:
     def _lss_slave(self, node_id: int) -> LssSlave:
         if node_id != UNCONFIGURED and not 1 <= node_id <= MAX_NODE_ID:
             raise ValueError(f"node-id {node_id}: it is 1 to {MAX_NODE_ID}, or 255")
-        return LssSlave(self._address, node_id, self._activate_bit_rate)
+        return LssSlave(
+            self._address,
+            node_id,
+            self._activate_bit_rate,
+            self.description.bit_rates,
+        )
 
     def _power_on(self) -> None:
         self._load(_ALL)
@@ -334,6 +346,7 @@ class DeviceNode:
         self._consumers.configure()
         self._producer = HeartbeatProducer(nmt.node_id, self._period)
         self._producer.booted(self._now)
+        self._life.reset()
         self._sync.start(self._now)
         self._moved(Transition(NmtState.INITIALISING, nmt.state, None))
 
@@ -447,8 +460,9 @@ class DeviceNode:
         """Node guarding, where there is no heartbeat."""
         if self._period:
             return
-        data = bytes((self.state | self._guard_toggle,))
-        self._guard_toggle ^= 0x80
+        self._life.configure(self._lifetime, self._now)
+        data = bytes((self.state | self._life.requested(self._now),))
+        self.errors.remove(HEARTBEAT_LOST, b"")
         self._out.append(Frame(ERROR_CONTROL + self.node_id, data))
 
     def _synchronise(self, frame: Frame) -> None:
@@ -501,6 +515,17 @@ class DeviceNode:
     def _period(self) -> int:
         return self.dictionary.number(HEARTBEAT_TIME) * MILLISECOND
 
+    @property
+    def _lifetime(self) -> int:
+        """How long the master's requests may be missing, in ns; 0 is not supervised."""
+        if self._period:
+            return 0
+        return (
+            self.dictionary.number(GUARD_TIME)
+            * self.dictionary.number(LIFE_TIME_FACTOR)
+            * MILLISECOND
+        )
+
     def _starts_itself(self) -> bool:
         return self.dictionary.number(NMT_STARTUP) == _SELF_STARTING
 
@@ -526,6 +551,8 @@ class DeviceNode:
             self._consumers.configure()
         if HEARTBEAT_TIME[0] in indices:
             self._producer.configure(self._period, self._now)
+        if indices & _ERROR_CONTROL:
+            self._life.configure(self._lifetime, self._now)
 
     def _taken(self) -> list[Frame]:
         if self._effects:
@@ -547,9 +574,9 @@ class DeviceNode:
         due = self.pdos.deadline
         if due is not None and (deadline is None or due < deadline):
             deadline = due
-        due = self._consumers.deadline
-        if due is not None and (deadline is None or due < deadline):
-            deadline = due
+        for due in (self._consumers.deadline, self._life.deadline):
+            if due is not None and (deadline is None or due < deadline):
+                deadline = due
         due = self.errors.deadline
         if due is not None and self._allows(Service.EMERGENCY):
             deadline = due if deadline is None else min(due, deadline)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Mapping
 from typing import Final, TypeAlias
 
+from rtgen.runtime.callbacks import log
 from rtgen.runtime.canopen import sdo, values
 from rtgen.runtime.canopen.description import (
     DeviceDescription,
@@ -17,24 +18,30 @@ from rtgen.runtime.canopen.description import (
     ObjectValue,
 )
 from rtgen.runtime.canopen.frames import MILLISECOND
-from rtgen.runtime.canopen.link import Link
+from rtgen.runtime.canopen.link import Link, no_guarding
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, command_frame
 from rtgen.runtime.canopen.node_setup import IDENTITY, same
 from rtgen.runtime.canopen.proxied_node import ProxiedNode
 from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.sdo_channel import Outcome
+from rtgen.runtime.canopen.sdo_channel import ATTEMPTS, Outcome
 
 Steps: TypeAlias = Generator[str, None, None]
 
 HEARTBEAT: Final = 100
-"""The heartbeat period in ms that a node without any gets from a proxy that is the master."""
+"""The heartbeat period, else the guard time, in ms that a proxy that is the master sets where the
+node has none."""
+_LIFE_FACTOR: Final = 3
+"""Periods without a heartbeat, or an answer to node guarding, after which a node is lost."""
 _PATIENCE: Final = 1000 * MILLISECOND
 """How long a state is awaited at least."""
 _ATTEMPTS: Final = 5
 """How often a node may boot while it is activated."""
 _FOREIGN_ANSWERS: Final = 2
 """SDO answers that nobody asked for; at least so many, and nearly as many as others."""
+_TWICE: Final = "answers twice: there are two of them, or another SDO client"
 _HEARTBEAT_TIME: Final = (0x1017, 0)
+_GUARD_TIME: Final = (0x100C, 0)
+_GUARD_FACTOR: Final = (0x100D, 0)
 _STATES: Final = {
     NmtState.INITIALISING: "initialising",
     NmtState.STOPPED: "stopped",
@@ -74,9 +81,10 @@ class NodeControl:
         self._master = master
         self._heartbeat_timeout = heartbeat_timeout
         self._boot_timeout = boot_timeout
-        period = description.by_number.get(_HEARTBEAT_TIME)
-        default = None if period is None else period.initial(node.node_id)
-        self._period = default if isinstance(default, int) else 0
+        self._period = self._default(_HEARTBEAT_TIME) or self._default(_GUARD_TIME)
+        self._life_factor = _LIFE_FACTOR
+        if not self._default(_HEARTBEAT_TIME):
+            self._life_factor = self._default(_GUARD_FACTOR) or _LIFE_FACTOR
         self._silent = False
         self._supervised = -1
         self._transfers = 0
@@ -96,7 +104,7 @@ class NodeControl:
         if self._silent or self._heartbeat_timeout:
             return 0 if self._silent else self._heartbeat_timeout
         if placed is None:
-            return 3 * self._period * MILLISECOND
+            return self._life_factor * self._period * MILLISECOND
         known = self._supervised == node.boots or (
             master is not None and master.readiness(node.node_id) is True
         )
@@ -108,10 +116,14 @@ class NodeControl:
         """To operational, with the parameters written; what a reboot undoes is done again."""
         for _ in range(_ATTEMPTS):
             self._boots = self._node.boots
+            foreign = self._link.sdo(self._node.node_id).unexpected
             try:
                 yield from self._start(parameters)
-            except (SdoAbort, NodeError):
+            except (SdoAbort, NodeError) as error:
                 if self._node.boots == self._boots:
+                    twice = self._link.sdo(self._node.node_id).unexpected > foreign
+                    if twice and isinstance(error, SdoAbort):
+                        error.add_note(f"{self} {_TWICE}")
                     raise
             else:
                 if self._node.boots == self._boots:
@@ -129,13 +141,31 @@ class NodeControl:
         boots, limit = node.boots, link.now() + self._boot_timeout
         self.command(NmtCommand.RESET_NODE)
         while node.boots == boots:
-            if link.now() >= limit:
+            if link.now() >= limit and not self._is_assigned_an_id():
                 raise NodeError(
                     f"{self}: no boot-up message within {_seconds(self._boot_timeout)}"
                 )
             yield f"the boot-up message of {self}"
         node.emergency = None
         self.written.clear()
+
+    def _is_assigned_an_id(self) -> bool:
+        """Whether the manager still works on a node that may have lost its node-id by a reset.
+
+        Raises NodeError if it has given up.
+        """
+        master, placed = self._link.master, self._placed
+        if master is None or placed is None or not placed.lss:
+            return False
+        readiness = master.readiness(self._node.node_id)
+        if isinstance(readiness, str):
+            raise NodeError(f"{self}: {readiness}")
+        return True
+
+    @property
+    def can_command(self) -> bool:
+        """Whether NMT commands can be sent: the process has a master, or is one."""
+        return self._link.master is not None or self._master
 
     def command(self, command: NmtCommand) -> None:
         """Has an NMT command sent. Raises NodeError if there is nobody to do it, or LinkError."""
@@ -173,15 +203,14 @@ class NodeControl:
             yield from self._set_up()
         yield from self._supervise()
         for number, value in parameters().items():
-            kind = self._description.by_number[number].kind
-            octets = values.encode(kind, value)
-            yield from self._download(number, octets)
+            described = self._description.by_number[number]
+            octets = values.encode(described.kind, value)
+            attempts = ATTEMPTS if described.readable else 1
+            yield from self._download(number, octets, attempts)
             self.written[number] = value
         foreign += channel.unexpected
         if foreign >= max(_FOREIGN_ANSWERS, self._transfers - 1):
-            raise NodeError(
-                f"{self} answers twice: there are two of them, or another SDO client"
-            )
+            raise NodeError(f"{self} {_TWICE}")
         yield from self._go(NmtCommand.START, NmtState.OPERATIONAL)
 
     def _await_master(self, wanted: NmtState | None) -> Steps:
@@ -209,11 +238,11 @@ class NodeControl:
         """What a manager would do: identifies and configures the node."""
         placed = self._placed
         yield from self._await_answer()
-        if placed is None:
-            return
-        for (index, subindex, what), wanted in zip(
-            IDENTITY, placed.identity, strict=True
-        ):
+        identity = (None,) * len(IDENTITY) if placed is None else placed.identity
+        writes = (
+            self._description.configuration if placed is None else placed.configuration
+        )
+        for (index, subindex, what), wanted in zip(IDENTITY, identity, strict=True):
             if wanted is None:
                 continue
             octets = yield from self._upload((index, subindex))
@@ -225,12 +254,14 @@ class NodeControl:
                 )
         if self._node.state is NmtState.OPERATIONAL:
             return
-        last = {(w.index, w.subindex): w for w in placed.configuration if w.verify}
-        for write in placed.configuration:
+        node_id = self._node.node_id
+        last = {(w.index, w.subindex): w for w in writes if w.verify}
+        for write in writes:
             number = write.index, write.subindex
-            yield from self._download(number, write.value)
+            attempts = ATTEMPTS if write.repeatable else 1
+            yield from self._download(number, write.octets(node_id), attempts)
         for number, write in last.items():
-            if not same((yield from self._upload(number)), write.value):
+            if not same((yield from self._upload(number)), write.octets(node_id)):
                 raise NodeError(
                     f"{self} does not keep what is written to {_text(number)}"
                 )
@@ -241,7 +272,7 @@ class NodeControl:
         limit = link.now() + self._boot_timeout
         while True:
             try:
-                yield from self._upload((0x1000, 0))
+                yield from self._upload((0x1000, 0), attempts=1)
             except SdoAbort as abort:
                 if abort.code != sdo.TIMED_OUT:
                     return
@@ -253,35 +284,94 @@ class NodeControl:
                 )
 
     def _supervise(self) -> Steps:
-        """Finds out how often the node beats; from now on its heartbeat is watched."""
-        if self._placed is None:
+        """Finds out how often the node beats, else guards it; from now on it is supervised."""
+        placed, guard_time = self._placed, 0
+        if placed is None:
+            self._life_factor = _LIFE_FACTOR
             self._period = yield from self._read_period()
+            if not self._period:
+                guard_time = yield from self._read_guard_time()
+                self._period = guard_time
             self._silent = not self._period
         else:
-            self._silent = not self._placed.heartbeat
+            guard_time = placed.guard_time
+            self._silent = not (placed.heartbeat or guard_time)
         self._supervised = self._node.boots
+        if self._silent:
+            log.warning(
+                "%s is not supervised: it has neither heartbeat nor node guarding", self
+            )
+        if guard_time and self._master and self._link.master is None:
+            link = self._link
+            if not link.carries_remote_frames:
+                raise NodeError(f"{self}: {no_guarding(link)}")
+            with link.lock:
+                self._node.guard(guard_time * MILLISECOND, link.now())
+                link.refresh(self._node)
 
     def _read_period(self) -> Generator[str, None, int]:
         """The heartbeat period in ms; a master gives a node that has none one."""
-        try:
-            octets = yield from self._upload(_HEARTBEAT_TIME)
-        except SdoAbort as abort:
-            if abort.code == sdo.TIMED_OUT:
-                raise
+        period = yield from self._read_number(_HEARTBEAT_TIME)
+        if period is None:
             return 0
-        period = int.from_bytes(octets, "little")
-        if period or not self._master or self._link.master is not None:
+        if period or not self._configures:
             return period
-        period = HEARTBEAT
-        if self._heartbeat_timeout:
-            period = max(1, self._heartbeat_timeout // (3 * MILLISECOND))
+        period = self._wanted_period
+        kept = yield from self._write_number(_HEARTBEAT_TIME, period, 2)
+        return period if kept else 0
+
+    def _read_guard_time(self) -> Generator[str, None, int]:
+        """The guard time in ms, 0 if the node cannot be guarded; as `_read_period`."""
+        period = yield from self._read_number(_GUARD_TIME)
+        if period is None:
+            return 0
+        factor = yield from self._read_number(_GUARD_FACTOR)
+        if period or not self._configures:
+            self._life_factor = factor or _LIFE_FACTOR
+            return period
+        period = self._wanted_period
+        # A node that does not keep them answers all the same, without supervising its master.
+        yield from self._write_number(_GUARD_TIME, period, 2)
+        yield from self._write_number(_GUARD_FACTOR, _LIFE_FACTOR, 1)
+        return period
+
+    @property
+    def _configures(self) -> bool:
+        """Whether the proxy sets what the node lacks for its supervision."""
+        return self._master and self._link.master is None
+
+    @property
+    def _wanted_period(self) -> int:
+        if not self._heartbeat_timeout:
+            return HEARTBEAT
+        return max(1, self._heartbeat_timeout // (_LIFE_FACTOR * MILLISECOND))
+
+    def _default(self, number: ObjectNumber) -> int:
+        described = self._description.by_number.get(number)
+        told = None if described is None else described.initial(self._node.node_id)
+        return told if isinstance(told, int) else 0
+
+    def _read_number(self, number: ObjectNumber) -> Generator[str, None, int | None]:
+        """An unsigned integer of the node, None if the node refuses."""
         try:
-            yield from self._download(_HEARTBEAT_TIME, period.to_bytes(2, "little"))
+            octets = yield from self._upload(number)
         except SdoAbort as abort:
             if abort.code == sdo.TIMED_OUT:
                 raise
-            return 0
-        return period
+            return None
+        return int.from_bytes(octets, "little")
+
+    def _write_number(
+        self, number: ObjectNumber, value: int, size: int
+    ) -> Generator[str, None, bool]:
+        """Writes an unsigned integer; whether the node takes it."""
+        try:
+            yield from self._download(number, value.to_bytes(size, "little"), ATTEMPTS)
+        except SdoAbort as abort:
+            if abort.code == sdo.TIMED_OUT:
+                raise
+            return False
+        return True
 
     # Steps of all
 
@@ -304,20 +394,22 @@ class NodeControl:
                 )
             yield f"{self} to be {_STATES[wanted]}"
 
-    def _upload(self, number: ObjectNumber) -> Generator[str, None, bytes]:
+    def _upload(
+        self, number: ObjectNumber, attempts: int = ATTEMPTS
+    ) -> Generator[str, None, bytes]:
         self._transfers += 1
         outcomes: list[Outcome] = []
         channel = self._link.sdo(self._node.node_id)
-        channel.submit_upload(*number, outcomes.append)
+        channel.submit_upload(*number, outcomes.append, attempts=attempts)
         while not outcomes:
             yield f"{_text(number)} of {self}"
         return _told(outcomes[0], f"{self}: {_text(number)} cannot be read")
 
-    def _download(self, number: ObjectNumber, octets: bytes) -> Steps:
+    def _download(self, number: ObjectNumber, octets: bytes, attempts: int) -> Steps:
         self._transfers += 1
         outcomes: list[Outcome] = []
         channel = self._link.sdo(self._node.node_id)
-        channel.submit_download(*number, octets, outcomes.append)
+        channel.submit_download(*number, octets, outcomes.append, attempts=attempts)
         while not outcomes:
             yield f"{_text(number)} of {self}"
         _told(outcomes[0], f"{self}: {_text(number)} cannot be written")

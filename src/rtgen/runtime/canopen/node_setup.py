@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from dataclasses import dataclass
 from typing import Final, TypeAlias
 
 from rtgen.runtime.canopen.description import NodeDescription, ObjectNumber, Write
 
-Transfer: TypeAlias = tuple[int, int, bytes | None]
-"""Index, sub-index, and the octets to be written; None to read."""
+
+@dataclass(frozen=True, slots=True)
+class Transfer:
+    """What is read, or written if there is a `value`.
+
+    A write is `repeatable` if it may be carried out twice: it sets a value, and commands nothing.
+    """
+
+    index: int
+    subindex: int
+    value: bytes | None = None
+    repeatable: bool = True
+
 
 SetUp: TypeAlias = Generator[Transfer, bytes, None]
 """Yields transfers, and gets what was read; b"" for what was written."""
@@ -43,7 +55,7 @@ def set_up(node: NodeDescription, identified: Callable[[], None]) -> SetUp:
     for (index, subindex, what), expected in zip(IDENTITY, node.identity, strict=True):
         if expected is None:
             continue
-        told = int.from_bytes((yield index, subindex, None), "little")
+        told = int.from_bytes((yield Transfer(index, subindex)), "little")
         if told != expected:
             raise SetUpError(
                 f"wrong identity: {what} ({number_text(index, subindex)}) is {told:08X}h, "
@@ -53,12 +65,12 @@ def set_up(node: NodeDescription, identified: Callable[[], None]) -> SetUp:
     identified()
     last: dict[ObjectNumber, Write] = {}
     for write in node.configuration:
-        yield write.index, write.subindex, write.value
+        yield Transfer(write.index, write.subindex, write.value, write.repeatable)
         last[write.index, write.subindex] = write
     for (index, subindex), write in last.items():
         if not write.verify:
             continue
-        kept = yield index, subindex, None
+        kept = yield Transfer(index, subindex)
         if not same(kept, write.value):
             raise SetUpError(
                 f"{number_text(index, subindex)} was written as {write.value.hex(' ')}, "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
@@ -14,10 +14,26 @@ from rtgen.runtime.canopen.description import (
     PdoDescription,
 )
 from rtgen.runtime.canopen.emergency import Emergency, decode_emergency
-from rtgen.runtime.canopen.frames import EMERGENCY, ERROR_CONTROL, NMT, CobId, Frame
+from rtgen.runtime.canopen.frames import (
+    EMERGENCY,
+    ERROR_CONTROL,
+    NMT,
+    SYNC,
+    CobId,
+    Frame,
+)
+from rtgen.runtime.canopen.guarding import NodeGuard
 from rtgen.runtime.canopen.heartbeat import HeartbeatConsumer, HeartbeatNews
 from rtgen.runtime.canopen.hooks import Receiver
 from rtgen.runtime.canopen.nmt import NmtState, decode_command
+from rtgen.runtime.canopen.pdo_transmission import (
+    EVENT_PROFILE,
+    SYNC_ACYCLIC,
+    PdoParameters,
+    TpdoTransmitter,
+    is_synchronous,
+)
+from rtgen.runtime.canopen.sync import sync_counter
 
 QUEUE: Final = 4096
 """PDOs that may wait for the proxy's next tick; over it, the oldest are lost."""
@@ -33,7 +49,7 @@ class Wiring:
     """
 
     received: Mapping[int, PdoDescription]
-    sent: Mapping[int, CobId]
+    sent: Mapping[int, PdoDescription]
     unsent: Mapping[int, str]
 
 
@@ -48,7 +64,7 @@ def wiring(
     pdos = description.pdos if node is None else node.pdos
     others = set() if network is None else _transmitted(network, node)
     received: dict[int, PdoDescription] = {}
-    sent: dict[int, CobId] = {}
+    sent: dict[int, PdoDescription] = {}
     unsent: dict[int, str] = {}
     for pdo in pdos:
         value = pdo.cob_id_of(node_id)
@@ -62,7 +78,7 @@ def wiring(
         elif (cob_id.can_id, cob_id.extended) in others:
             unsent[pdo.number] = "another node sends it"
         else:
-            sent[pdo.number] = cob_id
+            sent[pdo.number] = pdo
     return Wiring(received, sent, unsent)
 
 
@@ -81,11 +97,30 @@ def _transmitted(
     return found
 
 
+def transmitter_of(pdo: PdoDescription, node_id: int) -> TpdoTransmitter:
+    """What sends an RPDO of the node.
+
+    Of a synchronous one the newest value goes at each SYNC, since the node takes one at a SYNC; of
+    the others every value goes, or the newest when the inhibit time is over.
+    """
+    synchronous = is_synchronous(pdo.transmission_type)
+    return TpdoTransmitter(
+        PdoParameters(
+            cob_id=pdo.cob_id_of(node_id) or 0,
+            transmission_type=SYNC_ACYCLIC if synchronous else EVENT_PROFILE,
+            inhibit_time=pdo.inhibit_time,
+        )
+    )
+
+
 class Watcher(Protocol):
     """Who is told what becomes of a node; called with the link's lock held."""
 
     def timeout(self) -> int:
         """After how long without heartbeat, in ns, it is lost now; 0 for never."""
+
+    def received(self) -> None:
+        """A PDO has come."""
 
     def booted(self, node: ProxiedNode) -> None:
         """Its boot-up message has come."""
@@ -118,7 +153,7 @@ class _Received:
 
 
 class ProxiedNode:
-    """A station of its link, for one node.
+    """A station of its link, for one node. `transmitters` are those of its RPDOs.
 
     While it is `listening`, PDOs wait in `queue` with their receivers and times. `boots` counts
     boot-up messages, `emergencies` emergency messages; `emergency` is the last that was not
@@ -134,6 +169,8 @@ class ProxiedNode:
         received: Mapping[int, PdoDescription],
         receivers: Mapping[int, Receiver],
         watcher: Watcher,
+        transmitters: Collection[TpdoTransmitter] = (),
+        sync_id: int = SYNC,
     ) -> None:
         self.node_id = node_id
         self.queue: deque[tuple[Receiver, bytes, int]] = deque(maxlen=QUEUE)
@@ -144,6 +181,9 @@ class ProxiedNode:
         self.emergency: Emergency | None = None
         self._watcher = watcher
         self._consumer = HeartbeatConsumer(node_id, 0)
+        self._guard = NodeGuard(node_id)
+        self.guarded = False
+        """Whether it is polled by node guarding, or was when it was lost."""
         self._heartbeat_id = ERROR_CONTROL + node_id
         self._emergency_id = EMERGENCY + node_id
         self._flips: deque[int] = deque(maxlen=_FLIPS)
@@ -156,8 +196,12 @@ class ProxiedNode:
                 self._pdos[cob_id.can_id] = _Received(
                     receivers[number], cob_id.extended, (bits + 7) // 8
                 )
+        self._transmitters = tuple(transmitters)
+        self._at_sync = tuple(t for t in transmitters if t.synchronous)
+        self._sync_id = sync_id
+        syncs = (sync_id,) if self._at_sync else ()
         self.identifiers = frozenset(
-            (NMT, self._heartbeat_id, self._emergency_id, *self._pdos)
+            (NMT, self._heartbeat_id, self._emergency_id, *self._pdos, *syncs)
         )
         self.deadline = None
 
@@ -181,11 +225,41 @@ class ProxiedNode:
         """PDOs of which the first octets were taken."""
         return sum(pdo.too_long for pdo in self._pdos.values())
 
-    def listen(self) -> None:
-        """Takes PDOs from now on."""
+    @property
+    def overwritten(self) -> int:
+        """Values of RPDOs that a newer one replaced before they were sent."""
+        return sum(transmitter.overwritten for transmitter in self._transmitters)
+
+    def listen(self, now: int) -> None:
+        """Takes and sends PDOs from now on."""
         if not self.listening:
             self.queue.clear()
             self.listening = True
+            for transmitter in self._transmitters:
+                transmitter.start(now)
+
+    def pause(self) -> None:
+        """Takes and sends no PDOs any more; what waits to be sent is forgotten."""
+        self.listening = False
+        for transmitter in self._transmitters:
+            transmitter.stop()
+        self._set_deadline()
+
+    def guard(self, period: int, now: int) -> None:
+        """Polls the node by node guarding, each `period` ns, until it boots or is lost."""
+        self.guarded = True
+        self._guard.start(period, now)
+        self._consumer.configure(self._watcher.timeout(), now)
+        self._consumer.watch(now)
+        self._set_deadline()
+
+    def transmit(
+        self, values: Iterable[tuple[TpdoTransmitter, bytes]], now: int
+    ) -> list[Frame]:
+        """Takes values of RPDOs; the frames that are to be sent at once."""
+        frames = [transmitter.update(data, now) for transmitter, data in values]
+        self._set_deadline()
+        return [frame for frame in frames if frame is not None]
 
     def told(self) -> None:
         """It has been told to change its state, so that a change is no surprise."""
@@ -206,20 +280,27 @@ class ProxiedNode:
             command = decode_command(frame)
             if command is not None and command[1] in (0, self.node_id):
                 self.told()
+        elif can_id == self._sync_id and sync_counter(frame) is not None:
+            frames = (t.sync(0, now) for t in self._at_sync)
+            return [each for each in frames if each is not None]
         return ()
 
     def poll(self, now: int) -> Iterable[Frame]:
         """See `Station`."""
         event = self._consumer.poll(now)
-        self.deadline = self._consumer.deadline
+        if event is not None:
+            self._guard.stop()
+        frames = [self._guard.poll(now), *(t.poll(now) for t in self._transmitters)]
+        self._set_deadline()
         if event is not None:
             self._watcher.lost(self)
-        return ()
+        return [frame for frame in frames if frame is not None]
 
     def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
         """See `Station`: what was known of the node is not known any more."""
         self._consumer = HeartbeatConsumer(self.node_id, 0)
-        self.deadline = None
+        self._guard.stop()
+        self._set_deadline()
         if not up:
             self._watcher.cut_off(self)
         return ()
@@ -235,19 +316,29 @@ class ProxiedNode:
         if len(queue) == QUEUE:
             self.dropped += 1
         queue.append((pdo.receiver, data, now))
+        self._watcher.received()
+
+    def _set_deadline(self) -> None:
+        times = [self._consumer.deadline, self._guard.deadline]
+        times += [transmitter.deadline for transmitter in self._transmitters]
+        self.deadline = min((t for t in times if t is not None), default=None)
 
     def _heard(self, frame: Frame, now: int) -> None:
+        if frame.remote or not self._guard.accepts(frame):
+            return
         before = self._consumer.state
         self._consumer.configure(self._watcher.timeout(), now)
         event = self._consumer.receive(frame, now)
-        self.deadline = self._consumer.deadline
         if event is not None and event.news is HeartbeatNews.BOOT_UP:
+            self._guard.stop()
+            self._set_deadline()
             self.boots += 1
             self._flips.clear()
             self._watcher.booted(self)
             return
+        self._set_deadline()
         state = self._consumer.state
-        if state is None or frame.remote or frame.extended:
+        if state is None or frame.extended:
             return
         operational = NmtState.OPERATIONAL
         if before is not None and (before is operational) != (state is operational):

@@ -13,30 +13,34 @@ from typing import Any, Final
 from rtgen.runtime.callbacks import log
 from rtgen.runtime.canopen import sdo, values
 from rtgen.runtime.canopen.description import (
-    Network,
-    NodeDescription,
     ObjectNumber,
     ObjectValue,
 )
-from rtgen.runtime.canopen.frames import MILLISECOND, CobId, Frame
+from rtgen.runtime.canopen.emergency import DEFAULT_STOPS, EmergencyPolicy
+from rtgen.runtime.canopen.frames import MILLISECOND
 from rtgen.runtime.canopen.hooks import ProxyHooks, Sender
 from rtgen.runtime.canopen.link import Link, LinkError
 from rtgen.runtime.canopen.links import open_link
-from rtgen.runtime.canopen.networks import UnknownNetworkError, load_network
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
 from rtgen.runtime.canopen.node_control import NodeControl, NodeError, Steps, reason_of
 from rtgen.runtime.canopen.pdo import PdoError
-from rtgen.runtime.canopen.proxied_node import ProxiedNode, wiring
+from rtgen.runtime.canopen.pdo_transmission import TpdoTransmitter
+from rtgen.runtime.canopen.proxied_node import ProxiedNode, transmitter_of, wiring
+from rtgen.runtime.canopen.proxy_place import (
+    BOOT_TIMEOUT,
+    default_boot_timeout,
+    place,
+    sync_id,
+)
+from rtgen.runtime.canopen.recovery import Recovery
 from rtgen.runtime.canopen.sdo import SdoAbort
-from rtgen.runtime.canopen.sdo_channel import Outcome
+from rtgen.runtime.canopen.sdo_channel import Outcome, SdoChannel
 from rtgen.runtime.canopen.state_mirror import StateMirror
 from rtgen.runtime.component import Component
+from rtgen.runtime.execution_context import ExecutionContext
 from rtgen.runtime.life_cycle import Request
 from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
 
-_BOOT_TIMEOUT: Final = 2000
-"""The default of `boot_timeout` in ms: what the network, or 1F89h, says is taken instead."""
-_BOOT_TIME: Final = (0x1F89, 0)
 _BLOCK: Final = 128
 """Octets from which on a value is written in blocks."""
 
@@ -54,6 +58,9 @@ class _Settings:
     master: bool
     heartbeat_timeout: int
     boot_timeout: int
+    emergency_stop: str
+    recoveries: int
+    sdo_in_error: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,9 +71,10 @@ class _Connection:
     link: Link
     node: ProxiedNode
     control: NodeControl
-    senders: tuple[tuple[int, Sender, CobId], ...]
+    senders: tuple[tuple[int, Sender, TpdoTransmitter], ...]
     unsent: tuple[tuple[int, Sender, str], ...]
     offset: int
+    recovery: Recovery
 
 
 class CanopenProxy(ProxyHooks, Component):
@@ -88,8 +96,15 @@ class CanopenProxy(ProxyHooks, Component):
         self._without_blocks = False
         self.configuration_sets.on_change = self._parameters_changed
         self.observables["malformed"] = self._malformed
+        self.observables["overwritten"] = self._overwritten
 
     # Callbacks
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Lets objects be read and written in every state."""
+        for provider in self.providers.values():
+            provider.in_every_state = True
+        return RTC_OK
 
     def on_startup(self, ec_id: int) -> ReturnCode_t:
         """Joins the bus; if that fails it is tried again when a transition needs it."""
@@ -109,19 +124,54 @@ class CanopenProxy(ProxyHooks, Component):
         connection = self._connection
         assert connection is not None
         self._deliver(connection)
-        frames: list[Frame] = []
-        for number, sender, cob_id in connection.senders:
+        values: list[tuple[TpdoTransmitter, bytes]] = []
+        for number, sender, transmitter in connection.senders:
             try:
-                frames += [cob_id.frame(octets) for octets in sender()]
+                values += [(transmitter, octets) for octets in sender()]
             except PdoError as error:
                 return self.fail(f"rpdo{number}: {error}")
-        if frames:
+        if values:
+            link, node = connection.link, connection.node
             try:
-                connection.link.send(frames, connection.node)
+                with link.lock:
+                    frames = node.transmit(values, link.now())
+                    link.refresh(node)
+                    link.send(frames, node)
             except LinkError as error:
                 return self.fail(str(error))
         if connection.unsent:
             self._drop_unsent(connection)
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Notes when its work begins."""
+        if self._connection is not None:
+            self._connection.recovery.worked(self.now())
+        return RTC_OK
+
+    def on_error(self, ec_id: int) -> ReturnCode_t:
+        """Asks for a reset where it is to recover by itself."""
+        connection = self._connection
+        if connection is None or self._under_way is not None:
+            return RTC_OK
+        context = self.get_context(ec_id)
+        if context is not None and connection.recovery.due(
+            self.now(), up=connection.link.up
+        ):
+            log.warning("%s: recovers from: %s", self.instance_name, self.reason)
+            context.reset_component(self)
+        return RTC_OK
+
+    def on_reset(self, ec_id: int) -> ReturnCode_t:
+        """Goes on to ACTIVE if it recovers by itself."""
+        context, connection = self.get_context(ec_id), self._connection
+        if (
+            context is not None
+            and connection is not None
+            and connection.recovery.resumes()
+        ):
+            # In this tick it is in ERROR still.
+            self._at_end_of_cycle(lambda: _activate(context, self))
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
@@ -130,19 +180,24 @@ class CanopenProxy(ProxyHooks, Component):
         if connection is None:
             return RTC_OK
         self._deliver(connection)
-        connection.node.listening = False
-        if connection.control.running:
+        self._pause(connection)
+        control = connection.control
+        # A manager that has ended before has brought its nodes to pre-operational.
+        if control.running and control.can_command:
             return self._command(NmtCommand.ENTER_PRE_OPERATIONAL)
         return RTC_OK
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
-        """Stops the node."""
+        """Stops the node, or keeps it where SDO works."""
         self._under_way = None
         connection = self._connection
         if connection is None:
             return RTC_OK
-        connection.node.listening = False
+        connection.recovery.failed(self.now())
+        self._pause(connection)
         connection.node.queue.clear()
+        if connection.settings.sdo_in_error:
+            return self._command(NmtCommand.ENTER_PRE_OPERATIONAL)
         if connection.node.state is NmtState.STOPPED:
             return RTC_OK
         return self._command(NmtCommand.STOP)
@@ -174,20 +229,28 @@ class CanopenProxy(ProxyHooks, Component):
         """See `ProxyHooks`."""
         described = self.description.by_number.get((index, subindex))
         large = described is None or described.kind == "octets"
-        channel = self._joined().link.sdo(self._joined().node.node_id)
+        channel = self._channel()
         return self._in_blocks(
             large, lambda block: channel.upload(index, subindex, block=block)
         )
 
     def write_octets(self, index: int, subindex: int, value: bytes) -> None:
         """See `ProxyHooks`."""
-        channel = self._joined().link.sdo(self._joined().node.node_id)
+        channel = self._channel()
 
         def write(block: bool) -> bytes:
             channel.download(index, subindex, value, block=block)
             return b""
 
         self._in_blocks(len(value) >= _BLOCK, write)
+
+    def _channel(self) -> SdoChannel:
+        """The SDO client of the node. Raises SdoAbort for a node that is known to be stopped."""
+        connection = self._joined()
+        if connection.node.state is NmtState.STOPPED:
+            # CiA 301, table 38: it would not answer.
+            raise SdoAbort(sdo.DEVICE_STATE)
+        return connection.link.sdo(connection.node.node_id)
 
     def _in_blocks(self, large: bool, transfer: Callable[[bool], bytes]) -> bytes:
         """A transfer in blocks if it is worth it, else, or if the server has none, without."""
@@ -217,6 +280,11 @@ class CanopenProxy(ProxyHooks, Component):
             return 0.0, 0.0
         return float(connection.node.too_short), float(connection.node.too_long)
 
+    def _overwritten(self) -> tuple[float]:
+        """Values for the device that newer ones replaced before their SYNC or inhibit time."""
+        connection = self._connection
+        return (0.0 if connection is None else float(connection.node.overwritten),)
+
     def _gate(self, request: Request) -> ReturnCode_t | None:
         try:
             if self._under_way is None or self._under_way[0] is not request:
@@ -228,6 +296,8 @@ class CanopenProxy(ProxyHooks, Component):
             return RTC_OK
         except (NodeError, SdoAbort, LinkError, ValueError) as error:
             self._under_way = None
+            if self._connection is not None:
+                self._connection.recovery.failed(self.now())
             return self.fail(reason_of(error))
 
     def _steps(self, request: Request) -> Steps:
@@ -237,11 +307,20 @@ class CanopenProxy(ProxyHooks, Component):
         if not connection.link.up:
             raise LinkError("the bus is gone")
         if request is Request.ACTIVATE:
-            connection.node.listen()
+            connection.node.listen(connection.link.now())
             return connection.control.activation(self._parameter_values)
         if ending:
             return connection.control.deactivation()
         return connection.control.reset()
+
+    def _pause(self, connection: _Connection) -> None:
+        with connection.link.lock:
+            connection.node.pause()
+            connection.link.refresh(connection.node)
+
+    def _arrived(self) -> None:
+        if self._connection is not None:
+            self._deliver(self._connection)
 
     def _deliver(self, connection: _Connection) -> None:
         queue = connection.node.queue
@@ -335,17 +414,37 @@ class CanopenProxy(ProxyHooks, Component):
                 return self._connection
             self._disconnect()
         self._without_blocks = False
-        network, placed = self._place(settings)
+        network, placed = place(
+            self.networks, settings.network, settings.node_id, self.description.name
+        )
         bitrate = settings.bitrate or (network.bit_rate * 1000 if network else 0)
         wired = wiring(self.description, settings.node_id, network)
         boot_timeout = settings.boot_timeout
-        if boot_timeout == _BOOT_TIMEOUT:
-            boot_timeout = self._default_boot_timeout(placed)
+        if boot_timeout == BOOT_TIMEOUT:
+            boot_timeout = default_boot_timeout(self.description, placed)
+        policy = settings.emergency_stop or (placed.emergency_stop if placed else "")
+        try:
+            emergencies = EmergencyPolicy(policy or DEFAULT_STOPS)
+        except ValueError as error:
+            raise NodeError(f"emergency_stop: {error}") from None
+        transmitters = {
+            number: transmitter_of(pdo, settings.node_id)
+            for number, pdo in wired.sent.items()
+        }
         node = ProxiedNode(
             settings.node_id,
             wired.received,
             self._receivers(),
-            StateMirror(self, lambda: self._under_way is not None, self._timeout),
+            StateMirror(
+                self,
+                lambda: self._under_way is not None,
+                self._timeout,
+                lambda: link.now(),
+                emergencies,
+                self._tell,
+            ),
+            transmitters.values(),
+            sync_id(self.description, settings.node_id),
         )
         senders = self._senders()
         link = open_link(
@@ -365,13 +464,16 @@ class CanopenProxy(ProxyHooks, Component):
             link,
             node,
             control,
-            tuple((n, s, wired.sent[n]) for n, s in senders.items() if n in wired.sent),
+            tuple(
+                (n, s, transmitters[n]) for n, s in senders.items() if n in transmitters
+            ),
             tuple(
                 (n, s, wired.unsent.get(n, "the network has no such PDO"))
                 for n, s in senders.items()
                 if n not in wired.sent
             ),
             self.now() - link.now(),
+            Recovery(settings.recoveries or (placed.recoveries if placed else 0)),
         )
         link.attach(node)
         return connection
@@ -386,31 +488,6 @@ class CanopenProxy(ProxyHooks, Component):
             self._dropped += connection.node.dropped
             connection.link.detach(connection.node)
 
-    def _default_boot_timeout(self, placed: NodeDescription | None) -> int:
-        """In ms: what the network says, else 1F89h of the device (CiA 302-2), else 2 s."""
-        if placed is not None:
-            return placed.boot_timeout
-        described = self.description.by_number.get(_BOOT_TIME)
-        told = None if described is None else described.initial(0)
-        return told if isinstance(told, int) and told else _BOOT_TIMEOUT
 
-    def _place(
-        self, settings: _Settings
-    ) -> tuple[Network | None, NodeDescription | None]:
-        """The network, and the node in it. Raises NodeError if they are not known."""
-        name = settings.network
-        if not name:
-            return None, None
-        try:
-            network = load_network(self.networks, name)
-        except UnknownNetworkError as error:
-            raise NodeError(str(error)) from None
-        node = network.node(settings.node_id)
-        if node is None:
-            raise NodeError(f"the network {name} has no node {settings.node_id}")
-        if node.module != self.description.name:
-            raise NodeError(
-                f"node {node.id} of the network {name} is no {self.description.name}, "
-                f"but {node.module}"
-            )
-        return network, node
+def _activate(context: ExecutionContext, proxy: CanopenProxy) -> None:
+    context.activate_component(proxy)

@@ -50,6 +50,7 @@ class RealLink(SharedLink):
         """
         super().__init__(str(address))
         self.address = address
+        self.carries_remote_frames = address.interface != "socketcand"
         self._on_attached = on_attached
         self._may_close = may_close
         self.ignored = 0

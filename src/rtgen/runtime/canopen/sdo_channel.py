@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, TypeAlias
 
 from rtgen.runtime.canopen import sdo
@@ -16,6 +16,8 @@ from rtgen.runtime.canopen.sdo_client import SdoClient
 Outcome: TypeAlias = bytes | SdoAbort | LinkError
 Done: TypeAlias = Callable[[Outcome], None]
 
+ATTEMPTS: Final = 3
+"""How often a transfer of a node's set-up is tried, where it may be carried out twice."""
 _SLACK: Final = 100
 """A blocking transfer is given up after this many time-outs of a single message."""
 
@@ -27,6 +29,7 @@ class _Transfer:
     value: bytes | None
     block: bool
     done: Done
+    attempts: int
 
 
 class SdoChannel:
@@ -34,6 +37,8 @@ class SdoChannel:
 
     A station of its link. `submit_upload` and `submit_download` return at once and tell the
     outcome in a call from the link; `upload` and `download` wait, and are not for stations.
+    A transfer that times out is begun anew up to `attempts` times in all, after the client has
+    drained late answers: only for transfers that may be carried out twice.
     """
 
     def __init__(self, link: Link, node_id: int, timeout: int = sdo.TIMEOUT) -> None:
@@ -53,10 +58,16 @@ class SdoChannel:
         return self._client.deadline
 
     def submit_upload(
-        self, index: int, subindex: int, done: Done, *, block: bool = False
+        self,
+        index: int,
+        subindex: int,
+        done: Done,
+        *,
+        block: bool = False,
+        attempts: int = 1,
     ) -> None:
         """Reads a variable; `done` gets its octets or what went wrong."""
-        self._submit(_Transfer(index, subindex, None, block, done))
+        self._submit(_Transfer(index, subindex, None, block, done, attempts))
 
     def submit_download(
         self,
@@ -66,9 +77,10 @@ class SdoChannel:
         done: Done,
         *,
         block: bool = False,
+        attempts: int = 1,
     ) -> None:
         """Writes a variable; `done` gets b"" or what went wrong."""
-        self._submit(_Transfer(index, subindex, value, block, done))
+        self._submit(_Transfer(index, subindex, value, block, done, attempts))
 
     def upload(self, index: int, subindex: int = 0, *, block: bool = False) -> bytes:
         """The octets of a variable. Raises SdoAbort, or LinkError if the bus is gone."""
@@ -131,7 +143,11 @@ class SdoChannel:
                 outcome: Outcome = client.result()
             except SdoAbort as error:
                 outcome = error
-            ended.done(outcome)
+            if _timed_out(outcome) and ended.attempts > 1:
+                again = replace(ended, attempts=ended.attempts - 1)
+                self._waiting.appendleft(again)
+            else:
+                ended.done(outcome)
         if self._current is not None or not self._waiting or not client.ready:
             return []
         transfer = self._current = self._waiting.popleft()
@@ -152,3 +168,7 @@ class SdoChannel:
         if isinstance(outcome, bytes):
             return outcome
         raise outcome
+
+
+def _timed_out(outcome: Outcome) -> bool:
+    return isinstance(outcome, SdoAbort) and outcome.code == sdo.TIMED_OUT

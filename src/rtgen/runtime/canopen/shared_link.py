@@ -141,6 +141,9 @@ class SharedLink(Link):
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.bus}>"
 
+    def __str__(self) -> str:
+        return self.bus
+
     @property
     def has_stations(self) -> bool:
         """Whether anything is attached."""

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Final
 
-from rtgen.runtime.canopen.emergency import Emergency
+from rtgen.runtime.canopen.emergency import Emergency, EmergencyPolicy
 from rtgen.runtime.canopen.nmt import NmtState
 from rtgen.runtime.canopen.proxied_node import ProxiedNode
 from rtgen.runtime.component import Component
@@ -14,12 +15,17 @@ from rtgen.runtime.return_codes import (
     LifeCycleState,
 )
 
+_MOST_REPORTED: Final = 16
+"""Codes that are reported until the node says that its errors are gone, or boots."""
+
 
 class StateMirror:
     """The watcher of a proxy's node; nothing here waits, since the link's lock is held.
 
     `busy` tells whether a transition of the proxy is under way, which looks at the states itself;
-    `timeout` is for `Watcher`.
+    `timeout` is for `Watcher`, `now` is the link's time. `policy` decides which emergency messages
+    stop the proxy; the others go to `report`, each code once until the node says that its errors
+    are gone.
     Every heartbeat is compared with the component's state, not only the first of a kind: so no
     race between the two can leave them apart.
     """
@@ -29,17 +35,30 @@ class StateMirror:
         component: Component,
         busy: Callable[[], bool],
         timeout: Callable[[], int],
+        now: Callable[[], int],
+        policy: EmergencyPolicy,
+        report: Callable[[str], None],
     ) -> None:
         self._component = component
         self._busy = busy
         self._timeout = timeout
+        self._now = now
+        self._policy = policy
+        self._report = report
+        self._reported: set[int] = set()
 
     def timeout(self) -> int:
         """See `Watcher`."""
         return self._timeout()
 
+    def received(self) -> None:
+        """See `Watcher`."""
+        for context in tuple(self._component._contexts.values()):
+            context.wake()
+
     def booted(self, node: ProxiedNode) -> None:
         """See `Watcher`."""
+        self._reported.clear()
         if self._state() is ACTIVE_STATE:
             self._fail(node, "booted while it was operational")
 
@@ -52,7 +71,7 @@ class StateMirror:
         elif self._busy():
             return
         elif state is NmtState.OPERATIONAL and mine is INACTIVE_STATE:
-            node.listen()
+            node.listen(self._now())
             for context in tuple(component._contexts.values()):
                 context.activate_component(component)
         elif state is NmtState.PRE_OPERATIONAL and mine is ACTIVE_STATE:
@@ -62,7 +81,8 @@ class StateMirror:
     def lost(self, node: ProxiedNode) -> None:
         """See `Watcher`."""
         milliseconds = node.timeout // 1_000_000
-        self._fail(node, f"is lost: no heartbeat for {milliseconds} ms")
+        sign = "answer to node guarding" if node.guarded else "heartbeat"
+        self._fail(node, f"is lost: no {sign} for {milliseconds} ms")
 
     def clashed(self, node: ProxiedNode) -> None:
         """See `Watcher`."""
@@ -72,8 +92,16 @@ class StateMirror:
 
     def alarmed(self, node: ProxiedNode, emergency: Emergency) -> None:
         """See `Watcher`."""
-        if not emergency.cleared:
+        if emergency.cleared:
+            self._reported.clear()
+        elif self._policy.stops(emergency):
             self._fail(node, f"tells EMCY {emergency}")
+        elif (
+            emergency.code not in self._reported
+            and len(self._reported) < _MOST_REPORTED
+        ):
+            self._reported.add(emergency.code)
+            self._report(f"node {node.node_id} tells EMCY {emergency}")
 
     def cut_off(self, node: ProxiedNode) -> None:
         """See `Watcher`."""

@@ -35,7 +35,7 @@ BITS: Final[dict[Kind, int]] = {
 """How many bits a value has; text and octets have no length of their own."""
 
 _ENCODINGS: Final[dict[Kind, str]] = {
-    "char": "latin-1", "string": "latin-1", "wstring": "utf-16-le",
+    "char": "latin-1", "string": "utf-8", "wstring": "utf-16-le",
 }  # fmt: skip
 _DAY: Final = 86_400_000
 _EPOCH_DAYS: Final = 5113
@@ -124,7 +124,7 @@ def decode(kind: Kind, octets: bytes) -> ObjectValue:
     if kind == "char":
         return octets.decode("latin-1")
     if kind == "string":
-        return octets.rstrip(b"\0").decode("latin-1")
+        return _decode_visible(octets.rstrip(b"\0"))
     if kind == "wstring":
         return _decode_wide(octets)
     if kind in _TIMES:
@@ -217,10 +217,35 @@ def _encode_real(kind: Kind, value: ObjectValue) -> bytes:
 
 
 def _encode_text(kind: Kind, value: ObjectValue) -> bytes:
+    text = _text(kind, value)
     try:
-        return _text(kind, value).encode(_ENCODINGS[kind])
+        if kind == "string":
+            return _visible_octets(text)
+        return text.encode(_ENCODINGS[kind])
     except UnicodeEncodeError:
         raise _foreign(kind, value) from None
+
+
+def _visible_octets(text: str) -> bytes:
+    """A VISIBLE_STRING as it is sent: ASCII by CiA 301, else Latin-1, as many devices have it.
+
+    UTF-8 where there are other characters, or Latin-1 would be read back as UTF-8.
+    """
+    try:
+        octets = text.encode("latin-1")
+    except UnicodeEncodeError:
+        octets = b""
+    if _decode_visible(octets) == text:
+        return octets
+    return text.encode("utf-8")
+
+
+def _decode_visible(octets: bytes) -> str:
+    """Text of a device: UTF-8 if that is what it is, else Latin-1, which fits always."""
+    try:
+        return octets.decode("utf-8")
+    except UnicodeDecodeError:
+        return octets.decode("latin-1")
 
 
 def _decode_wide(octets: bytes) -> str:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import logging
 import threading
+from _thread import interrupt_main
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import omniORB
 from omniORB import CORBA, PortableServer, tcInternal
 
+from rtgen.runtime.callbacks import described, ends_run, log
 from rtgen.runtime.calls import encoded_arguments
 from rtgen.runtime.cdr import UserException
 from rtgen.runtime.cdr_values import (
@@ -32,7 +34,9 @@ from rtgen.runtime.services import (
     UnknownException,
 )
 
-log = logging.getLogger("rtgen.runtime")
+_REPORTED = (ObjectNotExist, UnknownException)
+"""Clients may ask as often as they like whether a component is ACTIVE; what a servant raised is
+reported by its skeleton."""
 
 _S = TypeVar("_S", bound=Servant)
 
@@ -251,9 +255,18 @@ def _method(name: str, operation: Any) -> Callable[..., Any]:
             if declared is not None:
                 raise declared from None
             fault = UnknownException(f"{type(error).__name__} is not declared")
-            raise _told(name, fault, error) from error
+            log.warning("%s: %s", name, fault, exc_info=error)
+            raise raised(fault) from error
         except ServiceError as error:
-            raise _told(name, error, error.__cause__) from None
+            level = logging.DEBUG if isinstance(error, _REPORTED) else logging.WARNING
+            log.log(level, "%s: %s", name, error, exc_info=error.__cause__)
+            raise raised(error) from None
+        except BaseException as error:
+            if not ends_run(error):
+                raise
+            # This is a thread of the ORB's; the run ends in the main thread.
+            interrupt_main()
+            raise raised(UnknownException(f"{name}: {described(error)}")) from error
         finally:
             self._busy.pop()
 
@@ -271,10 +284,3 @@ def _checked(
         raise
     except Exception as error:
         raise MarshalError(f"{what}: {error}") from error
-
-
-def _told(name: str, error: ServiceError, cause: BaseException | None) -> Any:
-    # Clients may ask as often as they like whether a component is ACTIVE.
-    level = logging.DEBUG if isinstance(error, ObjectNotExist) else logging.WARNING
-    log.log(level, "%s: %s", name, error, exc_info=cause)
-    return raised(error)

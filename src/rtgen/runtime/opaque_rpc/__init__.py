@@ -8,6 +8,7 @@ from rtgen.runtime.opaque_rpc.codecs import (
     More,
     ReplyOrder,
 )
+from rtgen.runtime.opaque_rpc.digest import check_signature, peer_digest
 from rtgen.runtime.opaque_rpc.errors import (
     E_BOVR,
     E_CLS,
@@ -31,8 +32,10 @@ from rtgen.runtime.opaque_rpc.errors import (
     ProtocolError,
     RpcError,
 )
+from rtgen.runtime.opaque_rpc.functions import Messages
 from rtgen.runtime.opaque_rpc.link import Link, LinkSettings
 from rtgen.runtime.opaque_rpc.messages import (
+    Dispatcher,
     Handler,
     Handlers,
     MessageReader,
@@ -41,7 +44,7 @@ from rtgen.runtime.opaque_rpc.messages import (
     Unmarshaller,
     serve_message,
 )
-from rtgen.runtime.opaque_rpc.proxy import send
+from rtgen.runtime.opaque_rpc.proxy import CommunicationChannel, ProxyServant
 from rtgen.runtime.opaque_rpc.serial import SerialChannel, SerialServer
 from rtgen.runtime.opaque_rpc.shared_channel import SharedChannel
 from rtgen.runtime.opaque_rpc.simulated import SimulatedChannel, SimulatedServer
@@ -76,16 +79,20 @@ __all__ = [
     "Channel",
     "ChannelError",
     "Codec",
+    "CommunicationChannel",
+    "Dispatcher",
     "ExchangeChannel",
     "Handler",
     "Handlers",
     "Link",
     "LinkSettings",
     "MessageReader",
+    "Messages",
     "More",
     "Order",
     "PacketServer",
     "ProtocolError",
+    "ProxyServant",
     "ReplyOrder",
     "RpcError",
     "SerialChannel",
@@ -98,7 +105,8 @@ __all__ = [
     "TcpServer",
     "Tdr",
     "Unmarshaller",
+    "check_signature",
     "make_tdr",
-    "send",
+    "peer_digest",
     "serve_message",
 ]

@@ -1,35 +1,16 @@
 """What generated codecs are made with: their base class, texts, checks of sizes, C arithmetic.
 
-The interface of a generated codec, `<Name>Codec`, for each function `f`:
-
-`encode_f_request(...)`
-    The whole request, SOP to EOP. Arguments are the inward parameters in order; for a nullable
-    `out` parameter a bool at its place: whether the caller wants it.
-`read_f_request(more)`
-    The tuple of those arguments, from what follows SOP and function id. The EOP is checked.
-`encode_f_reply(kept..., returned, outs...)`
-    The whole reply; without `returned` for a void function. `kept` are those arguments of the
-    request that the reply's layout depends on: a size, whether a nullable parameter was there.
-    They bear the parameter's name; `given_p` where the reply has a value of `p` of its own.
-`f_first`
-    How many bytes of a reply can be asked for before anything of it is known.
-`read_f_reply(first, more, kept...)`
-    `(returned, outs)`: returned is None for a void function, outs a tuple, or None where
-    the server left them out: the type is `ER` or `ER_INT`, the main code `E_RPC`.
-
-A oneway function has no reply. Encoding raises ArgumentError, reading ProtocolError and what
-`more` raises: `more(n)` gives exactly n bytes or raises ChannelError.
+`rtgen.runtime.opaque_rpc.functions` has the base of what a codec has for each function.
 """
 
 from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Mapping, Sequence, Sized
-from types import MappingProxyType
-from typing import ClassVar, Final, Literal, TypeAlias, TypeVar
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Final, Literal, TypeAlias, TypeVar
 
 from rtgen.runtime.opaque_rpc.errors import (
-    E_MAGIC,
     E_NOMEM,
     E_PAR,
     E_RPC,
@@ -44,6 +25,9 @@ from rtgen.runtime.opaque_rpc.tdr import (
     Items,
     Tdr,
 )
+
+if TYPE_CHECKING:
+    from rtgen.runtime.opaque_rpc.functions import Messages
 
 _T = TypeVar("_T")
 _S = TypeVar("_S", bound=Sized)
@@ -74,37 +58,42 @@ FAILURES: Final = (
 class Codec:
     """Base of the codecs of a signature, for one TDR.
 
-    `limit` is how many bytes arrays and texts may need in a request that is read, `reply_limit`
-    in a reply. `encoding` is that of texts of 8-bit units.
+    A generated codec has an attribute for each function. `limit` is how many bytes arrays and texts
+    may need in a request that is read, `reply_limit` in a reply. `encoding` is that of texts of
+    8-bit units.
     """
 
-    name: ClassVar[str]
+    signature: ClassVar[str]
     """The signature in CDL."""
-    ids: ClassVar[Mapping[str, int]]
-    """The id of each function."""
+    digest: ClassVar[str] = ""
+    """The digest of the signature, which the board's half has, too (docs/opaque-rpc.md)."""
 
     def __init__(
         self,
         tdr: Tdr = NETWORK,
         *,
-        reply: ReplyOrder = "tecsgen",
         encoding: str = "latin-1",
         limit: int = REQUEST_LIMIT,
         reply_limit: int = REPLY_LIMIT,
     ) -> None:
-        if reply not in ("tecsgen", "paper"):
-            raise ValueError(f"{reply!r} is no order of a reply: tecsgen or paper")
         self.tdr: Final = tdr
         self.encoding: Final = encoding
-        self.limit: Final = limit
+        self.request_limit: Final = limit
         self.reply_limit: Final = reply_limit
         self.request_sop: Final = tdr.int16(SOP_REQUEST)
         self.awaiting_reply: Final = tdr.int16(EOP_REPLY_FOLLOWS)
         self.nothing_follows: Final = tdr.int16(EOP_NOTHING_FOLLOWS)
-        self.heads: Final[Mapping[bytes, int]] = MappingProxyType(
-            {self.request_sop + tdr.int16(id_): id_ for id_ in self.ids.values()}
-        )
-        self._paper: Final = reply == "paper"
+
+    @cached_property
+    def functions(self) -> dict[str, Messages[..., Any]]:
+        """The functions by attribute, which is also the method of proxy and target."""
+        from rtgen.runtime.opaque_rpc.functions import Messages
+
+        return {n: f for n, f in vars(self).items() if isinstance(f, Messages)}
+
+    def request_head(self, number: int) -> bytes:
+        """The first bytes of requests of the function with this id: SOP and id."""
+        return self.request_sop + self.tdr.int16(number)
 
 
 class Room:
@@ -283,11 +272,6 @@ def argument_error(
 def size_error(function: str, failure: Exception) -> ProtocolError:
     """What to raise when the sizes of a message cannot be worked out from its values."""
     return ProtocolError(E_PAR, f"{function}: {failure}")
-
-
-def magic_error(function: str, what: str) -> ProtocolError:
-    """What to raise when a message does not begin or end as it has to."""
-    return ProtocolError(E_MAGIC, f"{function}: {what}")
 
 
 def is_rpc_error(code: int) -> bool:

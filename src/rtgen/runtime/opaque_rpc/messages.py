@@ -8,7 +8,9 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final, Literal, Protocol, TypeAlias
 
-from rtgen.runtime.opaque_rpc.codecs import More
+from rtgen.runtime.callbacks import described, ends_run
+from rtgen.runtime.opaque_rpc.codecs import Codec, More
+from rtgen.runtime.opaque_rpc.digest import DIGEST, digest_handler
 from rtgen.runtime.opaque_rpc.errors import (
     E_BOVR,
     E_ID,
@@ -29,7 +31,6 @@ HEAD: Final = 4
 _SOP = 2
 
 log = logging.getLogger("rtgen.runtime.opaque_rpc")
-log.addHandler(logging.NullHandler())
 
 
 class Unmarshaller(Protocol):
@@ -42,6 +43,27 @@ class Unmarshaller(Protocol):
     @property
     def handlers(self) -> Handlers:
         """Handlers by SOP and function id as they are on the wire."""
+
+
+class Dispatcher:
+    """Base of generated unmarshallers: each function of the codec calls the target's method.
+
+    Raises TypeError if the target lacks one.
+    """
+
+    def __init__(self, target: object, codec: Codec) -> None:
+        self.target = target
+        self.codec = codec
+        missing = [n for n in codec.functions if not callable(getattr(target, n, None))]
+        if missing:
+            raise TypeError(f"{type(target).__name__} lacks {', '.join(missing)}")
+        self.handlers: Handlers = {
+            codec.request_head(function.id): function.handler(getattr(target, name))
+            for name, function in codec.functions.items()
+        }
+        if codec.digest:
+            head = codec.request_head(DIGEST)
+            self.handlers = {**self.handlers, head: digest_handler(codec)}
 
 
 class MessageReader(ABC):
@@ -229,11 +251,13 @@ def starts(service: Service) -> set[bytes]:
     return {key[:_SOP] for key in service.handlers}
 
 
-def serve(service: Service, reader: MessageReader, send: Send) -> bool:
+def serve(
+    service: Service, reader: MessageReader, send: Send, peer: str = "a client"
+) -> bool:
     """Serves a connection; whether it ended as it should.
 
-    False: an error of the peer or of the target, which is logged, and the connection is not fit
-    for further messages.
+    False: an error of the peer or of the target, which is logged with the name of the peer, and
+    the connection is not fit for further messages.
     """
     try:
         if isinstance(service, SharedUnmarshaller):
@@ -241,10 +265,17 @@ def serve(service: Service, reader: MessageReader, send: Send) -> bool:
         else:
             reader.serve(service.handlers, send)
     except RpcError as error:
-        log.info("connection given up: %s", error)
+        log.warning("connection with %s given up: %s", peer, error)
         return False
-    except Exception:
-        log.exception("the target failed; the call stays without a reply")
+    except BaseException as error:
+        if ends_run(error):
+            raise
+        log.error(
+            "a call from %s failed and has no reply: %s",
+            peer,
+            described(error),
+            exc_info=error,
+        )
         return False
     return True
 

@@ -323,7 +323,7 @@ class SerialServer:
         try:
             while not self.closed:
                 reader = _SerialReader(self._line, self)
-                if not serve(self._service, reader, self._send):
+                if not serve(self._service, reader, self._send, self.device):
                     self._drain()
         except OSError as error:
             if not self.closed:

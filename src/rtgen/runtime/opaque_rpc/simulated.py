@@ -148,7 +148,7 @@ class SimulatedServer:
 
         def answer() -> None:
             # A target may close the server in the middle of a call.
-            fit = serve(self._service, reader, reader.send)
+            fit = serve(self._service, reader, reader.send, "the simulated network")
             if self._stream is stream and (reader.ended or not fit):
                 self._end()
 

@@ -212,7 +212,7 @@ class TcpServer:
             self._connection = connection = Connection(peer, self.timeout)
             try:
                 if not self._door.closed:
-                    self._serve(connection)
+                    self._serve(connection, _name_of(peer))
             finally:
                 connection.close()
 
@@ -245,9 +245,17 @@ class TcpServer:
     ) -> None:
         self.close()
 
-    def _serve(self, connection: Connection) -> None:
+    def _serve(self, connection: Connection, peer: str) -> None:
         reader = _SocketReader(connection, self.timeout, self.allocator_size)
-        serve(self._service, reader, reader.send)
+        serve(self._service, reader, reader.send, peer)
+
+
+def _name_of(peer: socket.socket) -> str:
+    try:
+        host, port = peer.getpeername()[:2]
+    except OSError:
+        return "a client that has left"
+    return f"{host}:{port}"
 
 
 def _listen(host: str, port: int) -> socket.socket:

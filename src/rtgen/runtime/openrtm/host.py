@@ -55,6 +55,7 @@ class Host:
         self._participants: dict[int, Participant] = {}
         self._unapplied = False
         self._follower: Follower | None = None
+        self._consumers: dict[tuple[str, str], Callable[[], Any]] = {}
 
     # Making the component, in its onInitialize.
 
@@ -132,6 +133,34 @@ class Host:
             return consumer._ptr(True)
 
         inner._provider = RemoteProvider(inner, reference, stub)
+        self._consumers[port, instance] = reference
+
+    def service_port(self, name: str, port: Any) -> None:
+        """Logs a warning for each consumer that a connection of the port leaves empty.
+
+        OpenRTM answers RTC_OK for such a connection, as where type names differ by a scope.
+        """
+
+        def connected(profile: Any) -> None:
+            empty = [
+                consumer
+                for key, consumer in self.behaviour.consumers.items()
+                if key[0] == name and self._consumers[key]() is None
+            ]
+            for consumer in empty:
+                offered = [
+                    each.name.partition(".provided.")[2]
+                    for each in profile.properties
+                    if ".provided." in each.name
+                ]
+                log.warning(
+                    "%s: the connection %r has no provider for it; it offers %s",
+                    consumer,
+                    profile.name,
+                    ", ".join(offered) or "none",
+                )
+
+        port.setOnConnected(connected)
 
     # OpenRTM's callbacks.
 

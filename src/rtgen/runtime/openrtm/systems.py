@@ -46,12 +46,16 @@ class Instance:
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """A connection of two ports, each `INSTANCE.PORT`, data ports or service ports."""
+    """A connection of two ports, each `INSTANCE.PORT`, data ports or service ports.
+
+    `id` is that of the system's connector, by which OpenRTM's tools cut it; empty for the name.
+    """
 
     name: str
     source: str
     target: str
     properties: Mapping[str, str]
+    id: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +174,8 @@ class Client:
         """Brings a system up, and tells each step. Raises StartError."""
         self._find(system)
         for connection in system.connections:
-            self._connect(connection)
+            for consumer in self._connect(connection):
+                yield f"{connection.name}: {consumer} has no provider"
         yield f"{len(system.connections)} connections"
         for instance in system.instances:
             self._configure(instance, rate_scale)
@@ -272,15 +277,20 @@ class Client:
         with _Step(f"{name} cannot be activated"):
             if self._state(component) == inactive:
                 code = self._openrtm.activate(component)
-                # RTC_ERROR means as well that it takes longer than OpenRTM waits, half a second.
-                if code not in (self._rtc.RTC_OK, self._rtc.RTC_ERROR):
+                # RTC_ERROR: it takes longer than OpenRTM waits, half a second.
+                # PRECONDITION_NOT_MET: it is in ERROR already.
+                if code == self._rtc.BAD_PARAMETER:
                     raise StartError(f"{code}")
             if not self._wait(lambda: self._state(component) != inactive):
                 raise StartError(f"it is still inactive after {self._timeout:g} s")
             state = self._state(component)
             if state != self._rtc.ACTIVE_STATE:
-                raise StartError(f"it is in {state}")
+                raise StartError(self._with_reason(f"it is in {state}", name))
         return str(state).removesuffix("_STATE")
+
+    def _with_reason(self, text: str, name: str) -> str:
+        """The text, and the last line that the component's process has printed."""
+        return f"{text}: {self._last_line(name)}".removesuffix(": ")
 
     def _require_active(self, system: System) -> None:
         """Raises StartError if a component is in ERROR once all have had time for two ticks.
@@ -297,9 +307,9 @@ class Client:
                 for instance in system.instances
                 if self._state(self._components[instance.name]) == self._rtc.ERROR_STATE
             ]
-        told = [f"{name} is in ERROR_STATE: {self._last_line(name)}" for name in failed]
-        if told:
-            raise StartError("; ".join(text.removesuffix(": ") for text in told))
+        if failed:
+            reasons = (self._with_reason(f"{n} is in ERROR_STATE", n) for n in failed)
+            raise StartError("; ".join(reasons))
 
     # Configuration.
 
@@ -337,28 +347,83 @@ class Client:
 
     # Connections.
 
-    def _connect(self, connection: Connection) -> None:
+    def _connect(self, connection: Connection) -> list[str]:
+        """Makes a connection; gives the consumers that stay without a provider."""
         with _Step(f"{connection.source} and {connection.target} cannot be joined"):
             ports = [self._port(end) for end in (connection.source, connection.target)]
+            lonely = self._require_providers(connection, ports)
             if self._joined(*ports):
-                return
+                return lonely
             properties = self._openrtm.Properties()
             for key, text in connection.properties.items():
                 properties.setProperty(key, text)
-            code = self._openrtm.connect(connection.name, properties, *ports)
+            profile = self._openrtm.create_connector(
+                connection.name, properties, *ports
+            )
+            profile.connector_id = connection.id or connection.name
+            self._cut(profile.connector_id, ports)
+            code, _ = ports[0].connect(profile)
             if code != self._rtc.RTC_OK:
-                strict = connection.properties.get(_STRICTNESS) == "strict"
-                why = (
-                    ": a consumer finds no provider of its interface" if strict else ""
-                )
-                raise StartError(f"{code}{why}")
+                raise StartError(f"{code}")
             if not self._joined(*ports):
                 raise StartError("there is no connector although the call was answered")
+            return lonely
+
+    def _require_providers(
+        self, connection: Connection, ports: Sequence[Any]
+    ) -> list[str]:
+        """The consumers that the connection leaves without a provider.
+
+        OpenRTM takes a provider by its names where the one that a property names is missing, and
+        answers RTC_OK for a consumer without any unless the connection is strict. Raises StartError
+        for both, and for a property about a consumer that there is not.
+        """
+        profiles = [port.get_port_profile() for port in ports]
+        provided = {
+            key: descriptor
+            for profile in profiles
+            for key, descriptor in self._interfaces(profile, self._rtc.PROVIDED)
+        }
+        required = {
+            key: descriptor
+            for profile in profiles
+            for key, descriptor in self._interfaces(profile, self._rtc.REQUIRED)
+        }
+        offered = ", ".join(sorted(provided)) or "none"
+        for key, provider in connection.properties.items():
+            if ".required." not in key:
+                continue
+            if key not in required:
+                known = ", ".join(sorted(required)) or "none"
+                raise StartError(f"there is no consumer {key}; there are: {known}")
+            if provider not in provided:
+                raise StartError(
+                    f"a consumer finds no provider {provider}; there are: {offered}"
+                )
+        lonely = [
+            key
+            for key, descriptor in required.items()
+            if key not in connection.properties and descriptor not in provided.values()
+        ]
+        if lonely and connection.properties.get(_STRICTNESS) == "strict":
+            raise StartError(
+                f"a consumer finds no provider: {', '.join(lonely)}; "
+                f"there are: {offered}"
+            )
+        return lonely
+
+    def _interfaces(self, profile: Any, polarity: Any) -> Iterator[tuple[str, str]]:
+        """Key in connectors' properties, and type and instance name, of a port's interfaces."""
+        instance = self._instance(profile.name)
+        port = profile.name.removeprefix(f"{instance}.")
+        word = "provided" if polarity == self._rtc.PROVIDED else "required"
+        for each in profile.interfaces:
+            if each.polarity == polarity:
+                descriptor = f"{each.type_name}.{each.instance_name}"
+                yield f"{instance}.port.{port}.{word}.{descriptor}", descriptor
 
     def _port(self, end: str) -> Any:
-        instance = max(
-            (name for name in self._components if end.startswith(f"{name}.")), key=len
-        )
+        instance = self._instance(end)
         ports = self._components[instance].get_ports()
         names = [port.get_port_profile().name for port in ports]
         own = end.removeprefix(f"{instance}.")
@@ -367,6 +432,18 @@ class Client:
             if wanted in names:
                 return ports[names.index(wanted)]
         raise StartError(f"{instance} has the ports {', '.join(names)}")
+
+    def _instance(self, end: str) -> str:
+        """The instance that the name of a port begins with."""
+        names = (name for name in self._components if end.startswith(f"{name}."))
+        return max(names, key=len)
+
+    def _cut(self, connector_id: str, ports: Sequence[Any]) -> None:
+        """Cuts the connector of an id, such as one with a component that was started again."""
+        for port in ports:
+            known = [each.connector_id for each in port.get_connector_profiles()]
+            if connector_id in known:
+                port.disconnect(connector_id)
 
     def _joined(self, one: Any, other: Any) -> bool:
         return any(

@@ -31,6 +31,11 @@ class RingBuffer:
 
     def __init__(self, properties: Properties) -> None:
         """`properties` is the node `buffer` of a connector."""
+        self._changed = threading.Condition()
+        self.init(properties)
+
+    def init(self, properties: Properties) -> None:
+        """Takes length and policies of a connector; what was in the buffer is lost."""
         self._length = int(properties.getProperty("length", "8"))
         self._full = properties.getProperty("write.full_policy", "overwrite")
         self._write_timeout = float(properties.getProperty("write.timeout", "1.0"))
@@ -38,7 +43,6 @@ class RingBuffer:
         self._read_timeout = float(properties.getProperty("read.timeout", "1.0"))
         self._unread: deque[Any] = deque()
         self._last: list[Any] = []
-        self._changed = threading.Condition()
 
     def length(self) -> int:
         return self._length

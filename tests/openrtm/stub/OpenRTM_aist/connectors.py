@@ -106,12 +106,13 @@ class OutPortCdrServant(OpenRTM__POA.OutPortCdr):
 
 
 class InPortConnector(Connector):
-    """The InPort's end: a buffer, and how a value comes out of it."""
+    """The InPort's end: its buffer, and how a value comes out of it."""
 
-    def __init__(self, info: ConnectorInfo, like: Any) -> None:
+    def __init__(self, info: ConnectorInfo, like: Any, buffer: RingBuffer) -> None:
         super().__init__(info)
         self._like = like
-        self._buffer: Any = RingBuffer(info.properties.getNode("buffer"))
+        self._buffer: Any = buffer
+        buffer.init(info.properties.getNode("buffer"))
 
     def getBuffer(self) -> Any:
         """The buffer; None of a connection that has ended."""
@@ -143,8 +144,8 @@ class InPortConnector(Connector):
 class InPortPushConnector(InPortConnector):
     """Octets come by themselves."""
 
-    def __init__(self, info: ConnectorInfo, like: Any) -> None:
-        super().__init__(info, like)
+    def __init__(self, info: ConnectorInfo, like: Any, buffer: RingBuffer) -> None:
+        super().__init__(info, like, buffer)
         self._served = Served(InPortCdrServant(self._buffer))
 
     def reference(self) -> Any:
@@ -158,8 +159,10 @@ class InPortPushConnector(InPortConnector):
 class InPortPullConnector(InPortConnector):
     """Octets are fetched by `read`; the buffer stays empty."""
 
-    def __init__(self, info: ConnectorInfo, like: Any, peer: Any) -> None:
-        super().__init__(info, like)
+    def __init__(
+        self, info: ConnectorInfo, like: Any, buffer: RingBuffer, peer: Any
+    ) -> None:
+        super().__init__(info, like, buffer)
         self._peer = peer
 
     def readBuff(self) -> tuple[int, bytes]:

@@ -208,8 +208,12 @@ class ExecutionContextBase:
         limit = float(self._setting("transition", "timeout", kind) or "0.5")
         end = time.monotonic() + limit
         while found.state == old and time.monotonic() < end:
-            time.sleep(0.001)
-        return RTC.RTC_OK if found.state != old else RTC.RTC_ERROR
+            time.sleep(1.0 / self._rate)
+        if found.state == old:
+            return RTC.RTC_ERROR
+        # The transition may have failed, and the next cycle have passed, meanwhile.
+        failed = found.state == RTC.ERROR_STATE
+        return RTC.PRECONDITION_NOT_MET if failed else RTC.RTC_OK
 
     def _setting(self, first: str, second: str, kind: str) -> str:
         """`sync_transition`, `transition_timeout`, or what is said of a kind of transition."""

@@ -9,7 +9,7 @@ import RTC
 from omniORB import CORBA
 
 from . import orb
-from .buffers import DataPortStatus
+from .buffers import DataPortStatus, RingBuffer
 from .connectors import (
     Connector,
     ConnectorInfo,
@@ -124,7 +124,7 @@ def is_direct(info: ConnectorInfo) -> bool:
 
 
 class InPort(DataPortBase):
-    """Without a name, `isNew` and `read` look at the first connector only."""
+    """All connectors share one buffer. Without a name, `isNew` and `read` look at the first."""
 
     PORT_TYPE = "DataInPort"
     END = "inport"
@@ -132,15 +132,16 @@ class InPort(DataPortBase):
     def __init__(self, name: str, value: Any) -> None:
         super().__init__(name, value)
         self._handed_over = False
+        self._buffer = RingBuffer(Properties())
 
     def publishInterfaces(self, profile: Any, given: dict[str, str]) -> Any:
         info = self._info(profile, given)
         if info is None:
             return RTC.BAD_PARAMETER
         if is_direct(info):
-            self._add(InPortConnector(info, self._value))
+            self._add(InPortConnector(info, self._value, self._buffer))
         elif not is_pull(info):
-            connector = InPortPushConnector(info, self._value)
+            connector = InPortPushConnector(info, self._value, self._buffer)
             self._add(connector)
             given["dataport.corba_cdr.inport_ior"] = orb.to_text(connector.reference())
         return RTC.RTC_OK
@@ -153,7 +154,8 @@ class InPort(DataPortBase):
             text = given.get("dataport.corba_cdr.outport_ior")
             if not text:
                 return RTC.RTC_ERROR
-            self._add(InPortPullConnector(info, self._value, orb.from_text(text)))
+            peer = orb.from_text(text)
+            self._add(InPortPullConnector(info, self._value, self._buffer, peer))
         return RTC.RTC_OK
 
     def isNew(self, names: Any = None) -> bool:

@@ -93,7 +93,8 @@ class Manager:
         self._init_procedure = procedure
 
     def activateManager(self) -> bool:
-        """Preloads modules, calls the init procedure, creates, connects, activates."""
+        """Takes calls, preloads, calls the init procedure, creates, connects, activates."""
+        orb.activate()
         setting = self._config.getProperty
         for name in split(setting("manager.modules.preload")):
             self.load(name, f"{Path(name).stem}Init")
@@ -137,9 +138,13 @@ class Manager:
         for component in self.getComponents():
             component.exit()
         self._naming.close()
-        orb.stop()
+        self.shutdownORB()
         log.end(self._handler)
         Manager._manager = None
+
+    def shutdownORB(self) -> None:
+        """Ends the ORB."""
+        orb.stop()
 
     def join(self) -> None:
         if self._runner is not None:
@@ -175,16 +180,21 @@ class Manager:
     def createComponent(self, comp_args: str) -> Any:
         """`Name?key=value&...`: what is said there stays in the factory's profile.
 
-        None if there is no such factory or the component did not initialize.
+        None if there is no such factory or the component did not initialize; the component that
+        has the instance name already if that is asked for.
         """
         name, _, query = comp_args.partition("?")
         factory = self._factories.get(name.strip())
         if factory is None:
             return None
+        asked = dict(_pairs(query))
+        there = self.getComponent(asked.get("instance_name", ""))
+        if there is not None:
+            return there
         profile = factory.profile
         for key in INHERITED:
             profile.setProperty(key, self._config.getProperty(key))
-        for key, value in _pairs(query):
+        for key, value in asked.items():
             profile.setProperty(key, value)
         component = factory.new(self)
         self._configure(component, factory)

@@ -13,11 +13,15 @@ _running: list[Any] = []
 
 
 def start(arguments: list[str]) -> Any:
-    """Starts the ORB and its root POA, which takes calls from now on."""
+    """Starts the ORB; calls wait until `activate`."""
     running = CORBA.ORB_init(["manager", *arguments], CORBA.ORB_ID)
     _running[:] = [running]
-    poa()._get_the_POAManager().activate()
     return running
+
+
+def activate() -> None:
+    """Lets the root POA take calls."""
+    poa()._get_the_POAManager().activate()
 
 
 def stop() -> None:

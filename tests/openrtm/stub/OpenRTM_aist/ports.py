@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import uuid
+from collections.abc import Callable
 from typing import Any
 
 import RTC
@@ -21,6 +22,8 @@ class PortBase(RTC__POA.PortService):
     def __init__(self, name: str) -> None:
         self._name = name
         self._full_name = name
+        self._instance = ""
+        self._on_connected: Callable[[Any], None] | None = None
         self._owner: Any = None
         self._profile_properties = Properties()
         self._connections: dict[str, Any] = {}
@@ -37,8 +40,14 @@ class PortBase(RTC__POA.PortService):
         return self._objref
 
     def setOwner(self, owner: Any, instance: str) -> None:
+        """Only what follows the last dot of the port's name is kept."""
         self._owner = owner
-        self._full_name = f"{instance}.{self._name}"
+        self._instance = instance
+        self._full_name = f"{instance}.{self._name.rpartition('.')[2]}"
+
+    def setOnConnected(self, on_connected: Callable[[Any], None]) -> None:
+        """`on_connected` is called with the profile of each connection that was made."""
+        self._on_connected = on_connected
 
     def addProperty(self, key: str, value: str) -> None:
         self._profile_properties.setProperty(key, value)
@@ -134,6 +143,8 @@ class PortBase(RTC__POA.PortService):
             code = self.subscribeInterfaces(profile, dict(_texts(profile.properties)))
             with self._lock:
                 self._connections[profile.connector_id] = profile
+        if code == RTC.RTC_OK and self._on_connected is not None:
+            self._on_connected(profile)
         return code, profile
 
     def disconnect(self, connector_id: str) -> Any:

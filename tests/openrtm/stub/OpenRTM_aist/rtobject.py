@@ -115,9 +115,9 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
 
     def addPort(self, port: PortBase) -> bool:
         """False if there is a port of this name."""
-        if any(port.name() == known.name() for known in self._ports):
-            return False
         port.setOwner(self._objref, self.getInstanceName())
+        if any(port.getName() == known.getName() for known in self._ports):
+            return False
         self._ports.append(port)
         return True
 
@@ -225,7 +225,8 @@ class RTObject_impl(OpenRTM__POA.DataFlowComponent):
             kind = common.getProperty("periodic.type", "PeriodicExecutionContext")
             return [(kind, common)]
         if named.strip().lower() == "none":
-            return []
+            # There is always one: then with the defaults of OpenRTM.
+            return [("PeriodicExecutionContext", Properties())]
         return [(each.partition("(")[0].strip(), common) for each in split(named)]
 
     def finalize(self) -> Any:

@@ -122,25 +122,22 @@ class CorbaPort(PortBase):
         return RTC.RTC_OK
 
     def subscribeInterfaces(self, profile: Any, given: dict[str, str]) -> Any:
-        """A consumer finds what the profile maps it to, else what has its type and name."""
-        strict = given.get("port.connection.strictness", "").lower() == "strict"
+        """A consumer finds what the profile maps it to, else what has its type and name.
+
+        `strict` asks for a reference only: one of another interface leaves the consumer empty.
+        """
+        strict = given.get("port.connection.strictness") == "strict"
         for each in self._consumers:
-            mapped = given.get(self._key("required", each))
-            if mapped is None:
-                ior = given.get(f"port.{each.type_name}.{each.instance_name}", "")
-            else:
-                ior = mapped if mapped.startswith("IOR:") else given.get(mapped, "")
-            if self._set(each, ior):
+            mapped = given.get(self._key("required", each), "")
+            ior = given.get(mapped, "") or given.get(
+                f"port.{each.type_name}.{each.instance_name}", ""
+            )
+            if ior:
                 each.connector_id = profile.connector_id
+                each.consumer.setObject(orb.from_text(ior))
             elif strict:
                 return RTC.RTC_ERROR
         return RTC.RTC_OK
-
-    @staticmethod
-    def _set(each: Consumer, ior: str) -> bool:
-        if not ior:
-            return False
-        return each.consumer.setObject(orb.from_text(ior))
 
     def unsubscribeInterfaces(self, profile: Any) -> None:
         for each in self._consumers:
@@ -149,8 +146,8 @@ class CorbaPort(PortBase):
                 each.connector_id = ""
 
     def _key(self, polarity: str, each: Provider | Consumer) -> str:
-        instance = self._full_name.removesuffix(f".{self._name}")
+        port = self._full_name.removeprefix(f"{self._instance}.")
         return (
-            f"{instance}.port.{self._name}.{polarity}."
+            f"{self._instance}.port.{port}.{polarity}."
             f"{each.type_name}.{each.instance_name}"
         )

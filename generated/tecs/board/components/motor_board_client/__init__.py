@@ -2,6 +2,35 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """MotorBoardClient: Calls sMotorBoard of a TECS board"""
 
-from .motor_board_client_base import MotorBoardClientBase
+from __future__ import annotations
 
-__all__ = ["MotorBoardClientBase"]
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, service_port
+
+from ... import MotorBoard
+
+
+class MotorBoardClientBase(Component):
+    """Calls sMotorBoard of a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        "MotorBoardClient",
+        category="TECS",
+        vendor="rtgen",
+        description="Calls sMotorBoard of a TECS board",
+        rate=10.0,
+        max_instances=0,
+        ports=(
+            service_port(
+                "consumer",
+                "motor_board",
+                MotorBoard,
+                "What sMotorBoard offers.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.motor_board = self.add_consumer("motor_board", "motor_board", MotorBoard)

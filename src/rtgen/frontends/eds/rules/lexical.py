@@ -86,7 +86,7 @@ TOO_MANY_OBJECTS = Rule(
     "too many sub-objects",
     Severity.ERROR,
     """
-The description gives more than 100,000 variables. Mostly a count of compact sub-objects
+The description gives more than 15,000 variables. Mostly a count of compact sub-objects
 (`CompactSubObj`, `Count`) is wrong.
 """,
 )

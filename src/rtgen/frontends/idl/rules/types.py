@@ -227,6 +227,24 @@ const long double A = 1.0;
 """,
 )
 
+TOO_DEEP = Rule(
+    "IDL0314",
+    "declarations that refer to each other too deep",
+    Severity.ERROR,
+    """
+From a declaration to a type of its members, a base, an exception, and on from there, it is at most
+100 steps. Declarations that hold each other through sequences count each.
+
+```idl
+struct S0 { long x; };
+struct S1 { S0 inner; };
+struct S2 { S1 inner; };   // and on to S101
+```
+
+Merge some of them, or leave out names that stand only for another name.
+""",
+)
+
 BAD_SWITCH = Rule(
     "IDL0400",
     "impossible switch of a union",
@@ -312,6 +330,7 @@ RULES = (
     BAD_MAP_KEY,
     BAD_BITFIELD,
     LONG_DOUBLE,
+    TOO_DEEP,
     BAD_SWITCH,
     DUPLICATE_LABEL,
     SECOND_DEFAULT,

@@ -4,50 +4,11 @@
 
 from __future__ import annotations
 
-from rtgen.runtime import RTC_OK, ReturnCode_t, ServiceError
-from rtgen.runtime.opaque_rpc import E_OBJ, ChannelError, Link, LinkSettings
+from rtgen.runtime import RTC_OK, ReturnCode_t
+from rtgen.runtime.opaque_rpc import ChannelError, Link, LinkSettings
 
 from . import OpaqueRpc
 from .components.opaque_rpc_communication import OpaqueRpcCommunicationBase
-
-
-class CommunicationChannel:
-    """A channel over the service port of a communication RTC."""
-
-    def __init__(self, service: OpaqueRpc) -> None:
-        self._service = service
-
-    def begin(self, request: bytes, first: int) -> bytes:
-        """Sends a request; the leading `first` bytes of its reply. Raises ChannelError."""
-        try:
-            return self._service.begin(request, first)
-        except OpaqueRpc.Failed as failed:
-            raise ChannelError(failed.code, failed.reason) from failed
-        except ServiceError as error:
-            raise ChannelError(E_OBJ, str(error)) from error
-
-    def more(self, n: int) -> bytes:
-        """The next n bytes of the reply. Raises ChannelError."""
-        try:
-            return self._service.more(n)
-        except OpaqueRpc.Failed as failed:
-            raise ChannelError(failed.code, failed.reason) from failed
-        except ServiceError as error:
-            raise ChannelError(E_OBJ, str(error)) from error
-
-    def end(self) -> None:
-        """Ends the call. Raises ChannelError."""
-        try:
-            self._service.end()
-        except ServiceError as error:
-            raise ChannelError(E_OBJ, str(error)) from error
-
-    def reset(self) -> None:
-        """Gives up the call; nothing is left to do where the communication RTC is gone."""
-        try:
-            self._service.reset()
-        except ServiceError:
-            return
 
 
 class _Servant(OpaqueRpc):

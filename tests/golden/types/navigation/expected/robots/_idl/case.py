@@ -36,7 +36,7 @@ from rtgen.runtime.descriptors import (
     StructDescriptor,
     bind,
 )
-from rtgen.runtime.services import Servant, Skeleton, Stub
+from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 _Time_layout = Fixed("II")
 
@@ -312,37 +312,16 @@ class Halt(Servant):
         """`readonly attribute boolean halted`."""
 
     @abstractmethod
-    def stop(self) -> None:
-        """`void stop() raises (Halt::Busy)`."""
+    @operation(raises=(Halt_Busy,))
+    def stop(self) -> None: ...
 
 
 class HaltStub(Halt, Stub):
     """Calls a servant of `Halt` through an invoker."""
 
-    @property
-    def halted(self) -> bool:
-        return self._obtain_("_get_halted")
 
-    def stop(self) -> None:
-        self._invoke_("stop")
-
-
-class HaltSkeleton(Skeleton):
+class HaltSkeleton(Skeleton, interface=Halt):
     """Calls a servant of `Halt` by operation name."""
 
-    def __init__(self, servant: Halt) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: Halt = self._servant
-        match operation:
-            case "_get_halted":
-                return self._get_(operation, "halted", arguments)
-            case "stop":
-                return self._call_(operation, servant.stop, arguments, 0, (Halt_Busy,))
-        return super().dispatch(operation, arguments)
-
-
-Halt._stub_ = HaltStub
-Halt._skeleton_ = HaltSkeleton
 Halt._calls_ = ".case_calls"

@@ -740,33 +740,17 @@ class Call__(Servant):
     )
 
     @abstractmethod
-    def go(self) -> None:
-        """`void go()`."""
+    def go(self) -> None: ...
 
 
 class Call__Stub(Call__, Stub):
     """Calls a servant of `M::Call` through an invoker."""
 
-    def go(self) -> None:
-        self._invoke_("go")
 
-
-class Call__Skeleton(Skeleton):
+class Call__Skeleton(Skeleton, interface=Call__):
     """Calls a servant of `M::Call` by operation name."""
 
-    def __init__(self, servant: Call__) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: Call__ = self._servant
-        match operation:
-            case "go":
-                return self._call_(operation, servant.go, arguments, 0)
-        return super().dispatch(operation, arguments)
-
-
-Call__._stub_ = Call__Stub
-Call__._skeleton_ = Call__Skeleton
 Call__._calls_ = ".board_calls"
 
 

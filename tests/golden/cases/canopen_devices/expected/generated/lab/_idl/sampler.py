@@ -26,7 +26,7 @@ from rtgen.runtime.descriptors import (
     StringDescriptor,
     StructDescriptor,
 )
-from rtgen.runtime.services import Skeleton, Stub
+from rtgen.runtime.services import Skeleton, Stub, operation
 
 from .basic_data_type import Time
 from .canopen import (
@@ -519,206 +519,257 @@ class ObjectAccess(ObjectDictionary):
     )
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Device_type(self) -> int:
         """Device type (1000h, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Error_register(self) -> int:
         """Error register (1001h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Manufacturer_device_name(self) -> str:
         """Manufacturer device name (1008h, VISIBLE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1016_00(self) -> int:
         """Highest sub-index supported (1016h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Consumer_heartbeat_time_1(self) -> int:
         """Consumer heartbeat time 1 (1016h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Consumer_heartbeat_time_1(self, value: int) -> None:
         """Consumer heartbeat time 1 (1016h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Producer_heartbeat_time(self) -> int:
         """Producer heartbeat time (1017h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Producer_heartbeat_time(self, value: int) -> None:
         """Producer heartbeat time (1017h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_1018_00(self) -> int:
         """Highest sub-index supported (1018h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Vendor_ID(self) -> int:
         """Vendor-ID (1018h:1, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Product_code(self) -> int:
         """Product code (1018h:2, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Revision_number(self) -> int:
         """Revision number (1018h:3, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Serial_number(self) -> int:
         """Serial number (1018h:4, UNSIGNED32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Switch_2001_00(self) -> bool:
         """Switch (2001h, BOOLEAN)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Switch_2001_00(self, value: bool) -> None:
         """Switch (2001h, BOOLEAN)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Gear(self) -> int:
         """Gear (2002h, INTEGER8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Gear(self, value: int) -> None:
         """Gear (2002h, INTEGER8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Level(self) -> int:
         """Level (2003h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Level(self, value: int) -> None:
         """Level (2003h, UNSIGNED16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Counter(self) -> int:
         """Counter (2005h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Counter(self, value: int) -> None:
         """Counter (2005h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_2010_00(self) -> int:
         """Highest sub-index supported (2010h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Raw_value(self) -> int:
         """Raw value (2010h:1, INTEGER16)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Scale_factor(self) -> float:
         """Scale factor (2010h:2, REAL32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Scale_factor(self, value: float) -> None:
         """Scale factor (2010h:2, REAL32)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Highest_sub_index_supported_2011_00(self) -> int:
         """Highest sub-index supported (2011h, UNSIGNED8)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Position_48(self) -> int:
         """Position 48 (2011h:1, INTEGER48)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Time_40(self) -> int:
         """Time 40 (2011h:2, UNSIGNED40)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Ticks_56(self) -> int:
         """Ticks 56 (2012h, UNSIGNED56)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Ticks_56(self, value: int) -> None:
         """Ticks 56 (2012h, UNSIGNED56)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Distance(self) -> float:
         """Distance (2013h, INTEGER32, times 0.25) [mm]"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Distance(self, value: float) -> None:
         """Distance (2013h, INTEGER32, times 0.25) [mm]"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Offset(self) -> int:
         """Offset (2014h, INTEGER24)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Offset(self, value: int) -> None:
         """Offset (2014h, INTEGER24)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Speed(self) -> float:
         """Speed (2020h, UNSIGNED32, times 0.001) [m/s]"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Speed(self, value: float) -> None:
         """Speed (2020h, UNSIGNED32, times 0.001) [m/s]"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Label(self) -> str:
         """Label (2030h, VISIBLE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Label(self, value: str) -> None:
         """Label (2030h, VISIBLE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Title_wide_(self) -> str:
         """Title (wide) (2031h, UNICODE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Title_wide_(self, value: str) -> None:
         """Title (wide) (2031h, UNICODE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Key(self) -> Octets:
         """Key (2032h, OCTET_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Key(self, value: Octets) -> None:
         """Key (2032h, OCTET_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Program(self) -> Octets:
         """Program (2033h, DOMAIN)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Program(self, value: Octets) -> None:
         """Program (2033h, DOMAIN)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_class_2034_00(self) -> str:
         """class (2034h, VISIBLE_CHAR)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_class_2034_00(self, value: str) -> None:
         """class (2034h, VISIBLE_CHAR)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Double_2040_00(self) -> float:
         """Double (2040h, REAL64)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Double_2040_00(self, value: float) -> None:
         """Double (2040h, REAL64)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Tag(self) -> str:
         """Tag (2041h, VISIBLE_STRING)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def get_Time_of_day(self) -> Time:
         """Time of day (2042h, TIME_OF_DAY)"""
 
     @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
     def set_Time_of_day(self, value: Time) -> None:
         """Time of day (2042h, TIME_OF_DAY)"""
 
@@ -726,580 +777,9 @@ class ObjectAccess(ObjectDictionary):
 class ObjectAccessStub(ObjectAccess, ObjectDictionaryStub):
     """Calls a servant of `Sampler::ObjectAccess` through an invoker."""
 
-    def get_Device_type(self) -> int:
-        return self._obtain_("get_Device_type")
 
-    def get_Error_register(self) -> int:
-        return self._obtain_("get_Error_register")
-
-    def get_Manufacturer_device_name(self) -> str:
-        return self._obtain_("get_Manufacturer_device_name")
-
-    def get_Highest_sub_index_supported_1016_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1016_00")
-
-    def get_Consumer_heartbeat_time_1(self) -> int:
-        return self._obtain_("get_Consumer_heartbeat_time_1")
-
-    def set_Consumer_heartbeat_time_1(self, value: int) -> None:
-        self._invoke_("set_Consumer_heartbeat_time_1", value)
-
-    def get_Producer_heartbeat_time(self) -> int:
-        return self._obtain_("get_Producer_heartbeat_time")
-
-    def set_Producer_heartbeat_time(self, value: int) -> None:
-        self._invoke_("set_Producer_heartbeat_time", value)
-
-    def get_Highest_sub_index_supported_1018_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_1018_00")
-
-    def get_Vendor_ID(self) -> int:
-        return self._obtain_("get_Vendor_ID")
-
-    def get_Product_code(self) -> int:
-        return self._obtain_("get_Product_code")
-
-    def get_Revision_number(self) -> int:
-        return self._obtain_("get_Revision_number")
-
-    def get_Serial_number(self) -> int:
-        return self._obtain_("get_Serial_number")
-
-    def get_Switch_2001_00(self) -> bool:
-        return self._obtain_("get_Switch_2001_00")
-
-    def set_Switch_2001_00(self, value: bool) -> None:
-        self._invoke_("set_Switch_2001_00", value)
-
-    def get_Gear(self) -> int:
-        return self._obtain_("get_Gear")
-
-    def set_Gear(self, value: int) -> None:
-        self._invoke_("set_Gear", value)
-
-    def get_Level(self) -> int:
-        return self._obtain_("get_Level")
-
-    def set_Level(self, value: int) -> None:
-        self._invoke_("set_Level", value)
-
-    def get_Counter(self) -> int:
-        return self._obtain_("get_Counter")
-
-    def set_Counter(self, value: int) -> None:
-        self._invoke_("set_Counter", value)
-
-    def get_Highest_sub_index_supported_2010_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_2010_00")
-
-    def get_Raw_value(self) -> int:
-        return self._obtain_("get_Raw_value")
-
-    def get_Scale_factor(self) -> float:
-        return self._obtain_("get_Scale_factor")
-
-    def set_Scale_factor(self, value: float) -> None:
-        self._invoke_("set_Scale_factor", value)
-
-    def get_Highest_sub_index_supported_2011_00(self) -> int:
-        return self._obtain_("get_Highest_sub_index_supported_2011_00")
-
-    def get_Position_48(self) -> int:
-        return self._obtain_("get_Position_48")
-
-    def get_Time_40(self) -> int:
-        return self._obtain_("get_Time_40")
-
-    def get_Ticks_56(self) -> int:
-        return self._obtain_("get_Ticks_56")
-
-    def set_Ticks_56(self, value: int) -> None:
-        self._invoke_("set_Ticks_56", value)
-
-    def get_Distance(self) -> float:
-        return self._obtain_("get_Distance")
-
-    def set_Distance(self, value: float) -> None:
-        self._invoke_("set_Distance", value)
-
-    def get_Offset(self) -> int:
-        return self._obtain_("get_Offset")
-
-    def set_Offset(self, value: int) -> None:
-        self._invoke_("set_Offset", value)
-
-    def get_Speed(self) -> float:
-        return self._obtain_("get_Speed")
-
-    def set_Speed(self, value: float) -> None:
-        self._invoke_("set_Speed", value)
-
-    def get_Label(self) -> str:
-        return self._obtain_("get_Label")
-
-    def set_Label(self, value: str) -> None:
-        self._invoke_("set_Label", value)
-
-    def get_Title_wide_(self) -> str:
-        return self._obtain_("get_Title_wide_")
-
-    def set_Title_wide_(self, value: str) -> None:
-        self._invoke_("set_Title_wide_", value)
-
-    def get_Key(self) -> Octets:
-        return self._obtain_("get_Key")
-
-    def set_Key(self, value: Octets) -> None:
-        self._invoke_("set_Key", value)
-
-    def get_Program(self) -> Octets:
-        return self._obtain_("get_Program")
-
-    def set_Program(self, value: Octets) -> None:
-        self._invoke_("set_Program", value)
-
-    def get_class_2034_00(self) -> str:
-        return self._obtain_("get_class_2034_00")
-
-    def set_class_2034_00(self, value: str) -> None:
-        self._invoke_("set_class_2034_00", value)
-
-    def get_Double_2040_00(self) -> float:
-        return self._obtain_("get_Double_2040_00")
-
-    def set_Double_2040_00(self, value: float) -> None:
-        self._invoke_("set_Double_2040_00", value)
-
-    def get_Tag(self) -> str:
-        return self._obtain_("get_Tag")
-
-    def get_Time_of_day(self) -> Time:
-        return self._obtain_("get_Time_of_day")
-
-    def set_Time_of_day(self, value: Time) -> None:
-        self._invoke_("set_Time_of_day", value)
-
-
-class ObjectAccessSkeleton(ObjectDictionarySkeleton):
+class ObjectAccessSkeleton(ObjectDictionarySkeleton, interface=ObjectAccess):
     """Calls a servant of `Sampler::ObjectAccess` by operation name."""
 
-    def __init__(self, servant: ObjectAccess) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: ObjectAccess = self._servant
-        match operation:
-            case "get_Device_type":
-                return self._call_(
-                    operation,
-                    servant.get_Device_type,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Error_register":
-                return self._call_(
-                    operation,
-                    servant.get_Error_register,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Manufacturer_device_name":
-                return self._call_(
-                    operation,
-                    servant.get_Manufacturer_device_name,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1016_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1016_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Consumer_heartbeat_time_1":
-                return self._call_(
-                    operation,
-                    servant.get_Consumer_heartbeat_time_1,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Consumer_heartbeat_time_1":
-                return self._call_(
-                    operation,
-                    servant.set_Consumer_heartbeat_time_1,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Producer_heartbeat_time":
-                return self._call_(
-                    operation,
-                    servant.get_Producer_heartbeat_time,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Producer_heartbeat_time":
-                return self._call_(
-                    operation,
-                    servant.set_Producer_heartbeat_time,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_1018_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_1018_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Vendor_ID":
-                return self._call_(
-                    operation,
-                    servant.get_Vendor_ID,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Product_code":
-                return self._call_(
-                    operation,
-                    servant.get_Product_code,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Revision_number":
-                return self._call_(
-                    operation,
-                    servant.get_Revision_number,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Serial_number":
-                return self._call_(
-                    operation,
-                    servant.get_Serial_number,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Switch_2001_00":
-                return self._call_(
-                    operation,
-                    servant.get_Switch_2001_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Switch_2001_00":
-                return self._call_(
-                    operation,
-                    servant.set_Switch_2001_00,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Gear":
-                return self._call_(
-                    operation,
-                    servant.get_Gear,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Gear":
-                return self._call_(
-                    operation,
-                    servant.set_Gear,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Level":
-                return self._call_(
-                    operation,
-                    servant.get_Level,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Level":
-                return self._call_(
-                    operation,
-                    servant.set_Level,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Counter":
-                return self._call_(
-                    operation,
-                    servant.get_Counter,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Counter":
-                return self._call_(
-                    operation,
-                    servant.set_Counter,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_2010_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_2010_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Raw_value":
-                return self._call_(
-                    operation,
-                    servant.get_Raw_value,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Scale_factor":
-                return self._call_(
-                    operation,
-                    servant.get_Scale_factor,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Scale_factor":
-                return self._call_(
-                    operation,
-                    servant.set_Scale_factor,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Highest_sub_index_supported_2011_00":
-                return self._call_(
-                    operation,
-                    servant.get_Highest_sub_index_supported_2011_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Position_48":
-                return self._call_(
-                    operation,
-                    servant.get_Position_48,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Time_40":
-                return self._call_(
-                    operation,
-                    servant.get_Time_40,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Ticks_56":
-                return self._call_(
-                    operation,
-                    servant.get_Ticks_56,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Ticks_56":
-                return self._call_(
-                    operation,
-                    servant.set_Ticks_56,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Distance":
-                return self._call_(
-                    operation,
-                    servant.get_Distance,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Distance":
-                return self._call_(
-                    operation,
-                    servant.set_Distance,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Offset":
-                return self._call_(
-                    operation,
-                    servant.get_Offset,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Offset":
-                return self._call_(
-                    operation,
-                    servant.set_Offset,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Speed":
-                return self._call_(
-                    operation,
-                    servant.get_Speed,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Speed":
-                return self._call_(
-                    operation,
-                    servant.set_Speed,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Label":
-                return self._call_(
-                    operation,
-                    servant.get_Label,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Label":
-                return self._call_(
-                    operation,
-                    servant.set_Label,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Title_wide_":
-                return self._call_(
-                    operation,
-                    servant.get_Title_wide_,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Title_wide_":
-                return self._call_(
-                    operation,
-                    servant.set_Title_wide_,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Key":
-                return self._call_(
-                    operation,
-                    servant.get_Key,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Key":
-                return self._call_(
-                    operation,
-                    servant.set_Key,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Program":
-                return self._call_(
-                    operation,
-                    servant.get_Program,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Program":
-                return self._call_(
-                    operation,
-                    servant.set_Program,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_class_2034_00":
-                return self._call_(
-                    operation,
-                    servant.get_class_2034_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_class_2034_00":
-                return self._call_(
-                    operation,
-                    servant.set_class_2034_00,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Double_2040_00":
-                return self._call_(
-                    operation,
-                    servant.get_Double_2040_00,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Double_2040_00":
-                return self._call_(
-                    operation,
-                    servant.set_Double_2040_00,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Tag":
-                return self._call_(
-                    operation,
-                    servant.get_Tag,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "get_Time_of_day":
-                return self._call_(
-                    operation,
-                    servant.get_Time_of_day,
-                    arguments,
-                    0,
-                    (SdoAbort, BusGone),
-                )
-            case "set_Time_of_day":
-                return self._call_(
-                    operation,
-                    servant.set_Time_of_day,
-                    arguments,
-                    1,
-                    (SdoAbort, BusGone),
-                )
-        return super().dispatch(operation, arguments)
-
-
-ObjectAccess._stub_ = ObjectAccessStub
-ObjectAccess._skeleton_ = ObjectAccessSkeleton
 ObjectAccess._calls_ = ".sampler_calls"

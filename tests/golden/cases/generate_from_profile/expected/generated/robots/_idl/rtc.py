@@ -66,12 +66,5 @@ class GateStub(Gate, Stub):
     """Calls a servant of `Gate` through an invoker."""
 
 
-class GateSkeleton(Skeleton):
+class GateSkeleton(Skeleton, interface=Gate):
     """Calls a servant of `Gate` by operation name."""
-
-    def __init__(self, servant: Gate) -> None:
-        super().__init__(servant)
-
-
-Gate._stub_ = GateStub
-Gate._skeleton_ = GateSkeleton

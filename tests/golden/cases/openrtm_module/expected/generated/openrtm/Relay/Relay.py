@@ -94,6 +94,7 @@ class Relay(OpenRTM_aist.DataFlowComponentBase):
         self.addPort(self._leversPort)
         self._othersPort.registerConsumer("Lever", "Relays::Lever", self._s_next)
         host.consumer("others", "Lever", self._s_next, relay.LeverStub)
+        host.service_port("others", self._othersPort)
         self.addPort(self._othersPort)
         return host.on_initialize()
 

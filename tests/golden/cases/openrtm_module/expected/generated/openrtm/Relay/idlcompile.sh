@@ -5,8 +5,16 @@
 # PYTHON: the interpreter (python3). RTM_IDL: OpenRTM's folder of IDL files, if it is not where
 # rtm2-config, OpenRTM_aist or RTM_ROOT say; without OpenRTM the files of rtgen are taken.
 set -eu
+python=${PYTHON:-python3}
+if found=$(command -v "$python"); then
+    case $found in
+    /*) python=$found ;;
+    *) python=$PWD/$found ;;
+    esac
+    # The omniidl beside the interpreter has the back end for Python.
+    PATH=$(dirname "$python"):$PATH
+fi
 cd "$(dirname "$0")"
-python="${PYTHON:-python3}"
 
 from_python() {
     "$python" -c "import importlib.util as u, os; s = u.find_spec('OpenRTM_aist'); print(os.path.join(os.path.dirname(s.origin), 'RTM_IDL') if s else '')" 2>/dev/null || true

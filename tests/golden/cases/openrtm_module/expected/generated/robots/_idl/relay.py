@@ -27,7 +27,7 @@ from rtgen.runtime.descriptors import (
     StringDescriptor,
     StructDescriptor,
 )
-from rtgen.runtime.services import Servant, Skeleton, Stub
+from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 _Sample_layout = Fixed("i")
 
@@ -128,31 +128,16 @@ class Lever(Servant):
     )
 
     @abstractmethod
-    def turn(self, on: bool) -> None:
-        """`void turn(in boolean on) raises (Relays::Stuck)`."""
+    @operation(raises=(Stuck,))
+    def turn(self, on: bool) -> None: ...
 
 
 class LeverStub(Lever, Stub):
     """Calls a servant of `Relays::Lever` through an invoker."""
 
-    def turn(self, on: bool) -> None:
-        self._invoke_("turn", on)
 
-
-class LeverSkeleton(Skeleton):
+class LeverSkeleton(Skeleton, interface=Lever):
     """Calls a servant of `Relays::Lever` by operation name."""
 
-    def __init__(self, servant: Lever) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: Lever = self._servant
-        match operation:
-            case "turn":
-                return self._call_(operation, servant.turn, arguments, 1, (Stuck,))
-        return super().dispatch(operation, arguments)
-
-
-Lever._stub_ = LeverStub
-Lever._skeleton_ = LeverSkeleton
 Lever._calls_ = ".relay_calls"

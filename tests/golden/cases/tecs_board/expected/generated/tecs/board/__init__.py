@@ -2,6 +2,12 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """What stands in the global scope of IDL."""
 
-from ._idl.motor import WHEELS as WHEELS
+from typing import TYPE_CHECKING
+
+from rtgen.runtime.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from ._idl.motor import WHEELS
 
 __all__ = ["WHEELS"]
+__getattr__ = lazy_names(__name__, {"._idl.motor": ("WHEELS",)})

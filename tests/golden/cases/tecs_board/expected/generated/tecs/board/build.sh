@@ -9,7 +9,7 @@ cd "$(dirname "$0")"
 python="${PYTHON:-python3}"
 stubs="${STUBS:-../../../build/tecs.board}"
 "$python" -c "import rtgen.runtime" 2>/dev/null || "$python" -m pip install "${RTGEN:-rtgen}"
-(cd ../.. && "$python" -c "import tecs.board.motor_marshaller, tecs.board.motor_server, tecs.board.lamp_marshaller, tecs.board.lamp_server")
+(cd ../.. && "$python" -c 'import tecs.board.motor_marshaller, tecs.board.motor_server, tecs.board.lamp_marshaller, tecs.board.lamp_server')
 if command -v omniidl >/dev/null 2>&1; then
     mkdir -p "$stubs"
     omniidl -bpython -C"$stubs" Motor.idl Lamp.idl ../OpaqueRpc.idl

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import ClassVar
 
 from rtgen.runtime.opaque_rpc.codecs import (
@@ -13,10 +12,9 @@ from rtgen.runtime.opaque_rpc.codecs import (
     More,
     REPLY_LIMIT,
     REQUEST_LIMIT,
-    ReplyOrder,
     argument_error,
-    magic_error,
 )
+from rtgen.runtime.opaque_rpc.functions import Messages
 from rtgen.runtime.opaque_rpc.tdr import (
     EOP_NOTHING_FOLLOWS,
     EOP_REPLY_FOLLOWS,
@@ -30,47 +28,25 @@ from rtgen.runtime.opaque_rpc.tdr import (
 from ._types import nBoard_tagPoint
 
 
-class LampCodec(Codec):
-    """Encodes and reads the messages of `nBoard::sLamp`; see `Codec` for the methods."""
+class DimMessages(Messages[[int, int, nBoard_tagPoint], int]):
+    """`ER ([in] uint8_t percent, [in] nBoard::Level level, [in] const nBoard::Point *at)`."""
 
-    name: ClassVar[str] = "nBoard::sLamp"
-    ids: ClassVar[Mapping[str, int]] = {"dim": 1, "lit": 2}
+    results = 1
+    error_code = True
 
-    def __init__(
-        self,
-        tdr: Tdr = NETWORK,
-        *,
-        reply: ReplyOrder = "tecsgen",
-        encoding: str = "latin-1",
-        limit: int = REQUEST_LIMIT,
-        reply_limit: int = REPLY_LIMIT,
-    ) -> None:
-        super().__init__(
-            tdr,
-            reply=reply,
-            encoding=encoding,
-            limit=limit,
-            reply_limit=reply_limit,
-        )
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
         self._run1 = tdr.struct("HHBhhiH")
         self._run2 = tdr.struct("BhhiH")
         self._run3 = tdr.struct("HnH")
-        self._run4 = tdr.struct("HHH")
-        self._run5 = tdr.struct("H?H")
-        self._request2 = self._run4.pack(SOP_REQUEST, 2, EOP_REPLY_FOLLOWS)
-        self.dim_first = self._run3.size
-        self.lit_first = self._run5.size
+        self.first = self._run3.size
 
-    def encode_dim_request(
-        self,
-        percent: int,
-        level: int,
-        at: nBoard_tagPoint,
-    ) -> bytes:
+    def encode_request(self, percent: int, level: int, at: nBoard_tagPoint) -> bytes:
         try:
             return self._run1.pack(
                 SOP_REQUEST,
-                1,
+                self.id,
                 UINT8[percent],
                 level,
                 at.x,
@@ -79,61 +55,94 @@ class LampCodec(Codec):
             )
         except FAILURES as failure:
             raise argument_error(
-                "nBoard::sLamp.dim",
+                self.function,
                 failure,
                 {"percent": percent, "level": level, "at": at},
             ) from failure
 
-    def read_dim_request(self, more: More) -> tuple[int, int, nBoard_tagPoint]:
+    def read_request(self, more: More) -> tuple[int, int, nBoard_tagPoint]:
         unpacked = self._run2.unpack(more(self._run2.size))
         percent = unpacked[0]
         level = unpacked[1]
         at = nBoard_tagPoint(unpacked[2], unpacked[3])
         eop = unpacked[4]
         if eop != EOP_REPLY_FOLLOWS:
-            raise magic_error("nBoard::sLamp.dim", "no EOP")
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
         return (percent, level, at)
 
-    def encode_dim_reply(self, returned: int) -> bytes:
+    def encode_reply(self, returned: int) -> bytes:
         try:
             return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
         except FAILURES as failure:
             raise argument_error(
-                "nBoard::sLamp.dim",
+                self.function,
                 failure,
                 {"return": returned},
             ) from failure
 
-    def read_dim_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
+    def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
         sop, returned, eop = self._run3.unpack(first)
         if sop != SOP_REPLY:
-            raise magic_error("nBoard::sLamp.dim", "no SOP")
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
         if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sLamp.dim", "no EOP")
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
         return returned, ()
 
-    def encode_lit_request(self) -> bytes:
-        return self._request2
 
-    def read_lit_request(self, more: More) -> tuple[()]:
-        if more(2) != self.awaiting_reply:
-            raise magic_error("nBoard::sLamp.lit", "no EOP")
+class LitMessages(Messages[[], bool]):
+    """`bool_t (void)`."""
+
+    results = 1
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHH")
+        self._run2 = tdr.struct("H?H")
+        self._request = self._run1.pack(SOP_REQUEST, self.id, EOP_REPLY_FOLLOWS)
+        self.first = self._run2.size
+
+    def encode_request(self) -> bytes:
+        return self._request
+
+    def read_request(self, more: More) -> tuple[()]:
+        if (eop_bytes := more(2)) != self.awaiting_reply:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop_bytes)
         return ()
 
-    def encode_lit_reply(self, returned: bool) -> bytes:
+    def encode_reply(self, returned: bool) -> bytes:
         try:
-            return self._run5.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
         except FAILURES as failure:
             raise argument_error(
-                "nBoard::sLamp.lit",
+                self.function,
                 failure,
                 {"return": returned},
             ) from failure
 
-    def read_lit_reply(self, first: bytes, more: More) -> tuple[bool, tuple[()]]:
-        sop, returned, eop = self._run5.unpack(first)
+    def read_reply(self, first: bytes, more: More) -> tuple[bool, tuple[()]]:
+        sop, returned, eop = self._run2.unpack(first)
         if sop != SOP_REPLY:
-            raise magic_error("nBoard::sLamp.lit", "no SOP")
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
         if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sLamp.lit", "no EOP")
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
         return returned, ()
+
+
+class LampCodec(Codec):
+    """The messages of `nBoard::sLamp`, by function."""
+
+    signature: ClassVar[str] = "nBoard::sLamp"
+    digest: ClassVar[str] = "1cc536ebf8cb3418"
+
+    def __init__(
+        self,
+        tdr: Tdr = NETWORK,
+        *,
+        encoding: str = "latin-1",
+        limit: int = REQUEST_LIMIT,
+        reply_limit: int = REPLY_LIMIT,
+    ) -> None:
+        super().__init__(tdr, encoding=encoding, limit=limit, reply_limit=reply_limit)
+        self.dim = DimMessages(self, "dim", 1)
+        self.lit = LitMessages(self, "lit", 2)

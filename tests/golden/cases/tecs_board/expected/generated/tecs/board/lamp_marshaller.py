@@ -4,18 +4,31 @@
 
 from __future__ import annotations
 
-from rtgen.runtime import RTC_OK, ReturnCode_t
-from rtgen.runtime.opaque_rpc import Channel, RpcError, make_tdr
+from typing import ClassVar
+
+from rtgen.runtime import (
+    Component,
+    ComponentProfile,
+    RTC_OK,
+    ReturnCode_t,
+    service_port,
+)
+from rtgen.runtime.opaque_rpc import (
+    Channel,
+    CommunicationChannel,
+    ProxyServant,
+    make_tdr,
+)
 
 from . import nboard
-from ..opaque_rpc_communication import CommunicationChannel
+from .. import OpaqueRpc
 from ._types import nBoard_tagPoint
 from ._views import codec_nBoard_tagPoint
-from .components.lamp_marshaller import LampMarshallerBase
 from .lamp_codec import LampCodec
+from .lamp_server import LampTarget
 
 
-class LampProxy:
+class LampProxy(LampTarget):
     """Calls `nBoard::sLamp` of a board; values are of CDL's types."""
 
     def __init__(self, channel: Channel, codec: LampCodec | None = None) -> None:
@@ -23,55 +36,53 @@ class LampProxy:
         self.codec = codec or LampCodec(make_tdr("little"), limit=512)
 
     def dim(self, percent: int, level: int, at: nBoard_tagPoint) -> int:
-        """`ER dim([in] uint8_t percent, [in] nBoard::Level level, [in] const nBoard::Point *at)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_dim_request(percent, level, at)
-        try:
-            head = channel.begin(request, codec.dim_first)
-            try:
-                returned, _ = codec.read_dim_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code
-        return returned
+        return self.codec.dim.call(self.channel, percent, level, at)
 
     def lit(self) -> bool:
-        """`bool_t lit(void)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_lit_request()
-        head = channel.begin(request, codec.lit_first)
-        try:
-            returned, _ = codec.read_lit_reply(head, channel.more)
-        except BaseException:
-            channel.reset()
-            raise
-        channel.end()
-        return returned
+        return self.codec.lit.call(self.channel)
 
 
-class _LampServant(nboard.Lamp):
+class _LampServant(ProxyServant, nboard.Lamp):
     """Carries out calls of `nBoard::Lamp` by a proxy."""
 
-    def __init__(self, proxy: LampProxy) -> None:
-        self._proxy = proxy
+    _proxy: LampProxy
 
     def dim(self, percent: int, level: nboard.Level, at: nboard.Point) -> int:
         return self._proxy.dim(percent, level, codec_nBoard_tagPoint(at))
 
-    def lit(self) -> bool:
-        return self._proxy.lit()
 
-
-class LampMarshaller(LampMarshallerBase):
+class LampMarshaller(Component):
     """Carries calls of nBoard::sLamp to a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        "LampMarshaller",
+        category="TECS",
+        vendor="rtgen",
+        description="Carries calls of nBoard::sLamp to a TECS board",
+        rate=10.0,
+        max_instances=0,
+        ports=(
+            service_port("provider", "lamp", nboard.Lamp, "What nBoard::sLamp offers."),
+            service_port(
+                "consumer",
+                "communication",
+                OpaqueRpc,
+                "The board's channel.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.lamp = self.add_provider("lamp", "lamp", nboard.Lamp)
+        self.communication = self.add_consumer(
+            "communication",
+            "communication",
+            OpaqueRpc,
+        )
 
     def on_initialize(self) -> ReturnCode_t:
         """Makes the proxy behind the service port."""
-        channel = CommunicationChannel(self.communication.object)
-        self.lamp.set_servant(_LampServant(LampProxy(channel)))
+        proxy = LampProxy(CommunicationChannel(self.communication))
+        self.lamp.set_servant(_LampServant.of(proxy))
         return RTC_OK

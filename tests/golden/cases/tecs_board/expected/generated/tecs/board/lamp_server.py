@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-from rtgen.runtime.opaque_rpc import Handlers, More, make_tdr
+from rtgen.runtime.opaque_rpc import Dispatcher, make_tdr
 
 from ._types import nBoard_tagPoint
 from .lamp_codec import LampCodec
@@ -24,25 +24,9 @@ class LampTarget(ABC):
         """`bool_t lit(void)`."""
 
 
-class LampUnmarshaller:
+class LampUnmarshaller(Dispatcher):
     """Takes requests of `nBoard::sLamp` apart, calls the target and makes the replies."""
 
     def __init__(self, target: LampTarget, codec: LampCodec | None = None) -> None:
-        self.target = target
-        self.codec = codec or LampCodec(make_tdr("little"), limit=512)
-        functions = {
-            1: self._handle_dim,
-            2: self._handle_lit,
-        }
-        self.handlers: Handlers = {
-            head: functions[number] for head, number in self.codec.heads.items()
-        }
-
-    def _handle_dim(self, more: More) -> bytes:
-        result = self.target.dim(*self.codec.read_dim_request(more))
-        return self.codec.encode_dim_reply(result)
-
-    def _handle_lit(self, more: More) -> bytes:
-        self.codec.read_lit_request(more)
-        result = self.target.lit()
-        return self.codec.encode_lit_reply(result)
+        codec = codec or LampCodec(make_tdr("little"), limit=512)
+        super().__init__(target, codec)

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+
 from typing import ClassVar
 
 from rtgen.runtime.opaque_rpc.codecs import (
@@ -13,17 +14,16 @@ from rtgen.runtime.opaque_rpc.codecs import (
     More,
     REPLY_LIMIT,
     REQUEST_LIMIT,
-    ReplyOrder,
     Room,
     Text,
     WideText,
     argument_error,
     exactly,
     is_rpc_error,
-    magic_error,
     present,
     within,
 )
+from rtgen.runtime.opaque_rpc.functions import Messages, RecordCodec
 from rtgen.runtime.opaque_rpc.tdr import (
     EOP_NOTHING_FOLLOWS,
     EOP_REPLY_FOLLOWS,
@@ -39,840 +39,18 @@ from rtgen.runtime.opaque_rpc.tdr import (
 from ._types import nBoard_tagPoint, nBoard_tagState
 
 
-class MotorCodec(Codec):
-    """Encodes and reads the messages of `nBoard::sMotor`; see `Codec` for the methods."""
+class nBoard_tagStateRecord(RecordCodec):
+    """`struct nBoard::tagState`."""
 
-    name: ClassVar[str] = "nBoard::sMotor"
-    ids: ClassVar[Mapping[str, int]] = {
-        "set": 1,
-        "get": 2,
-        "state": 3,
-        "maybe": 4,
-        "names": 5,
-        "part": 6,
-        "wide": 7,
-        "stop": 8,
-        "stop_all": 9,
-        "class": 10,
-    }
-
-    def __init__(
-        self,
-        tdr: Tdr = NETWORK,
-        *,
-        reply: ReplyOrder = "tecsgen",
-        encoding: str = "latin-1",
-        limit: int = REQUEST_LIMIT,
-        reply_limit: int = REPLY_LIMIT,
-    ) -> None:
-        super().__init__(
-            tdr,
-            reply=reply,
-            encoding=encoding,
-            limit=limit,
-            reply_limit=reply_limit,
-        )
+    def __init__(self, codec: Codec) -> None:
+        super().__init__(codec)
+        tdr = codec.tdr
         self._run1 = tdr.struct("bhbB4s3b3s3si")
         self._run2 = tdr.struct("hi")
-        self._run3 = tdr.struct("HHihb")
-        self._run4 = tdr.struct("H")
-        self._run5 = tdr.struct("ihb")
-        self._run6 = tdr.struct("HnH")
-        self._run7 = tdr.struct("HHH")
-        self._run8 = tdr.struct("HhH")
-        self._run9 = tdr.struct("HH")
-        self._run10 = tdr.struct("Hn")
-        self._run11 = tdr.struct("nH")
-        self._run12 = tdr.struct("HHb")
-        self._run13 = tdr.struct("b")
-        self._run14 = tdr.struct("B")
-        self._run15 = tdr.struct("bH")
-        self._run16 = tdr.struct("i")
-        self._run17 = tdr.struct("HHi")
-        self._run18 = tdr.struct("Hni")
-        self._run19 = tdr.struct("Hi")
-        self._run20 = tdr.struct("HHB")
-        self._run21 = tdr.struct("Hnhi")
-        self._run22 = tdr.struct("Hhi")
-        self._run23 = tdr.struct("HH3s3sH")
-        self._run24 = tdr.struct("3s3sH")
-        self._run25 = tdr.struct("Hl")
-        self._run26 = tdr.struct("lH")
-        self._run27 = tdr.struct("HHBH")
-        self._run28 = tdr.struct("BH")
-        self._run29 = tdr.struct("HHiiiiH")
-        self._run30 = tdr.struct("iiiiH")
-        self._run31 = tdr.struct("HBH")
-        self._booleans = Items(tdr, "?")
         self._items_b = Items(tdr, "b")
-        self._text = Text(tdr, encoding)
-        self._text_H = WideText(tdr, "H")
-        self._request2 = self._run7.pack(SOP_REQUEST, 2, EOP_REPLY_FOLLOWS)
-        self._request9 = self._run7.pack(SOP_REQUEST, 9, EOP_NOTHING_FOLLOWS)
-        self.set_first = self._run6.size
-        self.get_first = self._run8.size
-        self.state_first = self._run4.size if self._paper else self._run10.size
-        self.maybe_first = self._run4.size if self._paper else self._run10.size
-        self.names_first = self._run19.size if self._paper else self._run10.size
-        self.part_first = self._run22.size if self._paper else self._run10.size
-        self.wide_first = self._run4.size if self._paper else self._run25.size
-        self.class_first = self._run31.size
+        self._text = Text(tdr, codec.encoding)
 
-    def encode_set_request(
-        self,
-        level: int,
-        sign: int,
-        text: bytes,
-        raw: Sequence[int],
-        n: int,
-    ) -> bytes:
-        try:
-            return b"".join(
-                (
-                    self._run3.pack(SOP_REQUEST, 1, n, level, INT8[sign]),
-                    exactly(text, n),
-                    self._items_b.pack(exactly(raw, n)),
-                    self._run4.pack(EOP_REPLY_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.set",
-                failure,
-                {"level": level, "sign": sign, "text": text, "raw": raw, "n": n},
-            ) from failure
-
-    def read_set_request(self, more: More) -> tuple[int, int, bytes, list[int], int]:
-        room = Room(self.limit)
-        n, level, sign = self._run5.unpack(more(self._run5.size))
-        text_count = n
-        text_size = room.take(text_count, 1)
-        packet = more(text_size)
-        text = packet
-        raw_count = n
-        raw_size = room.take(raw_count, self._items_b.width)
-        packet = more(raw_size + self._run4.size)
-        raw = self._items_b.integers(packet, raw_count)
-        (eop,) = self._run4.unpack_from(packet, raw_size)
-        if eop != EOP_REPLY_FOLLOWS:
-            raise magic_error("nBoard::sMotor.set", "no EOP")
-        return (level, sign, text, raw, n)
-
-    def encode_set_reply(self, returned: int) -> bytes:
-        try:
-            return self._run6.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.set",
-                failure,
-                {"return": returned},
-            ) from failure
-
-    def read_set_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
-        sop, returned, eop = self._run6.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.set", "no SOP")
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.set", "no EOP")
-        return returned, ()
-
-    def encode_get_request(self) -> bytes:
-        return self._request2
-
-    def read_get_request(self, more: More) -> tuple[()]:
-        if more(2) != self.awaiting_reply:
-            raise magic_error("nBoard::sMotor.get", "no EOP")
-        return ()
-
-    def encode_get_reply(self, returned: int) -> bytes:
-        try:
-            return self._run8.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.get",
-                failure,
-                {"return": returned},
-            ) from failure
-
-    def read_get_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
-        sop, returned, eop = self._run8.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.get", "no SOP")
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.get", "no EOP")
-        return returned, ()
-
-    def encode_state_request(self, given: nBoard_tagState) -> bytes:
-        try:
-            return b"".join(
-                (
-                    self._run9.pack(SOP_REQUEST, 3),
-                    self._write_nBoard_tagState(given),
-                    self._run4.pack(EOP_REPLY_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.state",
-                failure,
-                {"given": given},
-            ) from failure
-
-    def read_state_request(self, more: More) -> tuple[nBoard_tagState]:
-        room = Room(self.limit)
-        given = self._read_nBoard_tagState(more, room)
-        if more(2) != self.awaiting_reply:
-            raise magic_error("nBoard::sMotor.state", "no EOP")
-        return (given,)
-
-    def encode_state_reply(self, returned: int, state: nBoard_tagState) -> bytes:
-        if self._paper:
-            return self._encode_state_reply_in_paper_order(returned, state)
-        try:
-            if is_rpc_error(returned):
-                return self._run6.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-            return b"".join(
-                (
-                    self._run10.pack(SOP_REPLY, returned),
-                    self._write_nBoard_tagState(state),
-                    self._run4.pack(EOP_NOTHING_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.state",
-                failure,
-                {"return": returned, "state": state},
-            ) from failure
-
-    def read_state_reply(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[nBoard_tagState] | None]:
-        if self._paper:
-            return self._read_state_reply_in_paper_order(first, more)
-        room = Room(self.reply_limit)
-        sop, returned = self._run10.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.state", "no SOP")
-        if is_rpc_error(returned):
-            if more(2) != self.nothing_follows:
-                raise magic_error("nBoard::sMotor.state", "no EOP")
-            return returned, None
-        state = self._read_nBoard_tagState(more, room)
-        if more(2) != self.nothing_follows:
-            raise magic_error("nBoard::sMotor.state", "no EOP")
-        return returned, (state,)
-
-    def _encode_state_reply_in_paper_order(
-        self,
-        returned: int,
-        state: nBoard_tagState,
-    ) -> bytes:
-        try:
-            return b"".join(
-                (
-                    self._run4.pack(SOP_REPLY),
-                    self._write_nBoard_tagState(state),
-                    self._run11.pack(returned, EOP_NOTHING_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.state",
-                failure,
-                {"return": returned, "state": state},
-            ) from failure
-
-    def _read_state_reply_in_paper_order(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[nBoard_tagState] | None]:
-        room = Room(self.reply_limit)
-        (sop,) = self._run4.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.state", "no SOP")
-        state = self._read_nBoard_tagState(more, room)
-        returned, eop = self._run11.unpack(more(self._run11.size))
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.state", "no EOP")
-        return returned, (state,)
-
-    def encode_maybe_request(
-        self,
-        in8: int | None,
-        letter: int | None,
-        point: nBoard_tagPoint | None,
-        out32: bool,
-    ) -> bytes:
-        try:
-            parts: list[bytes] = []
-            parts.append(self._run12.pack(SOP_REQUEST, 4, in8 is None))
-            if in8 is not None:
-                parts.append(self._run13.pack(INT8[in8]))
-            parts.append(self._run13.pack(letter is None))
-            if letter is not None:
-                parts.append(self._run14.pack(UINT8[letter]))
-            parts.append(self._run13.pack(point is None))
-            if point is not None:
-                parts.append(self._run2.pack(point.x, point.y))
-            parts.append(self._run15.pack(not out32, EOP_REPLY_FOLLOWS))
-            return b"".join(parts)
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.maybe",
-                failure,
-                {"in8": in8, "letter": letter, "point": point, "out32": out32},
-            ) from failure
-
-    def read_maybe_request(
-        self,
-        more: More,
-    ) -> tuple[int | None, int | None, nBoard_tagPoint | None, bool]:
-        (in8_null,) = self._run13.unpack(more(self._run13.size))
-        in8: int | None = None
-        if not in8_null:
-            (in8,) = self._run13.unpack(more(self._run13.size))
-        (letter_null,) = self._run13.unpack(more(self._run13.size))
-        letter: int | None = None
-        if not letter_null:
-            (letter,) = self._run14.unpack(more(self._run14.size))
-        (point_null,) = self._run13.unpack(more(self._run13.size))
-        point: nBoard_tagPoint | None = None
-        if not point_null:
-            unpacked = self._run2.unpack(more(self._run2.size))
-            point = nBoard_tagPoint(unpacked[0], unpacked[1])
-        out32_null, eop = self._run15.unpack(more(self._run15.size))
-        if eop != EOP_REPLY_FOLLOWS:
-            raise magic_error("nBoard::sMotor.maybe", "no EOP")
-        return (in8, letter, point, not out32_null)
-
-    def encode_maybe_reply(
-        self,
-        given_letter: int | None,
-        given_out32: bool,
-        returned: int,
-        letter: int | None,
-        out32: int | None,
-    ) -> bytes:
-        if self._paper:
-            return self._encode_maybe_reply_in_paper_order(
-                given_letter,
-                given_out32,
-                returned,
-                letter,
-                out32,
-            )
-        try:
-            if is_rpc_error(returned):
-                return self._run6.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-            parts: list[bytes] = []
-            parts.append(self._run10.pack(SOP_REPLY, returned))
-            if given_letter is not None:
-                parts.append(self._run14.pack(UINT8[present(letter)]))
-            if given_out32:
-                parts.append(self._run16.pack(present(out32)))
-            parts.append(self._run4.pack(EOP_NOTHING_FOLLOWS))
-            return b"".join(parts)
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.maybe",
-                failure,
-                {"return": returned, "letter": letter, "out32": out32},
-            ) from failure
-
-    def read_maybe_reply(
-        self,
-        first: bytes,
-        more: More,
-        given_letter: int | None,
-        given_out32: bool,
-    ) -> tuple[int, tuple[int | None, int | None] | None]:
-        if self._paper:
-            return self._read_maybe_reply_in_paper_order(
-                first,
-                more,
-                given_letter,
-                given_out32,
-            )
-        sop, returned = self._run10.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.maybe", "no SOP")
-        if is_rpc_error(returned):
-            if more(2) != self.nothing_follows:
-                raise magic_error("nBoard::sMotor.maybe", "no EOP")
-            return returned, None
-        letter: int | None = None
-        if given_letter is not None:
-            (letter,) = self._run14.unpack(more(self._run14.size))
-        out32: int | None = None
-        if given_out32:
-            (out32,) = self._run16.unpack(more(self._run16.size))
-        if more(2) != self.nothing_follows:
-            raise magic_error("nBoard::sMotor.maybe", "no EOP")
-        return returned, (letter, out32)
-
-    def _encode_maybe_reply_in_paper_order(
-        self,
-        given_letter: int | None,
-        given_out32: bool,
-        returned: int,
-        letter: int | None,
-        out32: int | None,
-    ) -> bytes:
-        try:
-            parts: list[bytes] = []
-            parts.append(self._run4.pack(SOP_REPLY))
-            if given_letter is not None:
-                parts.append(self._run14.pack(UINT8[present(letter)]))
-            if given_out32:
-                parts.append(self._run16.pack(present(out32)))
-            parts.append(self._run11.pack(returned, EOP_NOTHING_FOLLOWS))
-            return b"".join(parts)
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.maybe",
-                failure,
-                {"return": returned, "letter": letter, "out32": out32},
-            ) from failure
-
-    def _read_maybe_reply_in_paper_order(
-        self,
-        first: bytes,
-        more: More,
-        given_letter: int | None,
-        given_out32: bool,
-    ) -> tuple[int, tuple[int | None, int | None] | None]:
-        (sop,) = self._run4.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.maybe", "no SOP")
-        letter: int | None = None
-        if given_letter is not None:
-            (letter,) = self._run14.unpack(more(self._run14.size))
-        out32: int | None = None
-        if given_out32:
-            (out32,) = self._run16.unpack(more(self._run16.size))
-        returned, eop = self._run11.unpack(more(self._run11.size))
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.maybe", "no EOP")
-        return returned, (letter, out32)
-
-    def encode_names_request(
-        self,
-        list_: Sequence[str],
-        n: int,
-        wide: Sequence[int],
-    ) -> bytes:
-        try:
-            wide_units = self._text_H.units(wide)
-            return b"".join(
-                (
-                    self._run17.pack(SOP_REQUEST, 5, n),
-                    b"".join(
-                        [self._text.whole(each1, 12) for each1 in exactly(list_, n)],
-                    ),
-                    self._run16.pack(len(wide_units) // self._text_H.width),
-                    wide_units,
-                    self._run4.pack(EOP_REPLY_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.names",
-                failure,
-                {"list": list_, "n": n, "wide": wide},
-            ) from failure
-
-    def read_names_request(self, more: More) -> tuple[list[str], int, list[int]]:
-        room = Room(self.limit)
-        (n,) = self._run16.unpack(more(self._run16.size))
-        list_ = [self._text.read(more, room, 12) for _ in range(room.take(n, 1))]
-        (wide_count,) = self._run16.unpack(more(self._run16.size))
-        wide_size = room.take(wide_count, self._text_H.width)
-        packet = more(wide_size + self._run4.size)
-        wide = self._text_H.text(packet[:wide_size])
-        (eop,) = self._run4.unpack_from(packet, wide_size)
-        if eop != EOP_REPLY_FOLLOWS:
-            raise magic_error("nBoard::sMotor.names", "no EOP")
-        room.take(24, 1)
-        return (list_, n, wide)
-
-    def encode_names_reply(self, returned: int, joined: str) -> bytes:
-        if self._paper:
-            return self._encode_names_reply_in_paper_order(returned, joined)
-        try:
-            if is_rpc_error(returned):
-                return self._run6.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-            joined_units = self._text.units(joined, 24)
-            return b"".join(
-                (
-                    self._run18.pack(SOP_REPLY, returned, len(joined_units)),
-                    joined_units,
-                    self._run4.pack(EOP_NOTHING_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.names",
-                failure,
-                {"return": returned, "joined": joined},
-            ) from failure
-
-    def read_names_reply(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[str] | None]:
-        if self._paper:
-            return self._read_names_reply_in_paper_order(first, more)
-        room = Room(self.reply_limit)
-        sop, returned = self._run10.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.names", "no SOP")
-        if is_rpc_error(returned):
-            if more(2) != self.nothing_follows:
-                raise magic_error("nBoard::sMotor.names", "no EOP")
-            return returned, None
-        (joined_count,) = self._run16.unpack(more(self._run16.size))
-        joined_size = room.take(joined_count, 1, 24)
-        packet = more(joined_size + self._run4.size)
-        joined = self._text.text(packet[:joined_size])
-        (eop,) = self._run4.unpack_from(packet, joined_size)
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.names", "no EOP")
-        return returned, (joined,)
-
-    def _encode_names_reply_in_paper_order(self, returned: int, joined: str) -> bytes:
-        try:
-            joined_units = self._text.units(joined, 24)
-            return b"".join(
-                (
-                    self._run19.pack(SOP_REPLY, len(joined_units)),
-                    joined_units,
-                    self._run11.pack(returned, EOP_NOTHING_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.names",
-                failure,
-                {"return": returned, "joined": joined},
-            ) from failure
-
-    def _read_names_reply_in_paper_order(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[str] | None]:
-        room = Room(self.reply_limit)
-        sop, joined_count = self._run19.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.names", "no SOP")
-        joined_size = room.take(joined_count, 1, 24)
-        packet = more(joined_size + self._run11.size)
-        joined = self._text.text(packet[:joined_size])
-        returned, eop = self._run11.unpack_from(packet, joined_size)
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.names", "no EOP")
-        return returned, (joined,)
-
-    def encode_part_request(self, points: Sequence[nBoard_tagPoint], n: int) -> bytes:
-        try:
-            return b"".join(
-                (
-                    self._run20.pack(SOP_REQUEST, 6, UINT8[n]),
-                    b"".join(
-                        [
-                            self._run2.pack(each1.x, each1.y)
-                            for each1 in exactly(points, within(n, 8))
-                        ],
-                    ),
-                    self._run4.pack(EOP_REPLY_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.part",
-                failure,
-                {"points": points, "n": n},
-            ) from failure
-
-    def read_part_request(self, more: More) -> tuple[list[nBoard_tagPoint], int]:
-        room = Room(self.limit)
-        (n,) = self._run14.unpack(more(self._run14.size))
-        points_count = n
-        points_size = room.take(points_count, self._run2.size, 8)
-        packet = more(points_size + self._run4.size)
-        points = [
-            nBoard_tagPoint(unpacked[0], unpacked[1])
-            for unpacked in self._run2.iter_unpack(packet[:points_size])
-        ]
-        (eop,) = self._run4.unpack_from(packet, points_size)
-        if eop != EOP_REPLY_FOLLOWS:
-            raise magic_error("nBoard::sMotor.part", "no EOP")
-        room.take(3, self._booleans.width)
-        return (points, n)
-
-    def encode_part_reply(
-        self,
-        returned: int,
-        sum_: nBoard_tagPoint,
-        flags: Sequence[bool],
-    ) -> bytes:
-        if self._paper:
-            return self._encode_part_reply_in_paper_order(returned, sum_, flags)
-        try:
-            if is_rpc_error(returned):
-                return self._run6.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-            return b"".join(
-                (
-                    self._run21.pack(SOP_REPLY, returned, sum_.x, sum_.y),
-                    self._booleans.pack(exactly(flags, 3)),
-                    self._run4.pack(EOP_NOTHING_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.part",
-                failure,
-                {"return": returned, "sum": sum_, "flags": flags},
-            ) from failure
-
-    def read_part_reply(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[nBoard_tagPoint, list[bool]] | None]:
-        if self._paper:
-            return self._read_part_reply_in_paper_order(first, more)
-        room = Room(self.reply_limit)
-        sop, returned = self._run10.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.part", "no SOP")
-        if is_rpc_error(returned):
-            if more(2) != self.nothing_follows:
-                raise magic_error("nBoard::sMotor.part", "no EOP")
-            return returned, None
-        unpacked = self._run2.unpack(more(self._run2.size))
-        sum_ = nBoard_tagPoint(unpacked[0], unpacked[1])
-        flags_count = 3
-        flags_size = room.take(flags_count, self._booleans.width)
-        packet = more(flags_size + self._run4.size)
-        flags = self._booleans.booleans(packet, flags_count)
-        (eop,) = self._run4.unpack_from(packet, flags_size)
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.part", "no EOP")
-        return returned, (sum_, flags)
-
-    def _encode_part_reply_in_paper_order(
-        self,
-        returned: int,
-        sum_: nBoard_tagPoint,
-        flags: Sequence[bool],
-    ) -> bytes:
-        try:
-            return b"".join(
-                (
-                    self._run22.pack(SOP_REPLY, sum_.x, sum_.y),
-                    self._booleans.pack(exactly(flags, 3)),
-                    self._run11.pack(returned, EOP_NOTHING_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.part",
-                failure,
-                {"return": returned, "sum": sum_, "flags": flags},
-            ) from failure
-
-    def _read_part_reply_in_paper_order(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[nBoard_tagPoint, list[bool]] | None]:
-        room = Room(self.reply_limit)
-        unpacked = self._run22.unpack(first)
-        sop = unpacked[0]
-        sum_ = nBoard_tagPoint(unpacked[1], unpacked[2])
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.part", "no SOP")
-        flags_count = 3
-        flags_size = room.take(flags_count, self._booleans.width)
-        packet = more(flags_size + self._run11.size)
-        flags = self._booleans.booleans(packet, flags_count)
-        returned, eop = self._run11.unpack_from(packet, flags_size)
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.part", "no EOP")
-        return returned, (sum_, flags)
-
-    def encode_wide_request(self, grid: Sequence[bytes]) -> bytes:
-        try:
-            return self._run23.pack(
-                SOP_REQUEST,
-                7,
-                *[exactly(each1, 3) for each1 in exactly(grid, 2)],
-                EOP_REPLY_FOLLOWS,
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.wide",
-                failure,
-                {"grid": grid},
-            ) from failure
-
-    def read_wide_request(self, more: More) -> tuple[list[bytes]]:
-        room = Room(self.limit)
-        unpacked = self._run24.unpack(more(self._run24.size))
-        grid = list(unpacked[0:2])
-        eop = unpacked[2]
-        if eop != EOP_REPLY_FOLLOWS:
-            raise magic_error("nBoard::sMotor.wide", "no EOP")
-        room.take(4, 1)
-        return (grid,)
-
-    def encode_wide_reply(self, returned: int, label: bytes) -> bytes:
-        if self._paper:
-            return self._encode_wide_reply_in_paper_order(returned, label)
-        try:
-            return b"".join(
-                (
-                    self._run25.pack(SOP_REPLY, returned),
-                    exactly(label, 4),
-                    self._run4.pack(EOP_NOTHING_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.wide",
-                failure,
-                {"return": returned, "label": label},
-            ) from failure
-
-    def read_wide_reply(self, first: bytes, more: More) -> tuple[int, tuple[bytes]]:
-        if self._paper:
-            return self._read_wide_reply_in_paper_order(first, more)
-        room = Room(self.reply_limit)
-        sop, returned = self._run25.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.wide", "no SOP")
-        label_count = 4
-        label_size = room.take(label_count, 1)
-        packet = more(label_size + self._run4.size)
-        label = packet[:label_size]
-        (eop,) = self._run4.unpack_from(packet, label_size)
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.wide", "no EOP")
-        return returned, (label,)
-
-    def _encode_wide_reply_in_paper_order(self, returned: int, label: bytes) -> bytes:
-        try:
-            return b"".join(
-                (
-                    self._run4.pack(SOP_REPLY),
-                    exactly(label, 4),
-                    self._run26.pack(returned, EOP_NOTHING_FOLLOWS),
-                ),
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.wide",
-                failure,
-                {"return": returned, "label": label},
-            ) from failure
-
-    def _read_wide_reply_in_paper_order(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[bytes]]:
-        room = Room(self.reply_limit)
-        (sop,) = self._run4.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.wide", "no SOP")
-        label_count = 4
-        label_size = room.take(label_count, 1)
-        packet = more(label_size + self._run26.size)
-        label = packet[:label_size]
-        returned, eop = self._run26.unpack_from(packet, label_size)
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.wide", "no EOP")
-        return returned, (label,)
-
-    def encode_stop_request(self, why: int) -> bytes:
-        try:
-            return self._run27.pack(SOP_REQUEST, 8, UINT8[why], EOP_NOTHING_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.stop",
-                failure,
-                {"why": why},
-            ) from failure
-
-    def read_stop_request(self, more: More) -> tuple[int]:
-        why, eop = self._run28.unpack(more(self._run28.size))
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.stop", "no EOP")
-        return (why,)
-
-    def encode_stop_all_request(self) -> bytes:
-        return self._request9
-
-    def read_stop_all_request(self, more: More) -> tuple[()]:
-        if more(2) != self.nothing_follows:
-            raise magic_error("nBoard::sMotor.stop_all", "no EOP")
-        return ()
-
-    def encode_class_request(
-        self,
-        None_: int,
-        any_: int,
-        self_: int,
-        Self: int,
-    ) -> bytes:
-        try:
-            return self._run29.pack(
-                SOP_REQUEST,
-                10,
-                None_,
-                any_,
-                self_,
-                Self,
-                EOP_REPLY_FOLLOWS,
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.class",
-                failure,
-                {"None": None_, "any": any_, "self": self_, "Self": Self},
-            ) from failure
-
-    def read_class_request(self, more: More) -> tuple[int, int, int, int]:
-        None_, any_, self_, Self, eop = self._run30.unpack(more(self._run30.size))
-        if eop != EOP_REPLY_FOLLOWS:
-            raise magic_error("nBoard::sMotor.class", "no EOP")
-        return (None_, any_, self_, Self)
-
-    def encode_class_reply(self, out: int) -> bytes:
-        try:
-            return self._run31.pack(SOP_REPLY, UINT8[out], EOP_NOTHING_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error(
-                "nBoard::sMotor.class",
-                failure,
-                {"out": out},
-            ) from failure
-
-    def read_class_reply(self, first: bytes, more: More) -> tuple[None, tuple[int]]:
-        sop, out, eop = self._run31.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("nBoard::sMotor.class", "no SOP")
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("nBoard::sMotor.class", "no EOP")
-        return None, (out,)
-
-    def _write_nBoard_tagState(self, value: nBoard_tagState) -> bytes:
+    def write(self, value: nBoard_tagState) -> bytes:
         nick_units = self._text.units(value.nick, 8)
         return b"".join(
             (
@@ -892,7 +70,7 @@ class MotorCodec(Codec):
             ),
         )
 
-    def _read_nBoard_tagState(self, more: More, room: Room) -> nBoard_tagState:
+    def read(self, more: More, room: Room) -> nBoard_tagState:
         unpacked = self._run1.unpack(more(self._run1.size))
         count = unpacked[0]
         level = unpacked[1]
@@ -923,3 +101,739 @@ class MotorCodec(Codec):
             data,
             count,
         )
+
+
+class SetMessages(Messages[[int, int, bytes, Sequence[int], int], int]):
+    """`ER ([in] nBoard::Level level, [in] int8_t sign, [in, size_is(n)] const char_t *text, [in, size_is(n)] const int8_t *raw, [in] int32_t n)`."""
+
+    results = 1
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHihb")
+        self._run2 = tdr.struct("H")
+        self._run3 = tdr.struct("ihb")
+        self._run4 = tdr.struct("HnH")
+        self._items_b = Items(tdr, "b")
+        self.first = self._run4.size
+
+    def encode_request(
+        self,
+        level: int,
+        sign: int,
+        text: bytes,
+        raw: Sequence[int],
+        n: int,
+    ) -> bytes:
+        try:
+            return b"".join(
+                (
+                    self._run1.pack(SOP_REQUEST, self.id, n, level, INT8[sign]),
+                    exactly(text, n),
+                    self._items_b.pack(exactly(raw, n)),
+                    self._run2.pack(EOP_REPLY_FOLLOWS),
+                ),
+            )
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"level": level, "sign": sign, "text": text, "raw": raw, "n": n},
+            ) from failure
+
+    def read_request(self, more: More) -> tuple[int, int, bytes, list[int], int]:
+        room = Room(self.request_limit)
+        n, level, sign = self._run3.unpack(more(self._run3.size))
+        text_count = n
+        text_size = room.take(text_count, 1)
+        packet = more(text_size)
+        text = packet
+        raw_count = n
+        raw_size = room.take(raw_count, self._items_b.width)
+        packet = more(raw_size + self._run2.size)
+        raw = self._items_b.integers(packet, raw_count)
+        (eop,) = self._run2.unpack_from(packet, raw_size)
+        if eop != EOP_REPLY_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
+        return (level, sign, text, raw, n)
+
+    def encode_reply(self, returned: int) -> bytes:
+        try:
+            return self._run4.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"return": returned},
+            ) from failure
+
+    def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
+        sop, returned, eop = self._run4.unpack(first)
+        if sop != SOP_REPLY:
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
+        if eop != EOP_NOTHING_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
+        return returned, ()
+
+
+class GetMessages(Messages[[], int]):
+    """`nBoard::Level (void)`."""
+
+    results = 1
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHH")
+        self._run2 = tdr.struct("HhH")
+        self._request = self._run1.pack(SOP_REQUEST, self.id, EOP_REPLY_FOLLOWS)
+        self.first = self._run2.size
+
+    def encode_request(self) -> bytes:
+        return self._request
+
+    def read_request(self, more: More) -> tuple[()]:
+        if (eop_bytes := more(2)) != self.awaiting_reply:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop_bytes)
+        return ()
+
+    def encode_reply(self, returned: int) -> bytes:
+        try:
+            return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"return": returned},
+            ) from failure
+
+    def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
+        sop, returned, eop = self._run2.unpack(first)
+        if sop != SOP_REPLY:
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
+        if eop != EOP_NOTHING_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
+        return returned, ()
+
+
+class StateMessages(Messages[[nBoard_tagState], tuple[int, nBoard_tagState]]):
+    """`ER ([in] const struct nBoard::tagState *given, [out] struct nBoard::tagState *state)`."""
+
+    results = 2
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HH")
+        self._run2 = tdr.struct("H")
+        self._run3 = tdr.struct("HnH")
+        self._run4 = tdr.struct("Hn")
+        self._nBoard_tagState = nBoard_tagStateRecord(codec)
+        self.first = self._run4.size
+
+    def encode_request(self, given: nBoard_tagState) -> bytes:
+        try:
+            return b"".join(
+                (
+                    self._run1.pack(SOP_REQUEST, self.id),
+                    self._nBoard_tagState.write(given),
+                    self._run2.pack(EOP_REPLY_FOLLOWS),
+                ),
+            )
+        except FAILURES as failure:
+            raise argument_error(self.function, failure, {"given": given}) from failure
+
+    def read_request(self, more: More) -> tuple[nBoard_tagState]:
+        room = Room(self.request_limit)
+        given = self._nBoard_tagState.read(more, room)
+        if (eop_bytes := more(2)) != self.awaiting_reply:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop_bytes)
+        return (given,)
+
+    def encode_reply(self, returned: int, state: nBoard_tagState) -> bytes:
+        try:
+            if is_rpc_error(returned):
+                return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            return b"".join(
+                (
+                    self._run4.pack(SOP_REPLY, returned),
+                    self._nBoard_tagState.write(state),
+                    self._run2.pack(EOP_NOTHING_FOLLOWS),
+                ),
+            )
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"return": returned, "state": state},
+            ) from failure
+
+    def read_reply(
+        self,
+        first: bytes,
+        more: More,
+    ) -> tuple[int, tuple[nBoard_tagState] | None]:
+        room = Room(self.reply_limit)
+        sop, returned = self._run4.unpack(first)
+        if sop != SOP_REPLY:
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
+        if is_rpc_error(returned):
+            if (eop_bytes := more(2)) != self.nothing_follows:
+                raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
+            return returned, None
+        state = self._nBoard_tagState.read(more, room)
+        if (eop_bytes := more(2)) != self.nothing_follows:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
+        return returned, (state,)
+
+    def unset(self, given: nBoard_tagState) -> tuple[nBoard_tagState]:
+        return (nBoard_tagState(),)
+
+
+class MaybeMessages(
+    Messages[
+        [int | None, int | None, nBoard_tagPoint | None, bool],
+        tuple[int, int | None, int | None],
+    ],
+):
+    """`ER ([in, nullable] const int8_t *in8, [inout, nullable] char_t *letter, [in, nullable] const nBoard::Point *point, [out, nullable] int32_t *out32)`."""
+
+    kept = (1, 3)
+    results = 3
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHb")
+        self._run2 = tdr.struct("b")
+        self._run3 = tdr.struct("B")
+        self._run4 = tdr.struct("hi")
+        self._run5 = tdr.struct("bH")
+        self._run6 = tdr.struct("HnH")
+        self._run7 = tdr.struct("Hn")
+        self._run8 = tdr.struct("i")
+        self._run9 = tdr.struct("H")
+        self.first = self._run7.size
+
+    def encode_request(
+        self,
+        in8: int | None,
+        letter: int | None,
+        point: nBoard_tagPoint | None,
+        out32: bool,
+    ) -> bytes:
+        try:
+            parts: list[bytes] = []
+            parts.append(self._run1.pack(SOP_REQUEST, self.id, in8 is None))
+            if in8 is not None:
+                parts.append(self._run2.pack(INT8[in8]))
+            parts.append(self._run2.pack(letter is None))
+            if letter is not None:
+                parts.append(self._run3.pack(UINT8[letter]))
+            parts.append(self._run2.pack(point is None))
+            if point is not None:
+                parts.append(self._run4.pack(point.x, point.y))
+            parts.append(self._run5.pack(not out32, EOP_REPLY_FOLLOWS))
+            return b"".join(parts)
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"in8": in8, "letter": letter, "point": point, "out32": out32},
+            ) from failure
+
+    def read_request(
+        self,
+        more: More,
+    ) -> tuple[int | None, int | None, nBoard_tagPoint | None, bool]:
+        (in8_null,) = self._run2.unpack(more(self._run2.size))
+        in8: int | None = None
+        if not in8_null:
+            (in8,) = self._run2.unpack(more(self._run2.size))
+        (letter_null,) = self._run2.unpack(more(self._run2.size))
+        letter: int | None = None
+        if not letter_null:
+            (letter,) = self._run3.unpack(more(self._run3.size))
+        (point_null,) = self._run2.unpack(more(self._run2.size))
+        point: nBoard_tagPoint | None = None
+        if not point_null:
+            unpacked = self._run4.unpack(more(self._run4.size))
+            point = nBoard_tagPoint(unpacked[0], unpacked[1])
+        out32_null, eop = self._run5.unpack(more(self._run5.size))
+        if eop != EOP_REPLY_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
+        return (in8, letter, point, not out32_null)
+
+    def encode_reply(
+        self,
+        given_letter: int | None,
+        given_out32: bool,
+        returned: int,
+        letter: int | None,
+        out32: int | None,
+    ) -> bytes:
+        try:
+            if is_rpc_error(returned):
+                return self._run6.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            parts: list[bytes] = []
+            parts.append(self._run7.pack(SOP_REPLY, returned))
+            if given_letter is not None:
+                parts.append(self._run3.pack(UINT8[present(letter)]))
+            if given_out32:
+                parts.append(self._run8.pack(present(out32)))
+            parts.append(self._run9.pack(EOP_NOTHING_FOLLOWS))
+            return b"".join(parts)
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"return": returned, "letter": letter, "out32": out32},
+            ) from failure
+
+    def read_reply(
+        self,
+        first: bytes,
+        more: More,
+        given_letter: int | None,
+        given_out32: bool,
+    ) -> tuple[int, tuple[int | None, int | None] | None]:
+        sop, returned = self._run7.unpack(first)
+        if sop != SOP_REPLY:
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
+        if is_rpc_error(returned):
+            if (eop_bytes := more(2)) != self.nothing_follows:
+                raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
+            return returned, None
+        letter: int | None = None
+        if given_letter is not None:
+            (letter,) = self._run3.unpack(more(self._run3.size))
+        out32: int | None = None
+        if given_out32:
+            (out32,) = self._run8.unpack(more(self._run8.size))
+        if (eop_bytes := more(2)) != self.nothing_follows:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
+        return returned, (letter, out32)
+
+    def unset(
+        self,
+        in8: int | None,
+        letter: int | None,
+        point: nBoard_tagPoint | None,
+        out32: bool,
+    ) -> tuple[int | None, int | None]:
+        return (letter, None)
+
+
+class NamesMessages(Messages[[Sequence[str], int, Sequence[int]], tuple[int, str]]):
+    """`ER ([in, size_is(n), string(12)] const char_t* *list, [in] int32_t n, [out, string(24)] char_t *joined, [in, string] const uint16_t *wide)`."""
+
+    results = 2
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHi")
+        self._run2 = tdr.struct("i")
+        self._run3 = tdr.struct("H")
+        self._run4 = tdr.struct("HnH")
+        self._run5 = tdr.struct("Hni")
+        self._run6 = tdr.struct("Hn")
+        self._text = Text(tdr, codec.encoding)
+        self._text_H = WideText(tdr, "H")
+        self.first = self._run6.size
+
+    def encode_request(
+        self,
+        list_: Sequence[str],
+        n: int,
+        wide: Sequence[int],
+    ) -> bytes:
+        try:
+            wide_units = self._text_H.units(wide)
+            return b"".join(
+                (
+                    self._run1.pack(SOP_REQUEST, self.id, n),
+                    b"".join(
+                        [self._text.whole(each1, 12) for each1 in exactly(list_, n)],
+                    ),
+                    self._run2.pack(len(wide_units) // self._text_H.width),
+                    wide_units,
+                    self._run3.pack(EOP_REPLY_FOLLOWS),
+                ),
+            )
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"list": list_, "n": n, "wide": wide},
+            ) from failure
+
+    def read_request(self, more: More) -> tuple[list[str], int, list[int]]:
+        room = Room(self.request_limit)
+        (n,) = self._run2.unpack(more(self._run2.size))
+        list_ = [self._text.read(more, room, 12) for _ in range(room.take(n, 1))]
+        (wide_count,) = self._run2.unpack(more(self._run2.size))
+        wide_size = room.take(wide_count, self._text_H.width)
+        packet = more(wide_size + self._run3.size)
+        wide = self._text_H.text(packet[:wide_size])
+        (eop,) = self._run3.unpack_from(packet, wide_size)
+        if eop != EOP_REPLY_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
+        room.take(24, 1)
+        return (list_, n, wide)
+
+    def encode_reply(self, returned: int, joined: str) -> bytes:
+        try:
+            if is_rpc_error(returned):
+                return self._run4.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            joined_units = self._text.units(joined, 24)
+            return b"".join(
+                (
+                    self._run5.pack(SOP_REPLY, returned, len(joined_units)),
+                    joined_units,
+                    self._run3.pack(EOP_NOTHING_FOLLOWS),
+                ),
+            )
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"return": returned, "joined": joined},
+            ) from failure
+
+    def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[str] | None]:
+        room = Room(self.reply_limit)
+        sop, returned = self._run6.unpack(first)
+        if sop != SOP_REPLY:
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
+        if is_rpc_error(returned):
+            if (eop_bytes := more(2)) != self.nothing_follows:
+                raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
+            return returned, None
+        (joined_count,) = self._run2.unpack(more(self._run2.size))
+        joined_size = room.take(joined_count, 1, 24)
+        packet = more(joined_size + self._run3.size)
+        joined = self._text.text(packet[:joined_size])
+        (eop,) = self._run3.unpack_from(packet, joined_size)
+        if eop != EOP_NOTHING_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
+        return returned, (joined,)
+
+    def unset(self, list_: Sequence[str], n: int, wide: Sequence[int]) -> tuple[str]:
+        return ("",)
+
+
+class PartMessages(
+    Messages[[Sequence[nBoard_tagPoint], int], tuple[int, nBoard_tagPoint, list[bool]]],
+):
+    """`ER ([in, size_is(n, 8)] const nBoard::Point *points, [in] uint8_t n, [out] nBoard::Point *sum, [out, size_is(3)] bool_t *flags)`."""
+
+    results = 3
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHB")
+        self._run2 = tdr.struct("hi")
+        self._run3 = tdr.struct("H")
+        self._run4 = tdr.struct("B")
+        self._run5 = tdr.struct("HnH")
+        self._run6 = tdr.struct("Hnhi")
+        self._run7 = tdr.struct("Hn")
+        self._booleans = Items(tdr, "?")
+        self.first = self._run7.size
+
+    def encode_request(self, points: Sequence[nBoard_tagPoint], n: int) -> bytes:
+        try:
+            return b"".join(
+                (
+                    self._run1.pack(SOP_REQUEST, self.id, UINT8[n]),
+                    b"".join(
+                        [
+                            self._run2.pack(each1.x, each1.y)
+                            for each1 in exactly(points, within(n, 8))
+                        ],
+                    ),
+                    self._run3.pack(EOP_REPLY_FOLLOWS),
+                ),
+            )
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"points": points, "n": n},
+            ) from failure
+
+    def read_request(self, more: More) -> tuple[list[nBoard_tagPoint], int]:
+        room = Room(self.request_limit)
+        (n,) = self._run4.unpack(more(self._run4.size))
+        points_count = n
+        points_size = room.take(points_count, self._run2.size, 8)
+        packet = more(points_size + self._run3.size)
+        points = [
+            nBoard_tagPoint(unpacked[0], unpacked[1])
+            for unpacked in self._run2.iter_unpack(packet[:points_size])
+        ]
+        (eop,) = self._run3.unpack_from(packet, points_size)
+        if eop != EOP_REPLY_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
+        room.take(3, self._booleans.width)
+        return (points, n)
+
+    def encode_reply(
+        self,
+        returned: int,
+        sum_: nBoard_tagPoint,
+        flags: Sequence[bool],
+    ) -> bytes:
+        try:
+            if is_rpc_error(returned):
+                return self._run5.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            return b"".join(
+                (
+                    self._run6.pack(SOP_REPLY, returned, sum_.x, sum_.y),
+                    self._booleans.pack(exactly(flags, 3)),
+                    self._run3.pack(EOP_NOTHING_FOLLOWS),
+                ),
+            )
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"return": returned, "sum": sum_, "flags": flags},
+            ) from failure
+
+    def read_reply(
+        self,
+        first: bytes,
+        more: More,
+    ) -> tuple[int, tuple[nBoard_tagPoint, list[bool]] | None]:
+        room = Room(self.reply_limit)
+        sop, returned = self._run7.unpack(first)
+        if sop != SOP_REPLY:
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
+        if is_rpc_error(returned):
+            if (eop_bytes := more(2)) != self.nothing_follows:
+                raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
+            return returned, None
+        unpacked = self._run2.unpack(more(self._run2.size))
+        sum_ = nBoard_tagPoint(unpacked[0], unpacked[1])
+        flags_count = 3
+        flags_size = room.take(flags_count, self._booleans.width)
+        packet = more(flags_size + self._run3.size)
+        flags = self._booleans.booleans(packet, flags_count)
+        (eop,) = self._run3.unpack_from(packet, flags_size)
+        if eop != EOP_NOTHING_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
+        return returned, (sum_, flags)
+
+    def unset(
+        self,
+        points: Sequence[nBoard_tagPoint],
+        n: int,
+    ) -> tuple[nBoard_tagPoint, list[bool]]:
+        return (nBoard_tagPoint(), [])
+
+
+class WideMessages(Messages[[Sequence[bytes]], tuple[int, bytes]]):
+    """`long_t ([in] const uint8_t grid[2][3], [out, size_is(4)] char_t *label)`."""
+
+    results = 2
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HH3s3sH")
+        self._run2 = tdr.struct("3s3sH")
+        self._run3 = tdr.struct("Hl")
+        self._run4 = tdr.struct("H")
+        self.first = self._run3.size
+
+    def encode_request(self, grid: Sequence[bytes]) -> bytes:
+        try:
+            return self._run1.pack(
+                SOP_REQUEST,
+                self.id,
+                *[exactly(each1, 3) for each1 in exactly(grid, 2)],
+                EOP_REPLY_FOLLOWS,
+            )
+        except FAILURES as failure:
+            raise argument_error(self.function, failure, {"grid": grid}) from failure
+
+    def read_request(self, more: More) -> tuple[list[bytes]]:
+        room = Room(self.request_limit)
+        unpacked = self._run2.unpack(more(self._run2.size))
+        grid = list(unpacked[0:2])
+        eop = unpacked[2]
+        if eop != EOP_REPLY_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
+        room.take(4, 1)
+        return (grid,)
+
+    def encode_reply(self, returned: int, label: bytes) -> bytes:
+        try:
+            return b"".join(
+                (
+                    self._run3.pack(SOP_REPLY, returned),
+                    exactly(label, 4),
+                    self._run4.pack(EOP_NOTHING_FOLLOWS),
+                ),
+            )
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"return": returned, "label": label},
+            ) from failure
+
+    def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[bytes]]:
+        room = Room(self.reply_limit)
+        sop, returned = self._run3.unpack(first)
+        if sop != SOP_REPLY:
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
+        label_count = 4
+        label_size = room.take(label_count, 1)
+        packet = more(label_size + self._run4.size)
+        label = packet[:label_size]
+        (eop,) = self._run4.unpack_from(packet, label_size)
+        if eop != EOP_NOTHING_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
+        return returned, (label,)
+
+
+class StopMessages(Messages[[int], None]):
+    """`[oneway] void ([in] uchar_t why)`."""
+
+    is_void = True
+    oneway = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHBH")
+        self._run2 = tdr.struct("BH")
+
+    def encode_request(self, why: int) -> bytes:
+        try:
+            return self._run1.pack(
+                SOP_REQUEST,
+                self.id,
+                UINT8[why],
+                EOP_NOTHING_FOLLOWS,
+            )
+        except FAILURES as failure:
+            raise argument_error(self.function, failure, {"why": why}) from failure
+
+    def read_request(self, more: More) -> tuple[int]:
+        why, eop = self._run2.unpack(more(self._run2.size))
+        if eop != EOP_NOTHING_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
+        return (why,)
+
+
+class StopAllMessages(Messages[[], int]):
+    """`[oneway] ER (void)`."""
+
+    results = 1
+    oneway = True
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHH")
+        self._request = self._run1.pack(SOP_REQUEST, self.id, EOP_NOTHING_FOLLOWS)
+
+    def encode_request(self) -> bytes:
+        return self._request
+
+    def read_request(self, more: More) -> tuple[()]:
+        if (eop_bytes := more(2)) != self.nothing_follows:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
+        return ()
+
+
+class ClassMessages(Messages[[int, int, int, int], int]):
+    """`void ([in] int32_t None, [in] int32_t any, [in] int32_t self, [in] int32_t Self, [out] uint8_t *out)`."""
+
+    results = 1
+    is_void = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHiiiiH")
+        self._run2 = tdr.struct("iiiiH")
+        self._run3 = tdr.struct("HBH")
+        self.first = self._run3.size
+
+    def encode_request(self, None_: int, any_: int, self_: int, Self: int) -> bytes:
+        try:
+            return self._run1.pack(
+                SOP_REQUEST,
+                self.id,
+                None_,
+                any_,
+                self_,
+                Self,
+                EOP_REPLY_FOLLOWS,
+            )
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"None": None_, "any": any_, "self": self_, "Self": Self},
+            ) from failure
+
+    def read_request(self, more: More) -> tuple[int, int, int, int]:
+        None_, any_, self_, Self, eop = self._run2.unpack(more(self._run2.size))
+        if eop != EOP_REPLY_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
+        return (None_, any_, self_, Self)
+
+    def encode_reply(self, out: int) -> bytes:
+        try:
+            return self._run3.pack(SOP_REPLY, UINT8[out], EOP_NOTHING_FOLLOWS)
+        except FAILURES as failure:
+            raise argument_error(self.function, failure, {"out": out}) from failure
+
+    def read_reply(self, first: bytes, more: More) -> tuple[None, tuple[int]]:
+        sop, out, eop = self._run3.unpack(first)
+        if sop != SOP_REPLY:
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
+        if eop != EOP_NOTHING_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
+        return None, (out,)
+
+
+class MotorCodec(Codec):
+    """The messages of `nBoard::sMotor`, by function."""
+
+    signature: ClassVar[str] = "nBoard::sMotor"
+    digest: ClassVar[str] = "e1044aa8f831eebf"
+
+    def __init__(
+        self,
+        tdr: Tdr = NETWORK,
+        *,
+        encoding: str = "latin-1",
+        limit: int = REQUEST_LIMIT,
+        reply_limit: int = REPLY_LIMIT,
+    ) -> None:
+        super().__init__(tdr, encoding=encoding, limit=limit, reply_limit=reply_limit)
+        self.set = SetMessages(self, "set", 1)
+        self.get = GetMessages(self, "get", 2)
+        self.state = StateMessages(self, "state", 3)
+        self.maybe = MaybeMessages(self, "maybe", 4)
+        self.names = NamesMessages(self, "names", 5)
+        self.part = PartMessages(self, "part", 6)
+        self.wide = WideMessages(self, "wide", 7)
+        self.stop = StopMessages(self, "stop", 8)
+        self.stop_all = StopAllMessages(self, "stop_all", 9)
+        self.class_ = ClassMessages(self, "class", 10)

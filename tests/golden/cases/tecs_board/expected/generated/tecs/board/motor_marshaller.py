@@ -5,12 +5,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import ClassVar
 
-from rtgen.runtime import RTC_OK, ReturnCode_t
-from rtgen.runtime.opaque_rpc import Channel, E_OK, RpcError, make_tdr, send
+from rtgen.runtime import (
+    Component,
+    ComponentProfile,
+    RTC_OK,
+    ReturnCode_t,
+    service_port,
+)
+from rtgen.runtime.opaque_rpc import (
+    Channel,
+    CommunicationChannel,
+    ProxyServant,
+    make_tdr,
+)
 
 from . import nboard
-from ..opaque_rpc_communication import CommunicationChannel
+from .. import OpaqueRpc
 from ._types import nBoard_tagPoint, nBoard_tagState
 from ._views import (
     codec_nBoard_tagPoint,
@@ -18,11 +30,11 @@ from ._views import (
     idl_nBoard_tagPoint,
     idl_nBoard_tagState,
 )
-from .components.motor_marshaller import MotorMarshallerBase
 from .motor_codec import MotorCodec
+from .motor_server import MotorTarget
 
 
-class MotorProxy:
+class MotorProxy(MotorTarget):
     """Calls `nBoard::sMotor` of a board; values are of CDL's types."""
 
     def __init__(self, channel: Channel, codec: MotorCodec | None = None) -> None:
@@ -37,54 +49,13 @@ class MotorProxy:
         raw: Sequence[int],
         n: int,
     ) -> int:
-        """`ER set([in] nBoard::Level level, [in] int8_t sign, [in] const char_t *text, [in] const int8_t *raw, [in] int32_t n)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_set_request(level, sign, text, raw, n)
-        try:
-            head = channel.begin(request, codec.set_first)
-            try:
-                returned, _ = codec.read_set_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code
-        return returned
+        return self.codec.set.call(self.channel, level, sign, text, raw, n)
 
     def get(self) -> int:
-        """`nBoard::Level get(void)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_get_request()
-        head = channel.begin(request, codec.get_first)
-        try:
-            returned, _ = codec.read_get_reply(head, channel.more)
-        except BaseException:
-            channel.reset()
-            raise
-        channel.end()
-        return returned
+        return self.codec.get.call(self.channel)
 
     def state(self, given: nBoard_tagState) -> tuple[int, nBoard_tagState]:
-        """`ER state([in] const struct nBoard::tagState *given, [out] struct nBoard::tagState *state)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_state_request(given)
-        try:
-            head = channel.begin(request, codec.state_first)
-            try:
-                returned, outs = codec.read_state_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code, nBoard_tagState()
-        if outs is None:
-            return returned, nBoard_tagState()
-        return returned, *outs
+        return self.codec.state.call(self.channel, given)
 
     def maybe(
         self,
@@ -93,26 +64,7 @@ class MotorProxy:
         point: nBoard_tagPoint | None,
         out32: bool,
     ) -> tuple[int, int | None, int | None]:
-        """`ER maybe([in] const int8_t *in8, [inout] char_t *letter, [in] const nBoard::Point *point, [out] int32_t *out32)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_maybe_request(in8, letter, point, out32)
-        try:
-            head = channel.begin(request, codec.maybe_first)
-            try:
-                (
-                    returned,
-                    outs,
-                ) = codec.read_maybe_reply(head, channel.more, letter, out32)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code, letter, None
-        if outs is None:
-            return returned, letter, None
-        return returned, *outs
+        return self.codec.maybe.call(self.channel, in8, letter, point, out32)
 
     def names(
         self,
@@ -120,95 +72,32 @@ class MotorProxy:
         n: int,
         wide: Sequence[int],
     ) -> tuple[int, str]:
-        """`ER names([in] const char_t* *list, [in] int32_t n, [out] char_t *joined, [in] const uint16_t *wide)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_names_request(list_, n, wide)
-        try:
-            head = channel.begin(request, codec.names_first)
-            try:
-                returned, outs = codec.read_names_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code, ""
-        if outs is None:
-            return returned, ""
-        return returned, *outs
+        return self.codec.names.call(self.channel, list_, n, wide)
 
     def part(
         self,
         points: Sequence[nBoard_tagPoint],
         n: int,
     ) -> tuple[int, nBoard_tagPoint, list[bool]]:
-        """`ER part([in] const nBoard::Point *points, [in] uint8_t n, [out] nBoard::Point *sum, [out] bool_t *flags)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_part_request(points, n)
-        try:
-            head = channel.begin(request, codec.part_first)
-            try:
-                returned, outs = codec.read_part_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code, nBoard_tagPoint(), []
-        if outs is None:
-            return returned, nBoard_tagPoint(), []
-        return returned, *outs
+        return self.codec.part.call(self.channel, points, n)
 
     def wide(self, grid: Sequence[bytes]) -> tuple[int, bytes]:
-        """`long_t wide([in] const uint8_t grid[2][3], [out] char_t *label)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_wide_request(grid)
-        head = channel.begin(request, codec.wide_first)
-        try:
-            returned, outs = codec.read_wide_reply(head, channel.more)
-        except BaseException:
-            channel.reset()
-            raise
-        channel.end()
-        return returned, *outs
+        return self.codec.wide.call(self.channel, grid)
 
     def stop(self, why: int) -> None:
-        """`[oneway] void stop([in] uchar_t why)`."""
-        request = self.codec.encode_stop_request(why)
-        send(self.channel, request)
+        self.codec.stop.call(self.channel, why)
 
     def stop_all(self) -> int:
-        """`[oneway] ER stop_all(void)`."""
-        request = self.codec.encode_stop_all_request()
-        try:
-            send(self.channel, request)
-        except RpcError as error:
-            return error.code
-        return E_OK
+        return self.codec.stop_all.call(self.channel)
 
     def class_(self, None_: int, any_: int, self_: int, Self: int) -> int:
-        """`void class([in] int32_t None, [in] int32_t any, [in] int32_t self, [in] int32_t Self, [out] uint8_t *out)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_class_request(None_, any_, self_, Self)
-        head = channel.begin(request, codec.class_first)
-        try:
-            _, outs = codec.read_class_reply(head, channel.more)
-        except BaseException:
-            channel.reset()
-            raise
-        channel.end()
-        return outs[0]
+        return self.codec.class_.call(self.channel, None_, any_, self_, Self)
 
 
-class _MotorServant(nboard.Motor):
+class _MotorServant(ProxyServant, nboard.Motor):
     """Carries out calls of `nBoard::Motor` by a proxy."""
 
-    def __init__(self, proxy: MotorProxy) -> None:
-        self._proxy = proxy
+    _proxy: MotorProxy
 
     def set(
         self,
@@ -219,9 +108,6 @@ class _MotorServant(nboard.Motor):
         n: int,
     ) -> int:
         return self._proxy.set(level, sign, text.encode("latin-1"), list(raw), n)
-
-    def get(self) -> nboard.Level:
-        return self._proxy.get()
 
     def state(self, given: nboard.tagState) -> tuple[int, nboard.tagState]:
         returned, state_out = self._proxy.state(codec_nBoard_tagState(given))
@@ -245,14 +131,6 @@ class _MotorServant(nboard.Motor):
         out32_out_idl = [] if out32_out is None else [out32_out]
         return returned, letter_out_idl, out32_out_idl
 
-    def names(
-        self,
-        list_: nboard.Motor.StringSeq,
-        n: int,
-        wide: nboard.Motor.UnsignedShortSeq,
-    ) -> tuple[int, str]:
-        return self._proxy.names(list_, n, wide)
-
     def part(
         self,
         points: nboard.Motor.PointSeq8,
@@ -275,18 +153,44 @@ class _MotorServant(nboard.Motor):
     def stop(self, why: str) -> None:
         self._proxy.stop(ord(why))
 
-    def stop_all(self) -> int:
-        return self._proxy.stop_all()
 
-    def class_(self, None_: int, any_: int, self_: int, Self_: int) -> int:
-        return self._proxy.class_(None_, any_, self_, Self_)
-
-
-class MotorMarshaller(MotorMarshallerBase):
+class MotorMarshaller(Component):
     """Carries calls of nBoard::sMotor to a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        "MotorMarshaller",
+        category="TECS",
+        vendor="rtgen",
+        description="Carries calls of nBoard::sMotor to a TECS board",
+        rate=10.0,
+        max_instances=0,
+        ports=(
+            service_port(
+                "provider",
+                "motor",
+                nboard.Motor,
+                "What nBoard::sMotor offers.",
+            ),
+            service_port(
+                "consumer",
+                "communication",
+                OpaqueRpc,
+                "The board's channel.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.motor = self.add_provider("motor", "motor", nboard.Motor)
+        self.communication = self.add_consumer(
+            "communication",
+            "communication",
+            OpaqueRpc,
+        )
 
     def on_initialize(self) -> ReturnCode_t:
         """Makes the proxy behind the service port."""
-        channel = CommunicationChannel(self.communication.object)
-        self.motor.set_servant(_MotorServant(MotorProxy(channel)))
+        proxy = MotorProxy(CommunicationChannel(self.communication))
+        self.motor.set_servant(_MotorServant.of(proxy))
         return RTC_OK

@@ -7,7 +7,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 
-from rtgen.runtime.opaque_rpc import Handlers, More, make_tdr
+from rtgen.runtime.opaque_rpc import Dispatcher, make_tdr
 
 from ._types import nBoard_tagPoint, nBoard_tagState
 from .motor_codec import MotorCodec
@@ -25,7 +25,7 @@ class MotorTarget(ABC):
         raw: Sequence[int],
         n: int,
     ) -> int:
-        """`ER set([in] nBoard::Level level, [in] int8_t sign, [in] const char_t *text, [in] const int8_t *raw, [in] int32_t n)`."""
+        """`ER set([in] nBoard::Level level, [in] int8_t sign, [in, size_is(n)] const char_t *text, [in, size_is(n)] const int8_t *raw, [in] int32_t n)`."""
 
     @abstractmethod
     def get(self) -> int:
@@ -43,7 +43,7 @@ class MotorTarget(ABC):
         point: nBoard_tagPoint | None,
         out32: bool,
     ) -> tuple[int, int | None, int | None]:
-        """`ER maybe([in] const int8_t *in8, [inout] char_t *letter, [in] const nBoard::Point *point, [out] int32_t *out32)`."""
+        """`ER maybe([in, nullable] const int8_t *in8, [inout, nullable] char_t *letter, [in, nullable] const nBoard::Point *point, [out, nullable] int32_t *out32)`."""
 
     @abstractmethod
     def names(
@@ -52,7 +52,7 @@ class MotorTarget(ABC):
         n: int,
         wide: Sequence[int],
     ) -> tuple[int, str]:
-        """`ER names([in] const char_t* *list, [in] int32_t n, [out] char_t *joined, [in] const uint16_t *wide)`."""
+        """`ER names([in, size_is(n), string(12)] const char_t* *list, [in] int32_t n, [out, string(24)] char_t *joined, [in, string] const uint16_t *wide)`."""
 
     @abstractmethod
     def part(
@@ -60,11 +60,11 @@ class MotorTarget(ABC):
         points: Sequence[nBoard_tagPoint],
         n: int,
     ) -> tuple[int, nBoard_tagPoint, list[bool]]:
-        """`ER part([in] const nBoard::Point *points, [in] uint8_t n, [out] nBoard::Point *sum, [out] bool_t *flags)`."""
+        """`ER part([in, size_is(n, 8)] const nBoard::Point *points, [in] uint8_t n, [out] nBoard::Point *sum, [out, size_is(3)] bool_t *flags)`."""
 
     @abstractmethod
     def wide(self, grid: Sequence[bytes]) -> tuple[int, bytes]:
-        """`long_t wide([in] const uint8_t grid[2][3], [out] char_t *label)`."""
+        """`long_t wide([in] const uint8_t grid[2][3], [out, size_is(4)] char_t *label)`."""
 
     @abstractmethod
     def stop(self, why: int) -> None:
@@ -79,65 +79,9 @@ class MotorTarget(ABC):
         """`void class([in] int32_t None, [in] int32_t any, [in] int32_t self, [in] int32_t Self, [out] uint8_t *out)`."""
 
 
-class MotorUnmarshaller:
+class MotorUnmarshaller(Dispatcher):
     """Takes requests of `nBoard::sMotor` apart, calls the target and makes the replies."""
 
     def __init__(self, target: MotorTarget, codec: MotorCodec | None = None) -> None:
-        self.target = target
-        self.codec = codec or MotorCodec(make_tdr("little"), limit=512)
-        functions = {
-            1: self._handle_set,
-            2: self._handle_get,
-            3: self._handle_state,
-            4: self._handle_maybe,
-            5: self._handle_names,
-            6: self._handle_part,
-            7: self._handle_wide,
-            8: self._handle_stop,
-            9: self._handle_stop_all,
-            10: self._handle_class,
-        }
-        self.handlers: Handlers = {
-            head: functions[number] for head, number in self.codec.heads.items()
-        }
-
-    def _handle_set(self, more: More) -> bytes:
-        result = self.target.set(*self.codec.read_set_request(more))
-        return self.codec.encode_set_reply(result)
-
-    def _handle_get(self, more: More) -> bytes:
-        self.codec.read_get_request(more)
-        result = self.target.get()
-        return self.codec.encode_get_reply(result)
-
-    def _handle_state(self, more: More) -> bytes:
-        results = self.target.state(*self.codec.read_state_request(more))
-        return self.codec.encode_state_reply(*results)
-
-    def _handle_maybe(self, more: More) -> bytes:
-        in8, letter, point, out32 = self.codec.read_maybe_request(more)
-        results = self.target.maybe(in8, letter, point, out32)
-        return self.codec.encode_maybe_reply(letter, out32, *results)
-
-    def _handle_names(self, more: More) -> bytes:
-        results = self.target.names(*self.codec.read_names_request(more))
-        return self.codec.encode_names_reply(*results)
-
-    def _handle_part(self, more: More) -> bytes:
-        results = self.target.part(*self.codec.read_part_request(more))
-        return self.codec.encode_part_reply(*results)
-
-    def _handle_wide(self, more: More) -> bytes:
-        results = self.target.wide(*self.codec.read_wide_request(more))
-        return self.codec.encode_wide_reply(*results)
-
-    def _handle_stop(self, more: More) -> None:
-        self.target.stop(*self.codec.read_stop_request(more))
-
-    def _handle_stop_all(self, more: More) -> None:
-        self.codec.read_stop_all_request(more)
-        self.target.stop_all()
-
-    def _handle_class(self, more: More) -> bytes:
-        result = self.target.class_(*self.codec.read_class_request(more))
-        return self.codec.encode_class_reply(result)
+        codec = codec or MotorCodec(make_tdr("little"), limit=512)
+        super().__init__(target, codec)

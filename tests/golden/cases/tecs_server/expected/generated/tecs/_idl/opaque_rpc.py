@@ -15,86 +15,18 @@ from rtgen.runtime.cdr import (
     UserException,
     decoding_error,
     encoding_error,
-    from_xcdr2,
-    to_xcdr2,
 )
 from rtgen.runtime.cdr_values import text_octets, text_value
 from rtgen.runtime.descriptors import (
-    AliasDescriptor,
     ExceptionDescriptor,
     InterfaceDescriptor,
     MemberDescriptor,
     PrimitiveDescriptor,
-    SequenceDescriptor,
     StringDescriptor,
 )
-from rtgen.runtime.services import Servant, Skeleton, Stub
+from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 OpaqueRpc_Octets: TypeAlias = bytes
-_OpaqueRpc_Octets_alias = AliasDescriptor(
-    "IDL:OpaqueRpc/Octets:1.0",
-    "OpaqueRpc::Octets",
-    SequenceDescriptor(PrimitiveDescriptor("octet")),
-)
-
-
-_OpaqueRpc_OctetsCodec_layout = Layout("=I", "@4 *s")
-
-
-class OpaqueRpc_OctetsCodec:
-    """The codec of `OpaqueRpc::Octets`."""
-
-    _descriptor_ = _OpaqueRpc_Octets_alias
-
-    @staticmethod
-    def to_cdr(value: OpaqueRpc_Octets, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _OpaqueRpc_OctetsCodec_layout.pack_little
-                if little_endian
-                else _OpaqueRpc_OctetsCodec_layout.pack_big
-            )
-            n_value = len(value)
-            return pack[n_value](n_value, value)
-        except FAILURES as failure:
-            raise encoding_error(OpaqueRpc_OctetsCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> OpaqueRpc_Octets:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _OpaqueRpc_OctetsCodec_layout.read_little
-                if little_endian
-                else _OpaqueRpc_OctetsCodec_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: OpaqueRpc_Octets = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                OpaqueRpc_OctetsCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: OpaqueRpc_Octets, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(OpaqueRpc_OctetsCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> OpaqueRpc_Octets:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: OpaqueRpc_Octets = from_xcdr2(OpaqueRpc_OctetsCodec, data, little_endian)
-        return value
 
 
 _OpaqueRpc_Failed_layout = Layout("=iI", "@0 *s")
@@ -165,10 +97,10 @@ class OpaqueRpc(Servant):
         (),
     )
     Octets: TypeAlias = OpaqueRpc_Octets
-    OctetsCodec: TypeAlias = OpaqueRpc_OctetsCodec
     Failed: TypeAlias = OpaqueRpc_Failed
 
     @abstractmethod
+    @operation(raises=(OpaqueRpc_Failed,))
     def begin(self, request: OpaqueRpc_Octets, first: int) -> OpaqueRpc_Octets:
         """Takes the channel and sends a request; the leading octets of its reply.
 
@@ -176,6 +108,7 @@ class OpaqueRpc(Servant):
         """
 
     @abstractmethod
+    @operation(raises=(OpaqueRpc_Failed,))
     def more(self, count: int) -> OpaqueRpc_Octets:
         """The next octets of the reply."""
 
@@ -191,51 +124,6 @@ class OpaqueRpc(Servant):
 class OpaqueRpcStub(OpaqueRpc, Stub):
     """Calls a servant of `OpaqueRpc` through an invoker."""
 
-    def begin(self, request: OpaqueRpc_Octets, first: int) -> OpaqueRpc_Octets:
-        return self._obtain_("begin", request, first)
 
-    def more(self, count: int) -> OpaqueRpc_Octets:
-        return self._obtain_("more", count)
-
-    def end(self) -> None:
-        self._invoke_("end")
-
-    def reset(self) -> None:
-        self._invoke_("reset")
-
-
-class OpaqueRpcSkeleton(Skeleton):
+class OpaqueRpcSkeleton(Skeleton, interface=OpaqueRpc):
     """Calls a servant of `OpaqueRpc` by operation name."""
-
-    def __init__(self, servant: OpaqueRpc) -> None:
-        super().__init__(servant)
-
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: OpaqueRpc = self._servant
-        match operation:
-            case "begin":
-                return self._call_(
-                    operation,
-                    servant.begin,
-                    arguments,
-                    2,
-                    (OpaqueRpc_Failed,),
-                )
-            case "more":
-                return self._call_(
-                    operation,
-                    servant.more,
-                    arguments,
-                    1,
-                    (OpaqueRpc_Failed,),
-                )
-            case "end":
-                return self._call_(operation, servant.end, arguments, 0)
-            case "reset":
-                return self._call_(operation, servant.reset, arguments, 0)
-        return super().dispatch(operation, arguments)
-
-
-OpaqueRpc._stub_ = OpaqueRpcStub
-OpaqueRpc._skeleton_ = OpaqueRpcSkeleton
-OpaqueRpc._calls_ = ".opaque_rpc_calls"

@@ -2,13 +2,34 @@
 # Owned by rtgen: edits are overwritten by the next run.
 # RTCPlugin for tecsgen (tecsgen -L <this folder> ...): makes the board's half of a join.
 #
-# It is OpaqueRPCPlugin. The options that concern the PC's half are left out, and those that
-# both halves have to agree on are handed on in its own terms.
+# It is OpaqueRPCPlugin. Options that concern the robot's half alone are left out, those that both
+# halves have to agree on are handed on in its terms, and those that it cannot honour are errors.
 
+require "delegate"
+require "digest"
 require_tecsgen_lib "OpaqueRPCPlugin.rb"
 
 class RTCPlugin < OpaqueRPCPlugin
+  # The ports that the robot's half calls, by join.
+  PORTS = {
+    'Client.cServer' => 8931,
+  }.freeze
+
+  # The signatures that the robot's half was made from, with their digests.
+  DIGESTS = {
+    'sServer' => '5e08089a3dfbd9f5',
+  }.freeze
+
+  # The widths of C's types in the network's order; the native order has the machine's own.
+  WIDTHS = {
+    'shortBits' => 16,
+    'intBits' => 32,
+    'longBits' => 32,
+    'intptrBits' => 32,
+  }.freeze
+
   PC_OPTIONS = %w[
+    tdr
     reply
     longBits
     shortBits
@@ -16,49 +37,276 @@ class RTCPlugin < OpaqueRPCPlugin
     intptrBits
     array
     encoding
+    address
+    port
     device
     baudrate
     timeout
     name
   ].freeze
 
-  def check_plugin_arg(ident, rhs)
-    case ident.to_s
-    when "tdr"
-      set_TDRCelltype("tTDR") if rhs.to_s.strip != "network"
-    when "address"
-      @rtc_address = rhs.to_s.strip
-      rtc_set_client_channel
-    when "port"
-      @rtc_port = rtc_port_number(rhs)
-      set_serverChannelInitializer("portNo=#{@rtc_port};")
-      rtc_set_client_channel
-    when *PC_OPTIONS
-      # not for the board
-    else
-      super
-    end
+  def initialize(*)
+    @rtc_options = {}
+    super
   end
 
-  # The size that the PC's half assumes, too.
+  def check_plugin_arg(ident, rhs)
+    name = ident.to_s
+    @rtc_options[name] = subst_name(rhs.to_s).strip
+    super unless PC_OPTIONS.include?(name)
+  end
+
+  # Called when all options are read and the cells have their names.
   def check_PPAllocator
+    rtc_check_options
+    rtc_check_signature
+    rtc_choose_channel
     if @PPAllocatorSize.nil? && @signature.need_PPAllocator?(true)
       @PPAllocatorSize = "4096"
     end
     super
   end
 
+  # The marshaler is put into the region that the join starts from, also where `through` stands
+  # before a join.
+  def get_cell_namespace_path
+    @start_region.get_namespace_path.append(@cell_name)
+  end
+
+  def gen_preamble(file, b_singleton, ct_name, global_name)
+    super
+    return unless ct_name.to_s == @unmarshaler_celltype_name.to_s
+
+    file.print "/* The digest of the signature, as in the robot's half. */\n"
+    file.print "const char #{@signature.get_global_name}_digest[] = \"#{rtc_digest}\";\n\n"
+  end
+
+  # The unmarshaler answers function 32767, which no signature has, with the digest.
+  def gen_ep_func_body(file, b_singleton, ct_name, *others)
+    super(WithDigest.new(file, rtc_digest), b_singleton, ct_name, *others)
+  end
+
   private
 
+  def rtc_check_options
+    reply = @rtc_options.fetch("reply", "tecsgen")
+    rtc_refuse("reply=#{reply}", "tecsgen's boards send the return value first") if reply != "tecsgen"
+    WIDTHS.each do |name, bits|
+      given = @rtc_options[name]
+      next if rtc_native? || given.nil? || given.to_i == bits
+
+      rtc_refuse("#{name}=#{given}", "the board sends #{bits} bits in the network's order")
+    end
+    return unless @rtc_options.key?("device") && !@rtc_options.key?("serverChannelCelltype")
+
+    rtc_refuse("device", "name the board's celltype for the line: serverChannelCelltype, clientChannelCelltype")
+  end
+
+  def rtc_refuse(option, reason)
+    cdl_error("R1001 RTCPlugin: #{option} cannot be honoured: #{reason}")
+  end
+
+  def rtc_check_signature
+    path = rtc_path(@signature)
+    return if DIGESTS[path] == rtc_digest
+
+    cdl_error("R1002 RTCPlugin: the robot's half was made from another #{path} " \
+              "(digest #{DIGESTS.fetch(path, "unknown")}, here #{rtc_digest}): run rtgen generate")
+  end
+
+  def rtc_choose_channel
+    set_TDRCelltype("tTDR") if rtc_native? && !@rtc_options.key?("TDRCelltype")
+    port = rtc_port
+    unless @rtc_options.key?("serverChannelInitializer")
+      set_serverChannelInitializer("portNo=#{port};")
+    end
+    return if @rtc_options.key?("clientChannelInitializer")
+
+    address = @rtc_options.fetch("address", "127.0.0.1")
+    set_clientChannelInitializer("portNo=#{port}; serverAddr=\"#{address}\"; ")
+  end
+
+  def rtc_native?
+    @rtc_options.fetch("tdr", "network") != "network"
+  end
+
   # portNo is an int16_t.
-  def rtc_port_number(text)
-    number = text.to_s.split("+").inject(0) { |sum, part| sum + part.strip.to_i }
+  def rtc_port
+    given = @rtc_options["port"]
+    number = given ? given.split("+").sum(&:to_i) : PORTS[rtc_join]
+    if number.nil?
+      cdl_error("R1003 RTCPlugin: the robot's half has no join #{rtc_join}: run rtgen generate")
+      number = 0
+    end
     number > 32767 ? number - 65536 : number
   end
 
-  def rtc_set_client_channel
-    port = @rtc_port || subst_name("8931+$count$")
-    address = @rtc_address || "127.0.0.1"
-    set_clientChannelInitializer("portNo=#{port}; serverAddr=\"#{address}\"; ")
+  # What a join is known by: its call port; a region's plug-in, which callers share, by the target.
+  def rtc_join
+    if @through_type == :THROUGH
+      return "#{rtc_path(@caller_cell)}.#{@join.get_name}#{rtc_index(rtc_subscript)}"
+    end
+
+    region = @through_type == :IN_THROUGH ? @end_region : @start_region
+    target = "#{rtc_path(@callee_cell)}.#{@join.get_port_name}#{rtc_index(@join.get_rhs_subscript1)}"
+    "#{@through_type.to_s.downcase} #{rtc_path(region)} #{target}"
+  end
+
+  # A join of `cPort[]` has the number of its place among those of the port.
+  def rtc_subscript
+    subscript = @join.get_subscript
+    return subscript unless subscript == -1
+
+    first = @caller_cell.get_join_list.get_item(@join.get_name)
+    first.get_array_member2.index { |join| join.equal?(@join) }
+  end
+
+  def rtc_index(subscript)
+    subscript.nil? ? "" : "[#{subscript}]"
+  end
+
+  def rtc_path(object)
+    object.get_namespace_path.get_path_str.sub(/\A::/, "")
+  end
+
+  def rtc_digest
+    @rtc_digest ||= Digest::SHA256.hexdigest(SignatureText.new.of(@signature))[0, 16]
+  end
+
+  # A file to which tecsgen prints the message loop: adds the case of function 32767.
+  class WithDigest < SimpleDelegator
+    def initialize(file, digest)
+      super(file)
+      @code = <<~CASE.gsub(/^/, "\t")
+        case 0x7FFF:\t/* the digest of the signature */
+        \tif( (ercd_=cTDR_receiveEOP(true)) == E_OK &&
+        \t\t(ercd_=cTDR_sendSOP(false)) == E_OK &&
+        \t\t(ercd_=cTDR_putUInt64(UINT64_C(0x#{digest}))) == E_OK )
+        \t\tercd_ = cTDR_sendEOP(false);
+        \tbreak;
+      CASE
+    end
+
+    def print(*texts)
+      super(*texts.map { |text| text.to_s.sub(/^\tswitch\( func_id_ \)\{\n/) { |line| line + @code } })
+    end
+  end
+
+  # What the digest is made of; rtgen writes the same of its own model.
+  class SignatureText
+    def initialize
+      @structs = {}
+    end
+
+    def of(signature)
+      heads = signature.get_function_head_array
+      heads.map { |head| "#{function(signature, head)}\n" }.join
+    end
+
+    private
+
+    def function(signature, head)
+      id = signature.get_id_from_func_name(head.get_name)
+      returns = head.get_return_type
+      words = [id]
+      words << "oneway" if head.is_oneway?
+      words << "error" if %w[ER ER_INT].include?(unqualified(returns))
+      items = head.get_paramlist ? head.get_paramlist.get_items : []
+      items = items.reject { |item| item.get_type.is_a?(VoidType) }
+      names = items.map { |item| item.get_name.to_s }
+      parameters = items.map do |item|
+        sizes = sizes(item.get_size, item.get_count, item.get_string, item.get_type, names)
+        "#{item.get_direction.to_s.downcase} #{type(item.get_type)} #{item.get_name}#{sizes}"
+      end
+      "#{words.join(" ")} #{type(returns)} #{head.get_name}(#{parameters.join(",")})"
+    end
+
+    def type(type)
+      case type
+      when DefinedType
+        known = SCALARS[unqualified(type)]
+        known || type(type.get_type)
+      when PtrType then "*#{type(type.get_type)}"
+      when ArrayType
+        size = type.get_subscript ? type.get_subscript.eval_const(nil) : ""
+        "[#{size}]#{type(type.get_type)}"
+      when StructType then struct(type)
+      when EnumType then "enum"
+      when FuncType then "function"
+      when DescriptorType then "descriptor"
+      else
+        SCALARS.fetch(unqualified(type)) { |text| text }
+      end
+    end
+
+    def struct(type)
+      number = @structs[type.get_name.to_s]
+      return "struct #{number}" if number
+
+      number = @structs[type.get_name.to_s] = @structs.size + 1
+      members = type.get_members_decl
+      return "struct #{number}" if members.nil?
+
+      items = members.get_items
+      names = items.map { |item| item.get_name.to_s }
+      texts = items.map do |item|
+        sizes = sizes(item.get_size_is, item.get_count_is, item.get_string, item.get_type, names)
+        "#{type(item.get_type)} #{item.get_name}#{sizes};"
+      end
+      "struct #{number}{" + texts.join + "}"
+    end
+
+    def sizes(size, count, string, type, names)
+      original = type.get_original_type
+      limit = original.is_a?(PtrType) ? original.get_max : nil
+      words = []
+      words << "size_is=#{length(size, names)}" if size
+      words << "max=#{limit.is_a?(Expression) ? limit.eval_const(nil) : limit}" if limit
+      words << "count_is=#{length(count, names)}" if count
+      words << "string=#{string == -1 ? "" : length(string, names)}" if string
+      words << "nullable" if original.is_a?(PtrType) && original.is_nullable?
+      words.map { |word| " #{word}" }.join
+    end
+
+    def length(expression, names)
+      used = expression.to_s.scan(/[A-Za-z_]\w*/) & names
+      used.empty? ? expression.eval_const(nil).to_i.to_s : used.join("+")
+    end
+
+    def unqualified(type)
+      type.get_type_str.to_s.gsub(/\b(?:const|volatile)\b/, "").strip
+    end
+
+    # Spellings of C's types that are others in CDL.
+    SCALARS = {
+      'bool_t' => 'bool_t',
+      'char_t' => 'char_t',
+      'schar_t' => 'schar_t',
+      'uchar_t' => 'uchar_t',
+      'int8_t' => 'int8_t',
+      'int16_t' => 'int16_t',
+      'int32_t' => 'int32_t',
+      'int64_t' => 'int64_t',
+      'int128_t' => 'int128_t',
+      'uint8_t' => 'uint8_t',
+      'uint16_t' => 'uint16_t',
+      'uint32_t' => 'uint32_t',
+      'uint64_t' => 'uint64_t',
+      'uint128_t' => 'uint128_t',
+      'intptr_t' => 'intptr_t',
+      'uintptr_t' => 'uintptr_t',
+      'float32_t' => 'float32_t',
+      'double64_t' => 'double64_t',
+      'size_t' => 'unsigned long',
+      'char' => 'char_t',
+      'signed char' => 'schar_t',
+      'unsigned char' => 'uchar_t',
+      'signed short' => 'short',
+      'signed int' => 'int',
+      'signed long' => 'long',
+      'signed long long' => 'long long',
+      'float' => 'float32_t',
+      'double' => 'double64_t',
+    }.freeze
   end
 end

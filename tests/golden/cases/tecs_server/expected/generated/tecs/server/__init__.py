@@ -2,10 +2,15 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """What stands in the global scope of IDL."""
 
-from ._idl.server import (
-    Server as Server,
-    ServerSkeleton as ServerSkeleton,
-    ServerStub as ServerStub,
-)
+from typing import TYPE_CHECKING
+
+from rtgen.runtime.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from ._idl.server import Server, ServerSkeleton, ServerStub
 
 __all__ = ["Server", "ServerSkeleton", "ServerStub"]
+__getattr__ = lazy_names(
+    __name__,
+    {"._idl.server": ("Server", "ServerSkeleton", "ServerStub")},
+)

@@ -9,7 +9,7 @@ cd "$(dirname "$0")"
 python="${PYTHON:-python3}"
 stubs="${STUBS:-../../../build/tecs.server}"
 "$python" -c "import rtgen.runtime" 2>/dev/null || "$python" -m pip install "${RTGEN:-rtgen}"
-(cd ../.. && "$python" -c "import tecs.server.server_marshaller, tecs.server.server_server")
+(cd ../.. && "$python" -c 'import tecs.server.server_marshaller, tecs.server.server_server')
 if command -v omniidl >/dev/null 2>&1; then
     mkdir -p "$stubs"
     omniidl -bpython -C"$stubs" Server.idl ../OpaqueRpc.idl

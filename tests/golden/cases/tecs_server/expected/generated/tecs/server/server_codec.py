@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import ClassVar
 
 from rtgen.runtime.opaque_rpc.codecs import (
@@ -13,11 +12,10 @@ from rtgen.runtime.opaque_rpc.codecs import (
     More,
     REPLY_LIMIT,
     REQUEST_LIMIT,
-    ReplyOrder,
     argument_error,
     is_rpc_error,
-    magic_error,
 )
+from rtgen.runtime.opaque_rpc.functions import Messages
 from rtgen.runtime.opaque_rpc.tdr import (
     EOP_NOTHING_FOLLOWS,
     EOP_REPLY_FOLLOWS,
@@ -29,220 +27,197 @@ from rtgen.runtime.opaque_rpc.tdr import (
 )
 
 
-class ServerCodec(Codec):
-    """Encodes and reads the messages of `sServer`; see `Codec` for the methods."""
+class Func1Messages(Messages[[int], int]):
+    """`ER ([in] int32_t indata)`."""
 
-    name: ClassVar[str] = "sServer"
-    ids: ClassVar[Mapping[str, int]] = {"func1": 1, "func2": 2, "func3": 3}
+    results = 1
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHiH")
+        self._run2 = tdr.struct("iH")
+        self._run3 = tdr.struct("HnH")
+        self.first = self._run3.size
+
+    def encode_request(self, indata: int) -> bytes:
+        try:
+            return self._run1.pack(SOP_REQUEST, self.id, indata, EOP_REPLY_FOLLOWS)
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"indata": indata},
+            ) from failure
+
+    def read_request(self, more: More) -> tuple[int]:
+        indata, eop = self._run2.unpack(more(self._run2.size))
+        if eop != EOP_REPLY_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
+        return (indata,)
+
+    def encode_reply(self, returned: int) -> bytes:
+        try:
+            return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"return": returned},
+            ) from failure
+
+    def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
+        sop, returned, eop = self._run3.unpack(first)
+        if sop != SOP_REPLY:
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
+        if eop != EOP_NOTHING_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
+        return returned, ()
+
+
+class Func2Messages(Messages[[], tuple[int, int]]):
+    """`ER ([out] char_t *outdata)`."""
+
+    results = 2
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHH")
+        self._run2 = tdr.struct("HnH")
+        self._run3 = tdr.struct("HnBH")
+        self._run4 = tdr.struct("Hn")
+        self._run5 = tdr.struct("BH")
+        self._request = self._run1.pack(SOP_REQUEST, self.id, EOP_REPLY_FOLLOWS)
+        self.first = self._run4.size
+
+    def encode_request(self) -> bytes:
+        return self._request
+
+    def read_request(self, more: More) -> tuple[()]:
+        if (eop_bytes := more(2)) != self.awaiting_reply:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop_bytes)
+        return ()
+
+    def encode_reply(self, returned: int, outdata: int) -> bytes:
+        try:
+            if is_rpc_error(returned):
+                return self._run2.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            return self._run3.pack(
+                SOP_REPLY,
+                returned,
+                UINT8[outdata],
+                EOP_NOTHING_FOLLOWS,
+            )
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"return": returned, "outdata": outdata},
+            ) from failure
+
+    def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[int] | None]:
+        sop, returned = self._run4.unpack(first)
+        if sop != SOP_REPLY:
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
+        if is_rpc_error(returned):
+            if (eop_bytes := more(2)) != self.nothing_follows:
+                raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
+            return returned, None
+        outdata, eop = self._run5.unpack(more(self._run5.size))
+        if eop != EOP_NOTHING_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
+        return returned, (outdata,)
+
+    def unset(self) -> tuple[int]:
+        return (0,)
+
+
+class Func3Messages(Messages[[int, int], tuple[int, int]]):
+    """`ER ([in] int64_t indata, [inout] uint32_t *iodata)`."""
+
+    results = 2
+    error_code = True
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        super().__init__(codec, name, number)
+        tdr = codec.tdr
+        self._run1 = tdr.struct("HHqIH")
+        self._run2 = tdr.struct("qIH")
+        self._run3 = tdr.struct("HnH")
+        self._run4 = tdr.struct("HnIH")
+        self._run5 = tdr.struct("Hn")
+        self._run6 = tdr.struct("IH")
+        self.first = self._run5.size
+
+    def encode_request(self, indata: int, iodata: int) -> bytes:
+        try:
+            return self._run1.pack(
+                SOP_REQUEST,
+                self.id,
+                indata,
+                iodata,
+                EOP_REPLY_FOLLOWS,
+            )
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"indata": indata, "iodata": iodata},
+            ) from failure
+
+    def read_request(self, more: More) -> tuple[int, int]:
+        indata, iodata, eop = self._run2.unpack(more(self._run2.size))
+        if eop != EOP_REPLY_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_REPLY_FOLLOWS, eop)
+        return (indata, iodata)
+
+    def encode_reply(self, returned: int, iodata: int) -> bytes:
+        try:
+            if is_rpc_error(returned):
+                return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
+            return self._run4.pack(SOP_REPLY, returned, iodata, EOP_NOTHING_FOLLOWS)
+        except FAILURES as failure:
+            raise argument_error(
+                self.function,
+                failure,
+                {"return": returned, "iodata": iodata},
+            ) from failure
+
+    def read_reply(self, first: bytes, more: More) -> tuple[int, tuple[int] | None]:
+        sop, returned = self._run5.unpack(first)
+        if sop != SOP_REPLY:
+            raise self.wrong_mark("SOP", SOP_REPLY, sop)
+        if is_rpc_error(returned):
+            if (eop_bytes := more(2)) != self.nothing_follows:
+                raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop_bytes)
+            return returned, None
+        iodata, eop = self._run6.unpack(more(self._run6.size))
+        if eop != EOP_NOTHING_FOLLOWS:
+            raise self.wrong_mark("EOP", EOP_NOTHING_FOLLOWS, eop)
+        return returned, (iodata,)
+
+    def unset(self, indata: int, iodata: int) -> tuple[int]:
+        return (iodata,)
+
+
+class ServerCodec(Codec):
+    """The messages of `sServer`, by function."""
+
+    signature: ClassVar[str] = "sServer"
+    digest: ClassVar[str] = "5e08089a3dfbd9f5"
 
     def __init__(
         self,
         tdr: Tdr = NETWORK,
         *,
-        reply: ReplyOrder = "tecsgen",
         encoding: str = "latin-1",
         limit: int = REQUEST_LIMIT,
         reply_limit: int = REPLY_LIMIT,
     ) -> None:
-        super().__init__(
-            tdr,
-            reply=reply,
-            encoding=encoding,
-            limit=limit,
-            reply_limit=reply_limit,
-        )
-        self._run1 = tdr.struct("HHiH")
-        self._run2 = tdr.struct("iH")
-        self._run3 = tdr.struct("HnH")
-        self._run4 = tdr.struct("HHH")
-        self._run5 = tdr.struct("HnBH")
-        self._run6 = tdr.struct("Hn")
-        self._run7 = tdr.struct("BH")
-        self._run8 = tdr.struct("HBnH")
-        self._run9 = tdr.struct("HHqIH")
-        self._run10 = tdr.struct("qIH")
-        self._run11 = tdr.struct("HnIH")
-        self._run12 = tdr.struct("IH")
-        self._run13 = tdr.struct("HInH")
-        self._request2 = self._run4.pack(SOP_REQUEST, 2, EOP_REPLY_FOLLOWS)
-        self.func1_first = self._run3.size
-        self.func2_first = self._run8.size if self._paper else self._run6.size
-        self.func3_first = self._run13.size if self._paper else self._run6.size
-
-    def encode_func1_request(self, indata: int) -> bytes:
-        try:
-            return self._run1.pack(SOP_REQUEST, 1, indata, EOP_REPLY_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error(
-                "sServer.func1",
-                failure,
-                {"indata": indata},
-            ) from failure
-
-    def read_func1_request(self, more: More) -> tuple[int]:
-        indata, eop = self._run2.unpack(more(self._run2.size))
-        if eop != EOP_REPLY_FOLLOWS:
-            raise magic_error("sServer.func1", "no EOP")
-        return (indata,)
-
-    def encode_func1_reply(self, returned: int) -> bytes:
-        try:
-            return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error(
-                "sServer.func1",
-                failure,
-                {"return": returned},
-            ) from failure
-
-    def read_func1_reply(self, first: bytes, more: More) -> tuple[int, tuple[()]]:
-        sop, returned, eop = self._run3.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("sServer.func1", "no SOP")
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sServer.func1", "no EOP")
-        return returned, ()
-
-    def encode_func2_request(self) -> bytes:
-        return self._request2
-
-    def read_func2_request(self, more: More) -> tuple[()]:
-        if more(2) != self.awaiting_reply:
-            raise magic_error("sServer.func2", "no EOP")
-        return ()
-
-    def encode_func2_reply(self, returned: int, outdata: int) -> bytes:
-        if self._paper:
-            return self._encode_func2_reply_in_paper_order(returned, outdata)
-        try:
-            if is_rpc_error(returned):
-                return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-            return self._run5.pack(
-                SOP_REPLY,
-                returned,
-                UINT8[outdata],
-                EOP_NOTHING_FOLLOWS,
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "sServer.func2",
-                failure,
-                {"return": returned, "outdata": outdata},
-            ) from failure
-
-    def read_func2_reply(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[int] | None]:
-        if self._paper:
-            return self._read_func2_reply_in_paper_order(first, more)
-        sop, returned = self._run6.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("sServer.func2", "no SOP")
-        if is_rpc_error(returned):
-            if more(2) != self.nothing_follows:
-                raise magic_error("sServer.func2", "no EOP")
-            return returned, None
-        outdata, eop = self._run7.unpack(more(self._run7.size))
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sServer.func2", "no EOP")
-        return returned, (outdata,)
-
-    def _encode_func2_reply_in_paper_order(self, returned: int, outdata: int) -> bytes:
-        try:
-            return self._run8.pack(
-                SOP_REPLY,
-                UINT8[outdata],
-                returned,
-                EOP_NOTHING_FOLLOWS,
-            )
-        except FAILURES as failure:
-            raise argument_error(
-                "sServer.func2",
-                failure,
-                {"return": returned, "outdata": outdata},
-            ) from failure
-
-    def _read_func2_reply_in_paper_order(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[int] | None]:
-        sop, outdata, returned, eop = self._run8.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("sServer.func2", "no SOP")
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sServer.func2", "no EOP")
-        return returned, (outdata,)
-
-    def encode_func3_request(self, indata: int, iodata: int) -> bytes:
-        try:
-            return self._run9.pack(SOP_REQUEST, 3, indata, iodata, EOP_REPLY_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error(
-                "sServer.func3",
-                failure,
-                {"indata": indata, "iodata": iodata},
-            ) from failure
-
-    def read_func3_request(self, more: More) -> tuple[int, int]:
-        indata, iodata, eop = self._run10.unpack(more(self._run10.size))
-        if eop != EOP_REPLY_FOLLOWS:
-            raise magic_error("sServer.func3", "no EOP")
-        return (indata, iodata)
-
-    def encode_func3_reply(self, returned: int, iodata: int) -> bytes:
-        if self._paper:
-            return self._encode_func3_reply_in_paper_order(returned, iodata)
-        try:
-            if is_rpc_error(returned):
-                return self._run3.pack(SOP_REPLY, returned, EOP_NOTHING_FOLLOWS)
-            return self._run11.pack(SOP_REPLY, returned, iodata, EOP_NOTHING_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error(
-                "sServer.func3",
-                failure,
-                {"return": returned, "iodata": iodata},
-            ) from failure
-
-    def read_func3_reply(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[int] | None]:
-        if self._paper:
-            return self._read_func3_reply_in_paper_order(first, more)
-        sop, returned = self._run6.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("sServer.func3", "no SOP")
-        if is_rpc_error(returned):
-            if more(2) != self.nothing_follows:
-                raise magic_error("sServer.func3", "no EOP")
-            return returned, None
-        iodata, eop = self._run12.unpack(more(self._run12.size))
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sServer.func3", "no EOP")
-        return returned, (iodata,)
-
-    def _encode_func3_reply_in_paper_order(self, returned: int, iodata: int) -> bytes:
-        try:
-            return self._run13.pack(SOP_REPLY, iodata, returned, EOP_NOTHING_FOLLOWS)
-        except FAILURES as failure:
-            raise argument_error(
-                "sServer.func3",
-                failure,
-                {"return": returned, "iodata": iodata},
-            ) from failure
-
-    def _read_func3_reply_in_paper_order(
-        self,
-        first: bytes,
-        more: More,
-    ) -> tuple[int, tuple[int] | None]:
-        sop, iodata, returned, eop = self._run13.unpack(first)
-        if sop != SOP_REPLY:
-            raise magic_error("sServer.func3", "no SOP")
-        if eop != EOP_NOTHING_FOLLOWS:
-            raise magic_error("sServer.func3", "no EOP")
-        return returned, (iodata,)
+        super().__init__(tdr, encoding=encoding, limit=limit, reply_limit=reply_limit)
+        self.func1 = Func1Messages(self, "func1", 1)
+        self.func2 = Func2Messages(self, "func2", 2)
+        self.func3 = Func3Messages(self, "func3", 3)

@@ -4,16 +4,24 @@
 
 from __future__ import annotations
 
-from rtgen.runtime import RTC_OK, ReturnCode_t
-from rtgen.runtime.opaque_rpc import Channel, RpcError
+from typing import ClassVar
+
+from rtgen.runtime import (
+    Component,
+    ComponentProfile,
+    RTC_OK,
+    ReturnCode_t,
+    service_port,
+)
+from rtgen.runtime.opaque_rpc import Channel, CommunicationChannel, ProxyServant
 
 from . import Server
-from ..opaque_rpc_communication import CommunicationChannel
-from .components.server_marshaller import ServerMarshallerBase
+from .. import OpaqueRpc
 from .server_codec import ServerCodec
+from .server_server import ServerTarget
 
 
-class ServerProxy:
+class ServerProxy(ServerTarget):
     """Calls `sServer` of a board; values are of CDL's types."""
 
     def __init__(self, channel: Channel, codec: ServerCodec | None = None) -> None:
@@ -21,83 +29,57 @@ class ServerProxy:
         self.codec = codec or ServerCodec()
 
     def func1(self, indata: int) -> int:
-        """`ER func1([in] int32_t indata)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_func1_request(indata)
-        try:
-            head = channel.begin(request, codec.func1_first)
-            try:
-                returned, _ = codec.read_func1_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code
-        return returned
+        return self.codec.func1.call(self.channel, indata)
 
     def func2(self) -> tuple[int, int]:
-        """`ER func2([out] char_t *outdata)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_func2_request()
-        try:
-            head = channel.begin(request, codec.func2_first)
-            try:
-                returned, outs = codec.read_func2_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code, 0
-        if outs is None:
-            return returned, 0
-        return returned, *outs
+        return self.codec.func2.call(self.channel)
 
     def func3(self, indata: int, iodata: int) -> tuple[int, int]:
-        """`ER func3([in] int64_t indata, [inout] uint32_t *iodata)`."""
-        codec = self.codec
-        channel = self.channel
-        request = codec.encode_func3_request(indata, iodata)
-        try:
-            head = channel.begin(request, codec.func3_first)
-            try:
-                returned, outs = codec.read_func3_reply(head, channel.more)
-            except BaseException:
-                channel.reset()
-                raise
-            channel.end()
-        except RpcError as error:
-            return error.code, iodata
-        if outs is None:
-            return returned, iodata
-        return returned, *outs
+        return self.codec.func3.call(self.channel, indata, iodata)
 
 
-class _ServerServant(Server):
+class _ServerServant(ProxyServant, Server):
     """Carries out calls of `Server` by a proxy."""
 
-    def __init__(self, proxy: ServerProxy) -> None:
-        self._proxy = proxy
-
-    def func1(self, indata: int) -> int:
-        return self._proxy.func1(indata)
+    _proxy: ServerProxy
 
     def func2(self) -> tuple[int, str]:
         returned, outdata_out = self._proxy.func2()
         return returned, chr(outdata_out & 255)
 
-    def func3(self, indata: int, iodata: int) -> tuple[int, int]:
-        return self._proxy.func3(indata, iodata)
 
-
-class ServerMarshaller(ServerMarshallerBase):
+class ServerMarshaller(Component):
     """Carries calls of sServer to a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        "ServerMarshaller",
+        category="TECS",
+        vendor="rtgen",
+        description="Carries calls of sServer to a TECS board",
+        rate=10.0,
+        max_instances=0,
+        ports=(
+            service_port("provider", "server", Server, "What sServer offers."),
+            service_port(
+                "consumer",
+                "communication",
+                OpaqueRpc,
+                "The board's channel.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.server = self.add_provider("server", "server", Server)
+        self.communication = self.add_consumer(
+            "communication",
+            "communication",
+            OpaqueRpc,
+        )
 
     def on_initialize(self) -> ReturnCode_t:
         """Makes the proxy behind the service port."""
-        channel = CommunicationChannel(self.communication.object)
-        self.server.set_servant(_ServerServant(ServerProxy(channel)))
+        proxy = ServerProxy(CommunicationChannel(self.communication))
+        self.server.set_servant(_ServerServant.of(proxy))
         return RTC_OK

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 
-from rtgen.runtime.opaque_rpc import Handlers, More
+from rtgen.runtime.opaque_rpc import Dispatcher
 
 from .server_codec import ServerCodec
 
@@ -27,30 +27,9 @@ class ServerTarget(ABC):
         """`ER func3([in] int64_t indata, [inout] uint32_t *iodata)`."""
 
 
-class ServerUnmarshaller:
+class ServerUnmarshaller(Dispatcher):
     """Takes requests of `sServer` apart, calls the target and makes the replies."""
 
     def __init__(self, target: ServerTarget, codec: ServerCodec | None = None) -> None:
-        self.target = target
-        self.codec = codec or ServerCodec()
-        functions = {
-            1: self._handle_func1,
-            2: self._handle_func2,
-            3: self._handle_func3,
-        }
-        self.handlers: Handlers = {
-            head: functions[number] for head, number in self.codec.heads.items()
-        }
-
-    def _handle_func1(self, more: More) -> bytes:
-        result = self.target.func1(*self.codec.read_func1_request(more))
-        return self.codec.encode_func1_reply(result)
-
-    def _handle_func2(self, more: More) -> bytes:
-        self.codec.read_func2_request(more)
-        results = self.target.func2()
-        return self.codec.encode_func2_reply(*results)
-
-    def _handle_func3(self, more: More) -> bytes:
-        results = self.target.func3(*self.codec.read_func3_request(more))
-        return self.codec.encode_func3_reply(*results)
+        codec = codec or ServerCodec()
+        super().__init__(target, codec)

@@ -39,7 +39,7 @@ from rtgen.runtime.descriptors import (
     UnionDescriptor,
     bind,
 )
-from rtgen.runtime.services import Servant, Skeleton, Stub
+from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 _Point_layout = Fixed("dd")
 
@@ -370,37 +370,16 @@ class Mover(Servant):
         """`readonly attribute double speed`."""
 
     @abstractmethod
-    def move(self, to: Point) -> float:
-        """`void move(in Shapes::Point to, out double far) raises (Shapes::Blocked)`."""
+    @operation(raises=(Blocked,))
+    def move(self, to: Point) -> float: ...
 
 
 class MoverStub(Mover, Stub):
     """Calls a servant of `Shapes::Mover` through an invoker."""
 
-    @property
-    def speed(self) -> float:
-        return self._obtain_("_get_speed")
 
-    def move(self, to: Point) -> float:
-        return self._obtain_("move", to)
-
-
-class MoverSkeleton(Skeleton):
+class MoverSkeleton(Skeleton, interface=Mover):
     """Calls a servant of `Shapes::Mover` by operation name."""
 
-    def __init__(self, servant: Mover) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: Mover = self._servant
-        match operation:
-            case "_get_speed":
-                return self._get_(operation, "speed", arguments)
-            case "move":
-                return self._call_(operation, servant.move, arguments, 1, (Blocked,))
-        return super().dispatch(operation, arguments)
-
-
-Mover._stub_ = MoverStub
-Mover._skeleton_ = MoverSkeleton
 Mover._calls_ = ".shapes_calls"

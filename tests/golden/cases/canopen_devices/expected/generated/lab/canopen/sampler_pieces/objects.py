@@ -577,6 +577,7 @@ DESCRIPTION = DeviceDescription(
     lss=True,
     granularity=1,
     dummies=(0x0005,),
+    bit_rates=(250, 500, 1000),
 )
 
 _bool = Entry[bool]

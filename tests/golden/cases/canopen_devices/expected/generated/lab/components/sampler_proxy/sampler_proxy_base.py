@@ -35,6 +35,12 @@ class SamplerProxyConfiguration:
     """How long the device may be silent; 0: as the network says, else three periods [ms]."""
     boot_timeout: int = 2000
     """How long a reset may take until the boot-up message [ms]."""
+    emergency_stop: str = ""
+    """Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: as the network says."""
+    recoveries: int = 0
+    """How often in a row it leaves ERROR by itself; 0: as the network says."""
+    sdo_in_error: bool = False
+    """Whether the device is pre-operational in ERROR, where its objects can be read, and not stopped."""
     Speed: float = 1.5
     """Speed (2020h, UNSIGNED32, times 0.001), written by SDO [m/s]."""
     Label: str = "bench"
@@ -192,6 +198,28 @@ class SamplerProxyBase(CanopenProxy):
                 minimum=1,
                 unit="ms",
                 description="How long a reset may take until the boot-up message.",
+            ),
+            ParameterProfile(
+                name="emergency_stop",
+                python_name="emergency_stop",
+                type="string",
+                default="",
+                description="Emergency codes that lead to ERROR, such as xxxx,-82xx; others are only reported. Empty: as the network says.",
+            ),
+            ParameterProfile(
+                name="recoveries",
+                python_name="recoveries",
+                type="long",
+                default="0",
+                minimum=0,
+                description="How often in a row it leaves ERROR by itself; 0: as the network says.",
+            ),
+            ParameterProfile(
+                name="sdo_in_error",
+                python_name="sdo_in_error",
+                type="boolean",
+                default="0",
+                description="Whether the device is pre-operational in ERROR, where its objects can be read, and not stopped.",
             ),
             ParameterProfile(
                 name="Speed",

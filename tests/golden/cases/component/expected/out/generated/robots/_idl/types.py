@@ -85,31 +85,15 @@ class Safety(Servant):
     )
 
     @abstractmethod
-    def Stop(self) -> None:
-        """`void Stop()`."""
+    def Stop(self) -> None: ...
 
 
 class SafetyStub(Safety, Stub):
     """Calls a servant of `Drive::Safety` through an invoker."""
 
-    def Stop(self) -> None:
-        self._invoke_("Stop")
 
-
-class SafetySkeleton(Skeleton):
+class SafetySkeleton(Skeleton, interface=Safety):
     """Calls a servant of `Drive::Safety` by operation name."""
 
-    def __init__(self, servant: Safety) -> None:
-        super().__init__(servant)
 
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: Safety = self._servant
-        match operation:
-            case "Stop":
-                return self._call_(operation, servant.Stop, arguments, 0)
-        return super().dispatch(operation, arguments)
-
-
-Safety._stub_ = SafetyStub
-Safety._skeleton_ = SafetySkeleton
 Safety._calls_ = ".types_calls"

@@ -27,40 +27,14 @@ class Lamp(Servant):
     )
 
     @abstractmethod
-    def dim(self, percent: int, level: Level, at: Point) -> int:
-        """`long dim(in octet percent, in nBoard::Level level, in nBoard::Point at)`."""
-
+    def dim(self, percent: int, level: Level, at: Point) -> int: ...
     @abstractmethod
-    def lit(self) -> bool:
-        """`boolean lit()`."""
+    def lit(self) -> bool: ...
 
 
 class LampStub(Lamp, Stub):
     """Calls a servant of `nBoard::Lamp` through an invoker."""
 
-    def dim(self, percent: int, level: Level, at: Point) -> int:
-        return self._obtain_("dim", percent, level, at)
 
-    def lit(self) -> bool:
-        return self._obtain_("lit")
-
-
-class LampSkeleton(Skeleton):
+class LampSkeleton(Skeleton, interface=Lamp):
     """Calls a servant of `nBoard::Lamp` by operation name."""
-
-    def __init__(self, servant: Lamp) -> None:
-        super().__init__(servant)
-
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: Lamp = self._servant
-        match operation:
-            case "dim":
-                return self._call_(operation, servant.dim, arguments, 3)
-            case "lit":
-                return self._call_(operation, servant.lit, arguments, 0)
-        return super().dispatch(operation, arguments)
-
-
-Lamp._stub_ = LampStub
-Lamp._skeleton_ = LampSkeleton
-Lamp._calls_ = ".lamp_calls"

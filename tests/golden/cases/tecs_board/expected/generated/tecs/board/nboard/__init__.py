@@ -2,19 +2,24 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """The IDL module `nBoard`."""
 
-from .._idl.lamp import Lamp as Lamp, LampSkeleton as LampSkeleton, LampStub as LampStub
-from .._idl.motor import (
-    GAIN as GAIN,
-    GEARED as GEARED,
-    Level as Level,
-    MARK as MARK,
-    Motor as Motor,
-    MotorSkeleton as MotorSkeleton,
-    MotorStub as MotorStub,
-    Point as Point,
-    tagPoint as tagPoint,
-    tagState as tagState,
-)
+from typing import TYPE_CHECKING
+
+from rtgen.runtime.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from .._idl.lamp import Lamp, LampSkeleton, LampStub
+    from .._idl.motor import (
+        GAIN,
+        GEARED,
+        Level,
+        MARK,
+        Motor,
+        MotorSkeleton,
+        MotorStub,
+        Point,
+        tagPoint,
+        tagState,
+    )
 
 __all__ = [
     "GAIN",
@@ -31,3 +36,21 @@ __all__ = [
     "tagPoint",
     "tagState",
 ]
+__getattr__ = lazy_names(
+    __name__,
+    {
+        ".._idl.lamp": ("Lamp", "LampSkeleton", "LampStub"),
+        ".._idl.motor": (
+            "GAIN",
+            "GEARED",
+            "Level",
+            "MARK",
+            "Motor",
+            "MotorSkeleton",
+            "MotorStub",
+            "Point",
+            "tagPoint",
+            "tagState",
+        ),
+    },
+)

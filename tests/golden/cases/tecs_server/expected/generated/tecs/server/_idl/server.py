@@ -26,49 +26,16 @@ class Server(Servant):
     )
 
     @abstractmethod
-    def func1(self, indata: int) -> int:
-        """`long func1(in long indata)`."""
-
+    def func1(self, indata: int) -> int: ...
     @abstractmethod
-    def func2(self) -> tuple[int, str]:
-        """`long func2(out char outdata)`."""
-
+    def func2(self) -> tuple[int, str]: ...
     @abstractmethod
-    def func3(self, indata: int, iodata: int) -> tuple[int, int]:
-        """`long func3(in long long indata, inout unsigned long iodata)`."""
+    def func3(self, indata: int, iodata: int) -> tuple[int, int]: ...
 
 
 class ServerStub(Server, Stub):
     """Calls a servant of `Server` through an invoker."""
 
-    def func1(self, indata: int) -> int:
-        return self._obtain_("func1", indata)
 
-    def func2(self) -> tuple[int, str]:
-        return self._obtain_("func2")
-
-    def func3(self, indata: int, iodata: int) -> tuple[int, int]:
-        return self._obtain_("func3", indata, iodata)
-
-
-class ServerSkeleton(Skeleton):
+class ServerSkeleton(Skeleton, interface=Server):
     """Calls a servant of `Server` by operation name."""
-
-    def __init__(self, servant: Server) -> None:
-        super().__init__(servant)
-
-    def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        servant: Server = self._servant
-        match operation:
-            case "func1":
-                return self._call_(operation, servant.func1, arguments, 1)
-            case "func2":
-                return self._call_(operation, servant.func2, arguments, 0)
-            case "func3":
-                return self._call_(operation, servant.func3, arguments, 2)
-        return super().dispatch(operation, arguments)
-
-
-Server._stub_ = ServerStub
-Server._skeleton_ = ServerSkeleton
-Server._calls_ = ".server_calls"

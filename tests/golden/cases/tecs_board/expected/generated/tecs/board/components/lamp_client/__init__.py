@@ -2,6 +2,30 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """LampClient: Calls nBoard::sLamp of a TECS board"""
 
-from .lamp_client_base import LampClientBase
+from __future__ import annotations
 
-__all__ = ["LampClientBase"]
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, service_port
+
+from ... import nboard
+
+
+class LampClientBase(Component):
+    """Calls nBoard::sLamp of a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        "LampClient",
+        category="TECS",
+        vendor="rtgen",
+        description="Calls nBoard::sLamp of a TECS board",
+        rate=10.0,
+        max_instances=0,
+        ports=(
+            service_port("consumer", "lamp", nboard.Lamp, "What nBoard::sLamp offers."),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.lamp = self.add_consumer("lamp", "lamp", nboard.Lamp)

@@ -2,6 +2,35 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """MotorClient: Calls nBoard::sMotor of a TECS board"""
 
-from .motor_client_base import MotorClientBase
+from __future__ import annotations
 
-__all__ = ["MotorClientBase"]
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, service_port
+
+from ... import nboard
+
+
+class MotorClientBase(Component):
+    """Calls nBoard::sMotor of a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        "MotorClient",
+        category="TECS",
+        vendor="rtgen",
+        description="Calls nBoard::sMotor of a TECS board",
+        rate=10.0,
+        max_instances=0,
+        ports=(
+            service_port(
+                "consumer",
+                "motor",
+                nboard.Motor,
+                "What nBoard::sMotor offers.",
+            ),
+        ),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.motor = self.add_consumer("motor", "motor", nboard.Motor)

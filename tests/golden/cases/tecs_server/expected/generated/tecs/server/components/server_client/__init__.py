@@ -2,6 +2,28 @@
 # Owned by rtgen: edits are overwritten by the next run.
 """ServerClient: Calls sServer of a TECS board"""
 
-from .server_client_base import ServerClientBase
+from __future__ import annotations
 
-__all__ = ["ServerClientBase"]
+from typing import ClassVar
+
+from rtgen.runtime import Component, ComponentProfile, service_port
+
+from ... import Server
+
+
+class ServerClientBase(Component):
+    """Calls sServer of a TECS board."""
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        "ServerClient",
+        category="TECS",
+        vendor="rtgen",
+        description="Calls sServer of a TECS board",
+        rate=10.0,
+        max_instances=0,
+        ports=(service_port("consumer", "server", Server, "What sServer offers."),),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.server = self.add_consumer("server", "server", Server)

@@ -1,0 +1,88 @@
+"""`rtgen inspect` of a large CDL file beside tecsgen: processor time of whole processes.
+
+300 signatures of 20 functions with a server, a client and a join each. rtgen without its cache;
+tecsgen 1.7 where RTGEN_TECSGEN or the path names one, its generation of code included. The runs
+are interleaved, the least of each counts.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+ROUNDS = 5
+SIGNATURES, FUNCTIONS = 300, 20
+LIMIT = 0.5
+"""How much of tecsgen's processor time a run may take."""
+
+PARAMETERS = (
+    "[in] int32_t a",
+    "[in] uint8_t b, [out] double64_t *r",
+    "[in,size_is(n)] const int16_t *v, [in] int32_t n",
+    "[in,string] const char_t *s, [out,string(32)] char_t *t",
+    "[inout] struct tagItem *it",
+    "[out,size_is(m)] int64_t *w, [in] int32_t m",
+)
+
+
+def synthetic() -> Iterator[str]:
+    """The lines of the CDL file."""
+    yield "struct tagItem { int32_t id; float32_t w[4]; bool_t on; };"
+    for i in range(SIGNATURES):
+        yield f"signature sBig{i} {{"
+        for j in range(FUNCTIONS):
+            parameters = PARAMETERS[(i + j) % len(PARAMETERS)]
+            yield f"  int32_t op{j}( {parameters} );"
+        yield "};"
+        yield f"celltype tServer{i} {{ entry sBig{i} eP; attr {{ int32_t k = {i}; }}; }};"
+        yield f"[active] celltype tClient{i} {{ call sBig{i} cP; }};"
+        yield f"cell tServer{i} Server{i} {{ k = {i + 1}; }};"
+        yield f"cell tClient{i} Client{i} {{ cP = Server{i}.eP; }};"
+
+
+def processor_time(command: Sequence[str], folder: Path) -> float:
+    """User and system time [s] of a process that succeeds."""
+
+    def total() -> float:
+        used = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return used.ru_utime + used.ru_stime
+
+    before = total()
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    return total() - before
+
+
+def main() -> int:
+    """Print the times; 1 if rtgen takes more than its share of tecsgen's."""
+    tecsgen = os.environ.get("RTGEN_TECSGEN") or shutil.which("tecsgen")
+    rtgen = str(Path(sys.executable).with_name("rtgen"))
+    commands = {"rtgen": [rtgen, "inspect", "--no-cache", "big.cdl"]}
+    if tecsgen is not None:
+        commands["tecsgen"] = [tecsgen, "-g", "gen", "big.cdl"]
+    best = dict.fromkeys(commands, float("inf"))
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "big.cdl").write_text("\n".join(synthetic()), encoding="utf-8")
+        for _ in range(ROUNDS):
+            for tool, command in commands.items():
+                best[tool] = min(best[tool], processor_time(command, folder))
+    functions = SIGNATURES * FUNCTIONS
+    print(f"{SIGNATURES} signatures, {functions:,} functions, processor time")
+    for tool, seconds in best.items():
+        print(f"  {tool:8} {seconds:6.2f} s")
+    if tecsgen is None:
+        print("  tecsgen is missing")
+        return 0
+    share = best["rtgen"] / best["tecsgen"]
+    print(f"  share    {share:6.2f}, at most {LIMIT}")
+    return int(share > LIMIT)
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

@@ -1,0 +1,142 @@
+"""The evaluation of the RTM-TECS paper: 100 calls of an empty function, RTM to RTM and RTM to TECS.
+
+    python benchmarks/rtm_tecs.py
+
+RTM to RTM: an RTC calls another one by its service port in one process; the same between two
+processes is a call of omniORBpy. RTM to TECS: an RTC calls the marshaller RTC, that the
+communication RTC, and that a board in another process over TCP. The proxy alone is for comparison.
+Each call is timed by itself; mean, spread (standard deviation) and range are medians of 20 series.
+"""
+
+from __future__ import annotations
+
+import os
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import rpc
+
+from rtgen.runtime import (
+    ACTIVE_STATE,
+    SECOND,
+    Component,
+    ComponentProfile,
+    RealClock,
+    System,
+)
+
+CALLS, SERIES = 100, 20
+
+
+@contextmanager
+def active(*components: Any, joined: list[tuple[Any, Any]]) -> Iterator[None]:
+    """A system of these components, ACTIVE in real time."""
+    with System(RealClock()) as system:
+        for component in components:
+            system.add(component, 10.0)
+        for consumer, provider in joined:
+            system.connect(consumer, provider)
+        for component in components:
+            system.activate(component.instance_name)
+        names = [component.instance_name for component in components]
+        assert system.run(
+            10 * SECOND, lambda s: all(s.state(n) is ACTIVE_STATE for n in names)
+        )
+        yield
+
+
+def series(call: Callable[[], object]) -> list[float]:
+    """The times of 100 calls in microseconds."""
+    times = []
+    for _ in range(CALLS):
+        begun = time.perf_counter_ns()
+        call()
+        times.append((time.perf_counter_ns() - begun) / 1000)
+    return times
+
+
+def show(name: str, call: Callable[[], object]) -> float:
+    """Prints the figures of calls; their mean."""
+    series(call)
+    runs = [series(call) for _ in range(SERIES)]
+    figures = [
+        statistics.median(measure(run) for run in runs)
+        for measure in (statistics.mean, statistics.stdev, min, max)
+    ]
+    print(f"{name:<26}" + "".join(f"{figure:10.1f}" for figure in figures))
+    return figures[0]
+
+
+def main() -> int:
+    """Prints the table."""
+    if sys.platform == "linux":
+        os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        rpc.prepare(folder)
+        marshallers = rpc.generated(folder, "empty_marshaller")
+        interface = rpc.generated(folder, "_idl.empty").Empty
+        clients = rpc.generated(folder, "EmptyClient")
+        communication = __import__(
+            "tecs.opaque_rpc_communication"
+        ).opaque_rpc_communication
+
+        class Servant(interface):  # type: ignore[misc, valid-type]
+            def nothing(self) -> int:
+                return 0
+
+        print(
+            f"{'us for a call':<26}{'mean':>10}{'spread':>10}{'least':>10}{'most':>10}"
+        )
+        ends = [(("Client0", "empty"), ("Server0", "empty"))]
+        client, server = clients.EmptyClient("Client0"), provider(interface)
+        server.empty.set_servant(Servant())
+        with active(client, server, joined=ends):
+            rtm = show("RTM to RTM, one process", client.empty.object.nothing)
+        try:
+            with rpc.server("omniORBpy", folder) as reference:
+                call = rpc.omniorb_call(reference, folder)
+                rtm = show("RTM to RTM, omniORBpy", call)
+        except ImportError as error:
+            print(f"RTM to RTM between processes: left out, {error}")
+        with rpc.server("rtgen", folder) as port:
+            show("proxy to TECS", rpc.rtgen_call(port, folder))
+            client = clients.EmptyClient("Client0")
+            marshaller = marshallers.EmptyMarshaller("Marshaller0")
+            link = communication.OpaqueRpcCommunication("Communication0")
+            link.configuration_sets.set("port", port)
+            with active(
+                client,
+                marshaller,
+                link,
+                joined=[
+                    (("Client0", "empty"), ("Marshaller0", "empty")),
+                    (("Marshaller0", "communication"), ("Communication0", "service")),
+                ],
+            ):
+                tecs = show("RTM to TECS", client.empty.object.nothing)
+        print(f"RTM to TECS takes {tecs / rtm:.2f} times the last RTM to RTM")
+    return 0
+
+
+def provider(interface: Any) -> Any:
+    """The RTC that offers an interface."""
+
+    class Server(Component):
+        profile = ComponentProfile("Server", max_instances=0)
+
+        def __init__(self) -> None:
+            super().__init__("Server0")
+            self.empty = self.add_provider("empty", "empty", interface)
+
+    return Server()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,103 @@
+"""A project of many joins: lines of Python, and processor time of `rtgen generate`.
+
+    python benchmarks/tecs_project.py [JOINS [FUNCTIONS]]
+
+Each join is of a signature of its own with so many functions (default: 100 joins of 20 functions).
+Their parameters are of six kinds: numbers, arrays, texts, a struct.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+PARAMETERS = (
+    "[in] int32_t a",
+    "[in] uint8_t b, [out] double64_t *r",
+    "[in,size_is(n)] const int16_t *v, [in] int32_t n",
+    "[in,string] const char_t *s, [out,string(32)] char_t *t",
+    "[inout] struct tagItem *it",
+    "[out,size_is(m)] int64_t *w, [in] int32_t m",
+)
+MOST_LINES = 25
+"""How many lines of Python a function may give in a project of 100 joins of 20 functions."""
+
+
+def project(joins: int, functions: int) -> str:
+    """The CDL file."""
+    lines = ["struct tagItem { int32_t id; float32_t w[4]; bool_t on; };"]
+    for i in range(joins):
+        lines.append(f"signature sBig{i} {{")
+        for j in range(functions):
+            parameters = PARAMETERS[(i + j) % len(PARAMETERS)]
+            lines.append(f"  ER op{j}( {parameters} );")
+        lines.append("};")
+        lines.append(f"celltype tSrv{i} {{ entry sBig{i} eP; }};")
+        lines.append(f"[active] celltype tCli{i} {{ call sBig{i} cP; }};")
+    lines.append("region rServer {")
+    lines += [f"  cell tSrv{i} Srv{i} {{ }};" for i in range(joins)]
+    lines.append("};\n[to_through( rServer )] region rClient {")
+    for i in range(joins):
+        through = '[through( RTCPlugin, "" )]'
+        lines.append(f"  cell tCli{i} Cli{i} {{ {through} cP = rServer::Srv{i}.eP; }};")
+    return "\n".join([*lines, "};", ""])
+
+
+def generate(folder: Path, joins: int, functions: int) -> tuple[int, float]:
+    """The lines of Python that the project gives, and the processor time in seconds."""
+    (folder / "big.cdl").write_text(project(joins, functions), encoding="utf-8")
+    settings = '[sources]\npaths = ["big.cdl"]\n'
+    (folder / "rtgen.toml").write_text(settings, encoding="utf-8")
+    command = [sys.executable, "-m", "rtgen", "generate", "-q", "--no-cache"]
+    before = os.times()
+    subprocess.run(command, cwd=folder, check=True, capture_output=True)
+    after = os.times()
+    used = after.children_user - before.children_user
+    used += after.children_system - before.children_system
+    files = (folder / "generated").rglob("*.py")
+    return sum(file.read_text("utf-8").count("\n") for file in files), used
+
+
+def importing(folder: Path) -> float:
+    """The processor time in seconds that importing one marshaller takes, the runtime apart."""
+    code = (
+        "import time, rtgen.runtime, rtgen.runtime.opaque_rpc; t = time.process_time();"
+        "import tecs.big.big7_marshaller; print(time.process_time() - t)"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(folder / "generated")}
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=folder,
+        check=True,
+        capture_output=True,
+        text=True,
+        env=environment,
+    )
+    return float(done.stdout)
+
+
+def main() -> int:
+    """Prints the figures; 1 if there are too many lines."""
+    joins, functions = (*map(int, sys.argv[1:]), *(100, 20)[len(sys.argv) - 1 :])
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        start = time.perf_counter()
+        lines, used = generate(folder, joins, functions)
+        real = time.perf_counter() - start
+        each = lines / joins / functions
+        print(f"{joins} joins of {functions} functions: {lines} lines of Python,")
+        print(
+            f"{each:.1f} for a function; {used:.2f} s of processor time, {real:.2f} s"
+        )
+        if joins > 7:
+            importing(folder)
+            print(f"import of one marshaller: {importing(folder) * 1000:.0f} ms")
+    return int((joins, functions) == (100, 20) and each > MOST_LINES)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

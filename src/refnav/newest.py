@@ -1,0 +1,74 @@
+"""The newest sample of an InPort and its age: what a behaviour acts on, and for how long."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+from rtgen.runtime import SECOND, Component, InPort
+
+T = TypeVar("T")
+
+
+class Newest(Generic[T]):
+    """Reads an InPort of samples with a time stamp, and knows how old the newest one is.
+
+    A sample is as old as its stamp says; without a stamp, or with one in the future, its age counts
+    from its arrival. `limit` gives the greatest age [s] at which it may be acted on; 0: any age.
+    """
+
+    __slots__ = ("_limit", "_port", "_time")
+
+    def __init__(self, port: InPort[Any], limit: Callable[[], float]) -> None:
+        self._port = port
+        self._limit = limit
+        self._time = 0
+
+    def start(self, now: int) -> None:
+        """Wait for a sample from now [ns] on."""
+        self._time = now
+
+    def read(self, now: int) -> T | None:
+        """The oldest unread sample, None if there is none; one beyond the limit is dropped."""
+        if not self._port.is_new():
+            return None
+        return self._checked(self._port.read(), now)
+
+    def read_newest(self, now: int) -> T | None:
+        """The newest unread sample; older ones count as read, one beyond the limit is dropped."""
+        if not self._port.is_new():
+            return None
+        return self._checked(self._port.read_newest(), now)
+
+    def is_late(self, now: int) -> bool:
+        """Whether the newest sample, or the wait for the first one, is beyond the limit."""
+        return 0.0 < self._limit() * SECOND < now - self._time
+
+    @property
+    def complaint(self) -> str:
+        """What to report of a late input."""
+        return f"{self._port.name}: nothing newer than {self._limit():g} s"
+
+    def _checked(self, sample: Any, now: int) -> T | None:
+        if sample is None:
+            return None
+        stamp = sample.tm.sec * SECOND + sample.tm.nsec
+        time = stamp if 0 < stamp <= now else now
+        if 0.0 < self._limit() * SECOND < now - time:
+            return None
+        if time > self._time:
+            self._time = time
+        found: T = sample
+        return found
+
+
+def complaints(now: int, *inputs: Newest[Any]) -> str:
+    """What to report of the inputs that are late; empty if none is."""
+    return "; ".join(one.complaint for one in inputs if one.is_late(now))
+
+
+def all_in_time(component: Component, now: int, *inputs: Newest[Any]) -> bool:
+    """Whether no input is late; the component reports those that are."""
+    late = complaints(now, *inputs)
+    component.report(late)
+    return not late

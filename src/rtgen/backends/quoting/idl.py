@@ -1,0 +1,46 @@
+"""IDL: literals, strings of annotations and directives, documentation comments."""
+
+from __future__ import annotations
+
+import re
+
+_PLAIN = frozenset(map(chr, range(32, 127))).difference("\\\"'")
+_BODY = re.compile(r'(?:[^"\\\x00-\x1f]|\\[^\x00-\x1f])*')
+_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\ud800-\udfff\ufeff]")
+
+
+def characters(text: str, wide: bool) -> str:
+    """The text for between the quotes of a literal: others than ASCII's by their codes."""
+    return "".join(_character(c, wide) for c in text)
+
+
+def readable_string(text: str) -> str:
+    """A string literal for people, in an annotation: printable characters stay."""
+    body = (
+        c if c.isprintable() and c not in '\\"' else _character(c, False) for c in text
+    )
+    return f'"{"".join(body)}"'
+
+
+def repository_id(name: str, text: str) -> str:
+    """What gives a declaration its repository id, whose escapes stay as they were written.
+
+    The directive knows no escapes, so that an id with some is given by a declaration.
+    """
+    if "\\" not in text and '"' not in text and text.isprintable():
+        return f'#pragma ID ::{name} "{text}"'
+    literal = f'"{text}"' if _BODY.fullmatch(text) else readable_string(text)
+    return f"typeid ::{name} {literal};"
+
+
+def comment_lines(text: str) -> list[str]:
+    """The lines of a text for within a block comment; none for a text of blanks."""
+    text = _CONTROL.sub(" ", text).replace("*/", "* /")
+    return text.split("\n") if text.strip() else []
+
+
+def _character(character: str, wide: bool) -> str:
+    if character in _PLAIN:
+        return character
+    code = ord(character)
+    return f"\\u{code:04x}" if wide else f"\\x{code:02x}"

@@ -1,0 +1,88 @@
+"""Configuration files of OpenRTM (`key: value`), EDS files, and entry points of Python packages.
+
+OpenRTM reads a line up to its end, takes what is before the first `:` or `=` for the key, strips
+both, and gives a meaning to backslashes and to a `#` or `!` at the beginning of a line.
+"""
+
+from __future__ import annotations
+
+import re
+
+from rtgen.backends.quoting.code import Code, HashComment, UnquotableError
+from rtgen.backends.quoting.python import comment_text
+
+_VALUE = re.compile(r"(?:[^\s\\](?:[^\\]*[^\s\\])?)?")
+_KEY = re.compile(r"(?:[^\s\\:=#!](?:[^\\:=]*[^\s\\:=])?)?")
+_OTHER_LINE_ENDS_AND_CONTROL = re.compile(
+    r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff]"
+)
+_ENTRY = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*(:[A-Za-z_][A-Za-z0-9_.]*)?")
+
+
+class Conf(Code):
+    """Lines or parts of lines of a configuration file."""
+
+    __slots__ = ()
+
+
+class Entries(Code):
+    """Lines of an `entry_points.txt`."""
+
+    __slots__ = ()
+
+
+def is_conf_value(text: str) -> bool:
+    """Whether a configuration file can hold the text as a value."""
+    return _is_one_line(text) and _VALUE.fullmatch(text) is not None
+
+
+def is_conf_key(text: str) -> bool:
+    """Whether a configuration file can hold the text as a part of a key, which may be empty."""
+    return _is_one_line(text) and _KEY.fullmatch(text) is not None
+
+
+def _is_one_line(text: str) -> bool:
+    return _OTHER_LINE_ENDS_AND_CONTROL.search(text) is None
+
+
+def conf_value(value: object) -> Conf:
+    """A value. Raises UnquotableError for texts that no line can hold."""
+    text = str(value)
+    if not is_conf_value(text):
+        raise UnquotableError(text, "a configuration file")
+    return Conf(text)
+
+
+def conf_key(value: object) -> Conf:
+    """A part of a key. Raises UnquotableError."""
+    text = str(value)
+    if not is_conf_key(text):
+        raise UnquotableError(text, "the key of a configuration file")
+    return Conf(text)
+
+
+def conf_comment(text: str) -> Conf:
+    """The text in one line behind a `#`; no backslash at its end joins the next line to it."""
+    return Conf(comment_text(text))
+
+
+def eds_line(text: str) -> str:
+    """A line of an EDS or DCF file. Raises UnquotableError for several lines."""
+    if "\n" in text or "\r" in text:
+        raise UnquotableError(text, "an EDS file")
+    return text
+
+
+def quote_conf(value: object) -> str:
+    """What a template of a configuration file inserts: code, or a value."""
+    return value if isinstance(value, Conf | HashComment) else conf_value(value)
+
+
+def quote_entry(value: object) -> str:
+    """What a template of entry points inserts: code, and ASCII names `module.name:name`."""
+    if isinstance(value, Entries | HashComment):
+        return value
+    text = str(value)
+    if not _ENTRY.fullmatch(text):
+        raise UnquotableError(text, "an entry point")
+    return Entries(text)

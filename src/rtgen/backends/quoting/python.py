@@ -1,0 +1,89 @@
+"""Python: string literals, numbers, docstrings, comments; names and types as they are."""
+
+from __future__ import annotations
+
+import re
+
+from rtgen.backends.quoting.code import Code, HashComment, UnquotableError
+
+_CONTROL = re.compile(
+    r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff"
+    r"\u200e\u200f\u202a-\u202e\u2066-\u2069]"
+)
+"""What ends a line, or makes text look like other text: control and direction of writing."""
+
+_QUOTES = re.compile('"{3,}')
+_STEP = 4
+_INERT = re.compile(r"(?!.*\w \w)[A-Za-z0-9_.,:|\[\]{} ]*")
+"""Names, types and parameters: no statement, call or literal, no end of a line or string."""
+
+
+class Python(Code):
+    """Python source text."""
+
+    __slots__ = ()
+
+
+def quote(value: object) -> str:
+    """What a template of Python inserts: code, numbers, names and type expressions.
+
+    Raises UnquotableError for other texts: they need `literal`, `in_docstring` or `comment`.
+    """
+    if isinstance(value, Python | HashComment):
+        return value
+    text = str(value)
+    if isinstance(value, Code) or not _INERT.fullmatch(text):
+        raise UnquotableError(text, "Python")
+    return Python(text)
+
+
+def string_literal(value: str) -> Python:
+    """A string literal as black leaves it: double quotes unless that needs more escapes."""
+    body = repr(value + '"' + "'")[1:-4].replace("\\'", "'")
+    if value.count('"') <= value.count("'"):
+        return Python('"' + body.replace('"', '\\"') + '"')
+    return Python("'" + body.replace("'", "\\'") + "'")
+
+
+def number_literal(value: float) -> Python:
+    """A number as black leaves it: no plus sign in an exponent."""
+    return Python(repr(value).replace("e+", "e"))
+
+
+def docstring(text: str, indent: int, otherwise: str = "") -> Python:
+    """The text as a docstring at that indent, with the newline at its end.
+
+    `otherwise` stands in for a text of blanks alone; without it such a text gives nothing.
+    """
+    lines = _escaped(text.expandtabs()).split("\n")
+    body = "\n".join(line.rstrip() for line in lines).strip()
+    if not body:
+        return docstring(otherwise, indent) if otherwise else Python("")
+    if body.startswith('"'):
+        body = " " + body
+    margin = " " * indent
+    head, *rest = body.split("\n")
+    common = min((len(line) - len(line.lstrip()) for line in rest if line), default=0)
+    lines = [margin + '"""' + head]
+    lines.extend(margin + line[common:] if line else "" for line in rest)
+    if rest:
+        lines.append(margin + '"""')
+    else:
+        lines[0] += ' """' if body.endswith('"') else '"""'
+    return Python("\n".join(lines) + "\n")
+
+
+def in_docstring(text: str) -> Python:
+    """The text in one line, for a place inside of a docstring but not at its end."""
+    return Python(" ".join(_escaped(text).split()))
+
+
+def comment_text(text: str) -> Python:
+    """The text in one line, for a comment: control characters and line ends become spaces."""
+    return Python(" ".join(_CONTROL.sub(" ", text).split()))
+
+
+def _escaped(text: str) -> str:
+    """The text for between triple quotes."""
+    text = _CONTROL.sub(" ", text.replace("\\", "\\\\"))
+    return _QUOTES.sub(lambda found: '\\"' * len(found[0]), text)

@@ -1,0 +1,88 @@
+"""Scripts: words of a POSIX shell, parts of batch files, strings of Ruby."""
+
+from __future__ import annotations
+
+import re
+import shlex
+
+from rtgen.backends.quoting.code import Code, HashComment, UnquotableError
+from rtgen.backends.quoting.python import comment_text
+
+_BATCH = re.compile(r"[A-Za-z0-9_.,:\\/ -]*")
+_NOT_IN_REM = re.compile(r"[^A-Za-z0-9_.,:;()\[\]/ @+-]")
+_RUBY = re.compile(r"[A-Za-z0-9_.,:\-/ ]*")
+
+
+class Shell(Code):
+    """Text of a POSIX shell."""
+
+    __slots__ = ()
+
+
+class Batch(Code):
+    """Text of a Windows batch file."""
+
+    __slots__ = ()
+
+
+class Ruby(Code):
+    """Text of Ruby."""
+
+    __slots__ = ()
+
+
+def shell_word(value: object) -> Shell:
+    """One word of a shell, whatever is in it. Raises UnquotableError for a NUL."""
+    text = str(value)
+    if "\0" in text:
+        raise UnquotableError(text, "a shell")
+    return Shell(shlex.quote(text))
+
+
+def shell_comment(text: str) -> Shell:
+    """The text in one line, behind a `#`."""
+    return Shell(comment_text(text))
+
+
+def quote_shell(value: object) -> str:
+    """What a template of a shell script inserts: code, or one word."""
+    return value if isinstance(value, Shell | HashComment) else shell_word(value)
+
+
+def batch_comment(text: str) -> Batch:
+    """The text behind a `rem`: what the command processor expands or joins becomes `_`."""
+    return Batch(_NOT_IN_REM.sub("_", text))
+
+
+def quote_batch(value: object) -> str:
+    """What a template of a batch file inserts: code, and texts that need no quoting.
+
+    Raises UnquotableError for others: there is no quoting that every command understands.
+    """
+    if isinstance(value, Batch):
+        return value
+    text = str(value)
+    if isinstance(value, Code) or not _BATCH.fullmatch(text):
+        raise UnquotableError(text, "a batch file")
+    return Batch(text)
+
+
+def ruby_string(value: object) -> Ruby:
+    """A string literal in single quotes."""
+    text = str(value).replace("\\", "\\\\").replace("'", "\\'")
+    return Ruby(f"'{text}'")
+
+
+def ruby_comment(text: str) -> Ruby:
+    """The text in one line, behind a `#`."""
+    return Ruby(comment_text(text))
+
+
+def quote_ruby(value: object) -> str:
+    """What a template of Ruby inserts: code, and texts that mean themselves in any literal."""
+    if isinstance(value, Ruby | HashComment):
+        return value
+    text = str(value)
+    if isinstance(value, Code) or not _RUBY.fullmatch(text):
+        raise UnquotableError(text, "Ruby")
+    return Ruby(text)

@@ -1,0 +1,33 @@
+"""XML and SVG: text and attributes alike, and comments."""
+
+from __future__ import annotations
+
+import re
+
+from markupsafe import Markup, escape
+
+from rtgen.backends.quoting.code import UnquotableError
+
+NOT_IN_XML = re.compile("[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""The characters that XML 1.0 cannot hold in any notation."""
+
+_SPACE = str.maketrans({"\t": "&#9;", "\n": "&#10;", "\r": "&#13;"})
+_HYPHENS = re.compile("-(?=-|$)")
+
+
+def quote_xml(value: object) -> Markup:
+    """What a template of XML inserts: markup, or text for elements and attributes.
+
+    Line breaks and tabs stay what they are in attributes, too. Raises UnquotableError.
+    """
+    if isinstance(value, Markup):
+        return value
+    text = str(value)
+    if NOT_IN_XML.search(text):
+        raise UnquotableError(text, "XML")
+    return Markup(str(escape(text)).translate(_SPACE))
+
+
+def xml_comment(text: str) -> Markup:
+    """The text inside of a comment: no two hyphens, none at the end."""
+    return Markup(escape(_HYPHENS.sub("- ", NOT_IN_XML.sub(" ", text))))

@@ -1,0 +1,99 @@
+"""What behaviours, a user's own files, use and the definitions do not have (any more)."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import PurePosixPath
+
+from rtgen.backends import Artifact, Owner
+from rtgen.diagnostics import Diagnostic, Span, ToolError
+from rtgen.project import Project, shown
+from rtgen.project_rules import LEFTOVER_SKELETON, UNKNOWN_PORT
+
+_USE = re.compile(r"\bself\.(\w+)\.(?:read|read_newest|is_new|write)\(")
+_SET = re.compile(r"\bself\.(\w+)\s*[,:=]")
+_NAMED = re.compile(r"^ +(?:def )?(\w+) *[:(=]", re.M)
+_CLASS = re.compile(r"^class \w+\(([^)]*)\):", re.M)
+
+
+def check(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagnostic]:
+    """Findings for the modules in the folders of skeletons. Raises ToolError if one is unreadable.
+
+    `artifacts` are what the definitions ask for now.
+    """
+    prefix = f"{project.package}/components/"
+    bases = {
+        PurePosixPath(a.path).parts[2]: a.text
+        for a in artifacts
+        if a.path.startswith(prefix) and a.path.endswith("_base.py")
+    }
+    if not bases:
+        return
+    imported = re.compile(
+        rf"^from {re.escape(project.package)}\.components\.(\w+)(?:\.\w+)? import", re.M
+    )
+    for file, text in _modules(project, artifacts).items():
+        used = {match[1]: match for match in imported.finditer(text)}
+        for module in used.keys() - bases.keys():
+            near = _nearest(module, bases)
+            yield LEFTOVER_SKELETON.at(
+                _span(file, text, used[module].start(1), used[module].end(1)),
+                f"no definition has the component of {project.package}.components.{module}",
+                hint=f"was it renamed to {near}?" if near else "remove the file",
+            )
+        if len(used) == 1 and used.keys() <= bases.keys():
+            [module] = used
+            yield from _ports(file, text, bases[module])
+
+
+def _modules(project: Project, artifacts: Sequence[Artifact]) -> Mapping[str, str]:
+    """The texts of the modules beside skeletons, by their paths as messages show them."""
+    folders = {project.skeletons}
+    for artifact in artifacts:
+        if artifact.owner is Owner.USER and not artifact.below_output:
+            folders.add((project.skeletons / artifact.path).parent)
+    try:
+        return {
+            shown(file): file.read_text(encoding="utf-8", errors="replace")
+            for folder in sorted(folders)
+            if folder.is_dir()
+            for file in sorted(folder.glob("*.py"))
+        }
+    except OSError as error:
+        raise ToolError(f"cannot read {error.filename}: {error.strerror}") from error
+
+
+def _ports(file: str, text: str, base: str) -> Iterator[Diagnostic]:
+    """Uses of ports that neither the generated base has nor the module makes.
+
+    Only where both classes have no further base, from which a port may come.
+    """
+    if _CLASS.findall(base) != ["Component"] or any(
+        "," in parents for parents in _CLASS.findall(text)
+    ):
+        return
+    made = set(_SET.findall(base))
+    known = {*made, *_SET.findall(text), *_NAMED.findall(text)}
+    uses = {use[1]: use for use in reversed([*_USE.finditer(text)])}
+    for name, use in uses.items():
+        if name not in known:
+            near = _nearest(name, made)
+            yield UNKNOWN_PORT.at(
+                _span(file, text, use.start(1), use.end(1)),
+                f"the definition has no port {name!r}",
+                hint=f"did you mean {near}?" if near else None,
+            )
+
+
+def _nearest(word: str, candidates: Iterable[str]) -> str | None:
+    # Loaded only when there is something to report.
+    from rtgen.frontends.suggestions import nearest
+
+    return nearest(word, sorted(candidates))
+
+
+def _span(file: str, text: str, begin: int, end: int) -> Span:
+    line = text.count("\n", 0, begin) + 1
+    column = begin - (text.rfind("\n", 0, begin) + 1) + 1
+    return Span(file, line, column, line, column + end - begin)

@@ -1,0 +1,233 @@
+"""Values of ports and observables over time: `--plot INSTANCE.PORT`, `--csv INSTANCE.PORT`."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, TextIO, TypeAlias
+
+from rtgen import runtime
+from rtgen.cli.recording import (
+    PICTURES,
+    add_legend,
+    reproducible,
+    save_picture,
+    stroke,
+)
+from rtgen.diagnostics import InputError
+from rtgen.model import System
+from rtgen.runtime.clocks import SECOND
+from rtgen.runtime.json_printers import plain
+from rtgen.system_rules import OBSERVABLE, UNKNOWN_INSTANCE
+
+FILES = (*PICTURES, ".csv", ".tsv", ".txt", ".dat")
+"""Endings that make an argument a file's name, whatever stands before."""
+_SELECTOR = re.compile(
+    r"(?P<instance>[^.]+)\.(?P<name>[^.\[]+)(?P<path>(\.\w+|\[\d+\])*)"
+)
+_STEP = re.compile(r"\.(\w+)|\[(\d+)\]")
+_MOST = 32
+_PERIOD = SECOND // 50
+
+Number: TypeAlias = float | int
+
+
+@dataclass(slots=True)
+class Curve:
+    """Values over time [s]; `unit` is empty where the definition says none."""
+
+    name: str
+    unit: str = ""
+    times: list[float] = field(default_factory=list)
+    values: list[Number] = field(default_factory=list)
+
+
+def divided(
+    arguments: Sequence[str], option: str, system: System
+) -> tuple[str | None, tuple[str, ...]]:
+    """The file among the arguments of an option, and what is to be shown.
+
+    An argument is INSTANCE.NAME of the system unless it has an ending of FILES or a folder. Raises
+    InputError for two files, or a name that is likely a misspelt instance.
+    """
+    names = [component.instance for component in system.components]
+    files, selectors = [], []
+    for text in arguments:
+        instance, dot, _ = text.partition(".")
+        path = Path(text)
+        if path.suffix.lower() in FILES or path.name != text or not dot:
+            files.append(text)
+        elif instance in names:
+            selectors.append(text)
+        elif close := get_close_matches(instance, names, n=1):
+            message = f"{option} {text}: no component {instance!r} in the system"
+            hint = f"did you mean {close[0]!r}?"
+            raise InputError([UNKNOWN_INSTANCE.at(None, message, hint=hint)])
+        else:
+            files.append(text)
+    if len(files) > 1:
+        message = f"{option} has two files, {files[0]} and {files[1]}"
+        hint = f"values of ports are INSTANCE.PORT; instances: {', '.join(names)}"
+        raise InputError([OBSERVABLE.at(None, message, hint=hint)])
+    return (files[0] if files else None), tuple(selectors)
+
+
+class Curves:
+    """The curves of what a command line selects: of an OutPort each sample that is written, of an
+    InPort each that is read, of an observable its value 50 times a second.
+
+    `INSTANCE.NAME` has all numbers of a sample but its time stamp, `.member` and `[index]` lead to
+    some of them. Raises InputError for a name that the component does not have.
+    """
+
+    def __init__(self, running: runtime.System, selectors: Sequence[str]) -> None:
+        self._running = running
+        self._of: dict[str, dict[str, Curve]] = {}
+        self._text: dict[str, str] = {}
+        for selector in dict.fromkeys(selectors):
+            self._select(selector)
+
+    def of(self, selectors: Sequence[str]) -> list[Curve]:
+        """The curves of selectors. Raises InputError if one has no numbers."""
+        found = []
+        for selector in dict.fromkeys(selectors):
+            curves = [*self._of[selector].values()]
+            if not curves and selector in self._text:
+                message = f"{selector} has no numbers; {self._text[selector]}"
+                raise InputError([OBSERVABLE.at(None, message)])
+            found += curves or [Curve(selector)]
+        return found
+
+    def _select(self, selector: str) -> None:
+        match = _SELECTOR.fullmatch(selector)
+        if match is None:
+            hint = "INSTANCE.PORT, INSTANCE.PORT.member, or INSTANCE.PORT[index]"
+            message = f"{selector!r} names no value of a port"
+            raise InputError([OBSERVABLE.at(None, message, hint=hint)])
+        instance, name = match["instance"], match["name"]
+        path = [a or int(b) for a, b in _STEP.findall(match["path"])]
+        self._of[selector] = {}
+        component = self._running.component(instance)
+        units = {p.name: p.unit for p in component.profile.ports if not p.port}
+        add = self._adding(selector, f"{instance}.{name}", path, units.get(name, ""))
+        if name in component.out_ports:
+            self._running.watch_port(instance, name, lambda value: add(plain(value)))
+        elif name in component.in_ports:
+            self._follow(instance, component.in_ports[name], add)
+        elif name in component.observables:
+            whole = f"{instance}.{name}"
+            self._running.every(
+                _PERIOD, lambda: add([*self._running.observable(whole)])
+            )
+        else:
+            known = [*component.out_ports, *component.in_ports, *component.observables]
+            close = get_close_matches(name, known, n=1)
+            hint = f"known: {', '.join(known) or 'none'}"
+            if close:
+                hint = f"did you mean {instance}.{close[0]}?"
+            message = f"{instance} has no data port and no observable {name!r}"
+            raise InputError([OBSERVABLE.at(None, message, hint=hint)])
+
+    def _follow(
+        self, instance: str, port: runtime.InPort[Any], add: Callable[[Any], None]
+    ) -> None:
+        last: object = None
+
+        def look() -> None:
+            nonlocal last
+            if port.last is not None and port.last is not last:
+                last = port.last
+                add(plain(last))
+
+        self._running.every(self._running.context(instance).period, look)
+
+    def _adding(
+        self, selector: str, label: str, path: list[str | int], unit: str
+    ) -> Callable[[Any], None]:
+        curves = self._of[selector]
+
+        def add(value: Any) -> None:
+            time = self._running.time / SECOND
+            inner, at = _inside(value, label, path)
+            numbers = [*_numbers(inner, at)][:_MOST]
+            units = [text.strip() for text in unit.split(",")]
+            if len(units) != len(numbers):
+                units = [unit] * len(numbers)
+            if not numbers and inner != []:
+                self._text[selector] = f"a sample is {value!r}"[:80]
+            for (name, number), one in zip(numbers, units, strict=True):
+                curve = curves.setdefault(name, Curve(name, one))
+                curve.times.append(time)
+                curve.values.append(number)
+
+        return add
+
+
+def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
+    """The part of a sample that a path leads to; None where there is none."""
+    for step in path:
+        label += f"[{step}]" if isinstance(step, int) else f".{step}"
+        if isinstance(step, int):
+            is_there = isinstance(value, list) and step < len(value)
+        else:
+            is_there = isinstance(value, dict) and step in value
+        value = value[step] if is_there else None
+    return value, label
+
+
+def _numbers(value: Any, label: str) -> Iterator[tuple[str, Number]]:
+    """The numbers in a sample with their labels; a time stamp beside others is left out."""
+    match value:
+        case bool():
+            yield label, int(value)
+        case int() | float():
+            yield label, value
+        case "nan" | "inf" | "-inf":
+            yield label, float(value)
+        case list():
+            for index, item in enumerate(value):
+                yield from _numbers(item, f"{label}[{index}]")
+        case dict():
+            members = {k: v for k, v in value.items() if k != "tm"} or value
+            for name, item in members.items():
+                inner = label if len(members) == 1 else f"{label}.{name}"
+                yield from _numbers(item, inner)
+
+
+def write_curves(stream: TextIO, curves: Sequence[Curve]) -> None:
+    """A column for each curve, a row for each time at which one has a value; numbers of seconds."""
+    rows: dict[float, dict[int, Number]] = {}
+    for column, curve in enumerate(curves):
+        for time, value in zip(curve.times, curve.values, strict=True):
+            rows.setdefault(time, {})[column] = value
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(["t", *(curve.name for curve in curves)])
+    for time, values in sorted(rows.items()):
+        writer.writerow([time, *(values.get(c, "") for c in range(len(curves)))])
+
+
+def draw_curves(path: str, title: str, curves: Sequence[Curve], time: str) -> None:
+    """Curves over time, those of one unit in one frame; `time` names the axis."""
+    from matplotlib.figure import Figure
+
+    units = [*dict.fromkeys(curve.unit for curve in curves)]
+    with reproducible():
+        figure = Figure(figsize=(7.0, 1.0 + 2.6 * len(units)), layout="constrained")
+        grid = figure.subplots(len(units), 1, sharex=True, squeeze=False)
+        frames = [row[0] for row in grid]
+        for unit, axes in zip(units, frames, strict=True):
+            for number, curve in enumerate(curves):
+                if curve.unit == unit:
+                    line = stroke(number, len(curves))
+                    style = {"drawstyle": "steps-post", "label": curve.name}
+                    axes.plot(curve.times, curve.values, **line, **style)
+            axes.set_ylabel(f"[{unit}]" if unit else "")
+            axes.grid(visible=True, alpha=0.3)
+        frames[-1].set_xlabel(time)
+        figure.suptitle(title)
+        add_legend(figure, frames, most=2)
+        save_picture(figure, Path(path))

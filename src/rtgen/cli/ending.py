@@ -1,0 +1,94 @@
+"""Ctrl-C and SIGTERM in a run: it ends in order, and within a bound if code does not return."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from _thread import interrupt_main
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from rtgen.cli.common import NO
+from rtgen.cli.signals import handled
+from rtgen.runtime import watchdog
+from rtgen.runtime.watchdog import Call, Since, calls_under_way, followed
+
+_LOOK = 0.1
+_SHORT = 0.3
+"""After how many seconds a call is named that the end of the run waits for."""
+
+
+class Ending:
+    """What Ctrl-C does: once, the run ends; a call that lasts is named, interrupted, given up.
+
+    Before the run has begun, and from the second time on, it raises KeyboardInterrupt at once.
+    """
+
+    def __init__(self, say: Callable[[Call, str], None]) -> None:
+        self._say = say
+        self._end_run: Callable[[BaseException], None] | None = None
+        self._over = threading.Event()
+        self._asked = False
+
+    def of(self, end_run: Callable[[BaseException], None]) -> None:
+        """From now on it ends a run."""
+        self._end_run = end_run
+
+    def close(self) -> None:
+        """Nothing is waited for any more."""
+        self._over.set()
+
+    def signalled(self, number: int, frame: FrameType | None) -> None:
+        """Handles a signal, in the main thread."""
+        if self._end_run is None or self._asked:
+            for call in calls_under_way():
+                if call.thread == threading.main_thread().ident:
+                    self._say(call, "is interrupted")
+            raise KeyboardInterrupt
+        self._asked = True
+        self._end_run(KeyboardInterrupt())
+        threading.Thread(target=self._hurry, name="rtgen ending", daemon=True).start()
+
+    def _hurry(self) -> None:
+        main = threading.main_thread().ident
+        seen: dict[int, Since] = {}
+        interrupted: Call | None = None
+        while not self._over.wait(_LOOK):
+            seen = {call.thread: since for call, since in followed(seen)}
+            for since in seen.values():
+                if since.seconds >= _SHORT and not since.reported:
+                    since.reported = True
+                    self._say(since.call, "has not returned, and the run is to end")
+            blocked = seen.get(main) if main is not None else None
+            if blocked is None or blocked.seconds < watchdog.PATIENCE:
+                continue
+            if interrupted is not None and interrupted.frame is blocked.call.frame:
+                self._say(blocked.call, "does not end when interrupted; rtgen ends")
+                sys.stderr.flush()
+                os._exit(NO)
+            interrupted = blocked.call
+            blocked.begin = time.monotonic()
+            _interrupt(main)
+
+
+def _interrupt(thread: int | None) -> None:
+    """Lets the main thread raise KeyboardInterrupt, also out of a system call."""
+    if thread is not None and hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(thread, signal.SIGINT)
+    else:
+        interrupt_main()
+
+
+@contextmanager
+def ending(say: Callable[[Call, str], None]) -> Iterator[Ending]:
+    """Handles Ctrl-C and SIGTERM meanwhile."""
+    handler = Ending(say)
+    with handled(handler.signalled, signal.SIGINT, signal.SIGTERM):
+        try:
+            yield handler
+        finally:
+            handler.close()

@@ -1,0 +1,58 @@
+"""`rtgen rpc check`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from rtgen.cli.common import NO, OK, Console, with_console, write_out
+from rtgen.cli.rpc.call_command import channel_of
+from rtgen.cli.rpc.common import (
+    Peer,
+    printed,
+    read_unit,
+    service_of,
+    with_cdl,
+    with_peer,
+)
+from rtgen.diagnostics import ToolError
+from rtgen.runtime.opaque_rpc import RpcError, peer_digest
+from rtgen.runtime.opaque_rpc.serial import BAUDRATE
+
+
+@click.command("check")
+@click.argument("words", metavar="[HOST:PORT] SIG", nargs=-1)
+@click.option("--serial", metavar="DEV", help="Ask over a serial line.")
+@click.option("--baud", type=click.IntRange(min=1), default=BAUDRATE, show_default=True)
+@with_cdl
+@with_peer
+@with_console
+def check_(
+    console: Console,
+    cdl: Path,
+    include: tuple[str, ...],
+    words: tuple[str, ...],
+    serial: str | None,
+    baud: int,
+    peer: Peer,
+) -> int:
+    """Compare the digest of a device's signature with that of the CDL file.
+
+    Prints both in one line of JSON. The exit code is 1 if they differ, 3 without an answer: boards
+    that were not made with RTCPlugin.rb do not know the question, and close the connection.
+    """
+    address, rest = ((), words) if serial else (words[:1], words[1:])
+    if len(rest) != 1:
+        raise click.UsageError("give HOST:PORT or --serial DEV, and SIG")
+    codec = service_of(read_unit(cdl, include), rest[0], peer).codec
+    channel = channel_of(*address, serial=serial, baud=baud, peer=peer)
+    try:
+        found = peer_digest(channel, codec)
+    except RpcError as error:
+        raise ToolError(f"{rest[0]}: {error}") from error
+    finally:
+        channel.close()
+    answer = {"signature": codec.signature, "digest": codec.digest, "peer": found}
+    write_out(printed(answer))
+    return OK if found == codec.digest else NO

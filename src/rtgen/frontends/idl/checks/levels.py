@@ -1,0 +1,48 @@
+"""How far declarations refer to each other: later stages follow such references one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.frontends.idl.rules.types import TOO_DEEP
+from rtgen.limits import MOST_LEVELS
+from rtgen.model import Component, Declaration, ScopedName
+from rtgen.model.graphs import groups
+from rtgen.typemap.implementation_modules import referred
+
+
+def checked(
+    made: Mapping[ScopedName, Declaration], report: Callable[[Diagnostic], None]
+) -> dict[ScopedName, Declaration]:
+    """The declarations; reports the first that rest on more than MOST_LEVELS others in a row.
+
+    Components beyond that are left out, since each has a copy of all that it inherits.
+    """
+    edges = {name: set(_parts(declaration)) for name, declaration in made.items()}
+    levels: dict[ScopedName, int] = {}
+    for group in groups(edges):
+        below = max(
+            (levels.get(part, 0) for name in group for part in edges[name]), default=0
+        )
+        level = below + len(group)
+        levels.update(dict.fromkeys(group, level))
+        if below <= MOST_LEVELS < level:
+            first = made[min(group, key=lambda name: made[name].span)]
+            message = (
+                f"{first.scoped} leads from declaration to declaration for"
+                f" {level} levels, more than {MOST_LEVELS}"
+            )
+            report(TOO_DEEP.at(first.span, message))
+    return {
+        name: declaration
+        for name, declaration in made.items()
+        if levels[name] <= MOST_LEVELS or not isinstance(declaration, Component)
+    }
+
+
+def _parts(declaration: Declaration) -> Iterator[ScopedName]:
+    if isinstance(declaration, Component):
+        yield from filter(None, (declaration.base, *declaration.supports))
+    else:
+        yield from referred(declaration)

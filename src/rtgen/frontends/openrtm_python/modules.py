@@ -1,0 +1,110 @@
+"""Modules that a component consists of: its own, and those beside it that it imports from."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from rtgen.frontends.openrtm_python.source import Source, read_source
+from rtgen.frontends.openrtm_python.values import Class, Function, Named, Value
+
+_MOST_MODULES = 50
+_MOST_FOLDERS = 6
+_STUBS = "import omniORB"
+_OPENRTM = (("OpenRTM_aist",), ("omniORB",), ("RTC",))
+"""Packages that are OpenRTM's own, wherever they are."""
+
+
+@dataclass(eq=False, slots=True)
+class Module:
+    """A module that was read: the names that it defines, and what it imports by `*`."""
+
+    source: Source
+    tree: ast.Module
+    names: dict[str, Value] = field(default_factory=dict)
+    open_modules: list[str] = field(default_factory=list)
+    open_names: list[Module] = field(default_factory=list)
+
+    def find(self, name: str) -> Value | None:
+        """What a name stands for; None if the module says nothing of it."""
+        if name in self.names:
+            return self.names[name]
+        for other in self.open_names:
+            if name in other.names:
+                return other.names[name]
+        return None
+
+
+@dataclass(eq=False, slots=True)
+class ModuleName:
+    """A module that was read as a value: what it has not comes from a module of that name."""
+
+    module: Module
+    path: tuple[str, ...]
+
+    def attribute_of(self, name: str) -> Value:
+        """What the module defines under the name."""
+        found = self.module.find(name)
+        if isinstance(found, Named) or found is None:
+            return Named((*self.path, name), imported=True)
+        return found
+
+
+class Modules:
+    """Finds and reads modules of the same repository; stubs of omniidl are not read."""
+
+    def __init__(self, first: Path, include: Sequence[Path]) -> None:
+        self.sources: list[Source] = []
+        self._folders = [*_folders(first.parent), *include]
+        self._read: dict[Path, Module | None] = {}
+
+    def imported(self, path: tuple[str, ...], of: Path, level: int) -> Module | None:
+        """The module that an import names, None if it is not of the repository."""
+        if path[:1] in _OPENRTM:
+            return None
+        if level:
+            folder = of.parent
+            for _ in range(level - 1):
+                folder = folder.parent
+            return self._in(folder, path)
+        found = (self._in(folder, path) for folder in [of.parent, *self._folders])
+        return next((each for each in found if each is not None), None)
+
+    def _in(self, folder: Path, path: tuple[str, ...]) -> Module | None:
+        place = folder.joinpath(*path)
+        for file in (place.with_name(f"{place.name}.py"), place / "__init__.py"):
+            if file in self._read:
+                return self._read[file]
+            if len(self._read) < _MOST_MODULES and file.is_file():
+                self._read[file] = self._module(file)
+                return self._read[file]
+        return None
+
+    def _module(self, file: Path) -> Module | None:
+        source = read_source(file)
+        if source.tree is None or _STUBS in source.text:
+            return None
+        self.sources.append(source)
+        return Module(source, source.tree)
+
+
+def _folders(start: Path) -> Iterator[Path]:
+    """The folder and those around it, up to the repository's own."""
+    folder = start.absolute()
+    for _ in range(_MOST_FOLDERS):
+        yield folder
+        if (folder / ".git").exists() or folder.parent == folder:
+            return
+        folder = folder.parent
+
+
+def definition(node: ast.stmt, module: Module) -> Value | None:
+    """The class or function that a statement defines."""
+    match node:
+        case ast.ClassDef():
+            return Class(node, module)
+        case ast.FunctionDef():
+            return Function(node, module)
+    return None

@@ -1,0 +1,134 @@
+"""The text of a module, in whatever encoding and Python it is written, and its syntax tree."""
+
+from __future__ import annotations
+
+import ast
+import re
+import tokenize
+import warnings
+from dataclasses import dataclass
+from importlib import import_module
+from io import BytesIO
+from pathlib import Path
+
+from rtgen.diagnostics import Diagnostic, Span
+from rtgen.frontends.openrtm_python import rules
+
+_MAX_BYTES = 4 * 1024 * 1024
+_OTHERS = ("utf-8-sig", "euc_jp", "cp932", "latin-1")
+"""The encodings that are tried where the declared one does not fit."""
+
+_FIXES = (
+    *("except", "exec", "ne", "numliterals", "print", "raise", "repr"),
+    *("tuple_params", "unicode"),
+)
+"""What is converted of Python 2: its syntax; names stay, as nothing is executed."""
+
+_MOST_CONVERTED = 300_000
+"""Characters of a module that is converted, which takes seconds."""
+
+_NOT_PYTHON_3 = "this is not Python 3"
+_DEEP = "too many"
+_INDENT = re.compile(r"^[ \t]+", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A module's text and tree; no tree if there are errors."""
+
+    path: Path
+    text: str
+    tree: ast.Module | None
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def file(self) -> str:
+        """The path as findings show it."""
+        return self.path.as_posix()
+
+
+def read_source(path: Path) -> Source:
+    """The text and tree of a file; what is wrong with it is in the diagnostics."""
+    file = path.as_posix()
+    start = Span(file, 1, 1, 1, 2)
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(_MAX_BYTES + 1)
+        if len(data) > _MAX_BYTES:
+            raise ValueError(f"it is larger than {_MAX_BYTES:,} bytes")
+        text, assumed = _decoded(data)
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        found = rules.UNREADABLE.at(start, f"{file} cannot be read: {reason}")
+        return Source(path, "", None, (found,))
+    told: list[Diagnostic] = []
+    if assumed is not None:
+        message = (
+            f"the file is not in the encoding that it declares; {assumed} is taken"
+        )
+        told.append(rules.ASSUMED.at(start, message))
+    tree, wrong = _parsed(text, file)
+    if wrong is not None and (changed := _python_3(text, wrong.message)) is not None:
+        tree, _ = _parsed(changed, file)
+        if tree is not None:
+            message = "this is Python 2; its syntax is converted to read it"
+            return Source(
+                path, changed, tree, (*told, rules.ASSUMED.at(wrong.span, message))
+            )
+    if wrong is not None:
+        return Source(path, text, None, (*told, wrong))
+    return Source(path, text, tree, tuple(told))
+
+
+def _decoded(data: bytes) -> tuple[str, str | None]:
+    """The text, and the encoding where it had to be guessed."""
+    try:
+        encoding, _ = tokenize.detect_encoding(BytesIO(data).readline)
+        return _lines(data.decode(encoding)), None
+    except (LookupError, SyntaxError, UnicodeDecodeError):
+        pass
+    for encoding in _OTHERS:
+        try:
+            return _lines(data.decode(encoding)), encoding
+        except UnicodeDecodeError:
+            continue
+    raise AssertionError("every octet is a character of latin-1")
+
+
+def _lines(text: str) -> str:
+    return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _parsed(text: str, file: str) -> tuple[ast.Module | None, Diagnostic | None]:
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            return ast.parse(text, file), None
+    except SyntaxError as error:
+        line, column = error.lineno or 1, max(error.offset or 1, 1)
+        span = Span(file, line, column, line, column + 1)
+        message = f"{_NOT_PYTHON_3}: {error.msg}"
+        hint = "modules of Python 2 need the extra: pip install 'rtgen[python2]'"
+        return None, rules.UNREADABLE.at(span, message, hint=hint)
+    except (ValueError, RecursionError, MemoryError) as error:
+        span = Span(file, 1, 1, 1, 2)
+        return None, rules.UNREADABLE.at(span, f"{file} cannot be read: {error}")
+
+
+def _python_3(text: str, problem: str) -> str | None:
+    """The text with the syntax of Python 3; None if it cannot be converted here."""
+    if len(text) > _MOST_CONVERTED or _NOT_PYTHON_3 not in problem or _DEEP in problem:
+        return None
+    try:
+        refactor = import_module("fissix.refactor")
+        errors = import_module("fissix.pgen2.parse").ParseError
+        tokens = import_module("fissix.pgen2.tokenize").TokenError
+    except ImportError:
+        return None
+    # Python 2 takes a tab for up to eight columns.
+    text = _INDENT.sub(lambda found: found[0].expandtabs(8), text)
+    tool = refactor.RefactoringTool([f"fissix.fixes.fix_{name}" for name in _FIXES])
+    try:
+        return str(tool.refactor_string(f"{text}\n", "module"))
+    except (errors, tokens, IndentationError, RecursionError, ValueError):
+        return None

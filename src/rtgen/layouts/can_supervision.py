@@ -1,0 +1,38 @@
+"""How a node of a network is supervised: by its heartbeat, else by node guarding.
+
+Times are in ms, 0 for none.
+"""
+
+from __future__ import annotations
+
+from rtgen.model.can_bus import BusNode
+
+_GUARD_TIME, _LIFE_TIME_FACTOR, _HEARTBEAT = 0x100C, 0x100D, 0x1017
+_PERIODS = 3
+"""A node is lost when so many heartbeats, or answers to node guarding, are missing."""
+
+
+def heartbeat(node: BusNode) -> int:
+    """The period of a node's heartbeat."""
+    return _number(node, _HEARTBEAT)
+
+
+def guard_time(node: BusNode) -> int:
+    """The period at which a node without heartbeat is polled."""
+    return 0 if heartbeat(node) else _number(node, _GUARD_TIME)
+
+
+def heartbeat_timeout(node: BusNode) -> int:
+    """After how long without a sign of life a node is lost; 0 if nothing supervises it."""
+    period = heartbeat(node) or guard_time(node)
+    if period and node.heartbeat_timeout is not None:
+        return round(node.heartbeat_timeout * 1000)
+    if heartbeat(node):
+        return _PERIODS * period
+    return (_number(node, _LIFE_TIME_FACTOR) or _PERIODS) * period
+
+
+def _number(node: BusNode, index: int) -> int:
+    variable = node.device.find(index)
+    told = None if variable is None else variable.current
+    return told if isinstance(told, int) else 0

@@ -1,0 +1,72 @@
+"""Walks through what refers to what, in time that grows with the number of references."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping
+from typing import TypeVar
+
+Node = TypeVar("Node", bound=Hashable)
+
+
+def groups(edges: Mapping[Node, Collection[Node]]) -> Iterator[list[Node]]:
+    """The strongly connected components, each behind those that it leads to.
+
+    A node outside of all circles is a group of its own. Tarjan's algorithm, without recursion;
+    what `edges` has no key for is passed over.
+    """
+    order: dict[Node, int] = {}
+    lowest: dict[Node, int] = {}
+    open_: dict[Node, None] = {}
+    for start in edges:
+        if start in order:
+            continue
+        work = [(start, iter(edges[start]))]
+        order[start] = lowest[start] = len(order)
+        open_[start] = None
+        while work:
+            node, following = work[-1]
+            for other in following:
+                if other not in edges:
+                    continue
+                if other not in order:
+                    order[other] = lowest[other] = len(order)
+                    open_[other] = None
+                    work.append((other, iter(edges[other])))
+                    break
+                if other in open_:
+                    lowest[node] = min(lowest[node], order[other])
+            else:
+                work.pop()
+                if work:
+                    above = work[-1][0]
+                    lowest[above] = min(lowest[above], lowest[node])
+                if lowest[node] == order[node]:
+                    group: list[Node] = []
+                    while not group or group[-1] != node:
+                        group.append(open_.popitem()[0])
+                    yield group[::-1]
+
+
+def in_circles(edges: Mapping[Node, Collection[Node]]) -> Iterator[Node]:
+    """The nodes from which a way leads back to them."""
+    for group in groups(edges):
+        if len(group) > 1 or group[0] in edges[group[0]]:
+            yield from group
+
+
+def leading_to(
+    edges: Mapping[Node, Iterable[Node]], wanted: Collection[Node]
+) -> set[Node]:
+    """The wanted nodes, and all from which a way leads to one of them."""
+    users: dict[Node, list[Node]] = {}
+    for node, others in edges.items():
+        for other in others:
+            users.setdefault(other, []).append(node)
+    found = set(wanted)
+    waiting = list(found)
+    while waiting:
+        for user in users.get(waiting.pop(), ()):
+            if user not in found:
+                found.add(user)
+                waiting.append(user)
+    return found

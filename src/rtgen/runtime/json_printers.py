@@ -1,0 +1,217 @@
+"""Printers of values as JSON, made once for each type: for logs, where each microsecond counts.
+
+A printer takes the members of a value out and puts them into a text. A value that is not what its
+definition promises (an enumerator in a `long`, a number that is not finite) goes the slow way,
+`plain`, which knows every type and gives the same text.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable
+from dataclasses import fields, is_dataclass
+from decimal import Decimal
+from enum import Enum
+from json.encoder import encode_basestring
+from keyword import iskeyword
+from typing import Any
+
+from rtgen.runtime.descriptors import (
+    AliasDescriptor,
+    BitsetDescriptor,
+    DataType,
+    Description,
+    EnumDescriptor,
+    ExceptionDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    ValueDescriptor,
+)
+from rtgen.runtime.values import AnyValue, Box, Value
+
+Printer = Callable[[Any], str]
+
+_FLOATS = ("float", "double")
+_INTEGERS = (
+    *("octet", "short", "unsigned short", "long", "unsigned long"),
+    *("long long", "unsigned long long", "int8", "uint8"),
+)
+
+
+def json_printer(type_: type[DataType]) -> Printer:
+    """What prints the values of a type: as `json.dumps` prints what `plain` makes of them."""
+    descriptor = getattr(type_, "_descriptor_", None)
+    if isinstance(descriptor, StructDescriptor):
+        return _Compiler().compiled(descriptor) or _print
+    return _print
+
+
+def _print(value: Any) -> str:
+    return json.dumps(plain(value), ensure_ascii=False)
+
+
+def _octets(value: bytes) -> str:
+    return repr([*value])
+
+
+def _numbers(values: list[Any]) -> str:
+    for value in values:
+        kind = type(value)
+        if kind is not int and (kind is not float or value - value != 0.0):
+            return _print(values)
+    return repr(values)
+
+
+class _Compiler:
+    """Writes a function that prints one struct; what is not plain enough has none.
+
+    Of a definition only the names of attributes get into the function; texts are values in it.
+    """
+
+    def __init__(self) -> None:
+        self._lines: list[str] = []
+        self._checks: list[str] = []
+        self._floats: list[str] = []
+        self._parts: list[str] = []
+        self._text = ""
+        self._names: dict[str, Any] = {
+            "plainly": _print,
+            "quoted": encode_basestring,
+            "octets": _octets,
+            "numbers": _numbers,
+            "truth": ("false", "true"),
+        }
+
+    def compiled(self, struct: StructDescriptor) -> Printer | None:
+        """The function; None for a struct with members that only `plain` knows."""
+        if not self._struct(struct, "value"):
+            return None
+        self._end_text()
+        # Not finite in sum: one of them is not, or the sum is out of range.
+        total = " + ".join(self._floats)
+        checks = [*self._checks, f"({total}) * 0.0 == 0.0"] if total else self._checks
+        body = [
+            *self._lines,
+            f"if {' and '.join(checks) or 'True'}:",
+            f"    return f'{''.join(self._parts)}'",
+            "return plainly(value)",
+        ]
+        source = "def printed(value):\n" + "".join(f"    {line}\n" for line in body)
+        exec(compile(source, "<json printer>", "exec"), self._names)
+        found: Printer = self._names["printed"]
+        return found
+
+    def _end_text(self) -> None:
+        if self._text:
+            name = f"text{len(self._names)}"
+            self._names[name] = self._text
+            self._parts.append(f"{{{name}}}")
+            self._text = ""
+
+    def _struct(self, struct: StructDescriptor, owner: str) -> bool:
+        self._text += "{"
+        for number, member in enumerate(struct.members):
+            attribute = member.attribute
+            if member.optional or not attribute.isidentifier() or iskeyword(attribute):
+                return False
+            comma = ", " if number else ""
+            self._text += f"{comma}{json.dumps(member.name, ensure_ascii=False)}: "
+            name = f"v{len(self._lines)}"
+            self._lines.append(f"{name} = {owner}.{attribute}")
+            if not self._member(member.type, name):
+                return False
+        self._text += "}"
+        return True
+
+    def _member(self, type_: Description, name: str) -> bool:
+        while isinstance(type_, AliasDescriptor):
+            type_ = type_.target
+        kind, shown = "", ""
+        match type_:
+            case StructDescriptor():
+                return self._struct(type_, name)
+            case PrimitiveDescriptor(primitive) if primitive in _FLOATS:
+                kind, shown = "float", f"{name}!r"
+                self._floats.append(name)
+            case PrimitiveDescriptor(primitive) if primitive in _INTEGERS:
+                kind, shown = "int", name
+            case PrimitiveDescriptor("boolean"):
+                kind, shown = "bool", f"truth[{name}]"
+            case StringDescriptor():
+                kind, shown = "str", f"quoted({name})"
+            case SequenceDescriptor(PrimitiveDescriptor("octet")):
+                kind, shown = "bytes", f"octets({name})"
+            case SequenceDescriptor(PrimitiveDescriptor(element)) if (
+                element in _FLOATS or element in _INTEGERS
+            ):
+                kind, shown = "list", f"numbers({name})"
+            case _:
+                return False
+        self._checks.append(f"type({name}) is {kind}")
+        self._end_text()
+        self._parts.append(f"{{{shown}}}")
+        return True
+
+
+def plain(value: object) -> Any:
+    """A generated value as what JSON knows, with the names that the definition has.
+
+    A valuetype inside of itself is told by its name alone.
+    """
+    return _plain(value, ())
+
+
+def _plain(value: Any, around: tuple[int, ...]) -> Any:
+    match value:
+        case None | bool() | str():
+            return value
+        case Enum():
+            return _enumerator(value)
+        case int():
+            return value
+        case float():
+            return value if math.isfinite(value) else str(value)
+        case list() | tuple():
+            return [_plain(item, around) for item in value]
+        case dict():
+            pairs = value.items()
+            return [[_plain(k, around), _plain(v, around)] for k, v in pairs]
+        case bytes():
+            return list(value)
+        case Decimal() | Description():
+            return str(value)
+        case AnyValue():
+            return _plain(value.value, around)
+    if id(value) in around:
+        return str(value.described())
+    named = _members(getattr(value, "_descriptor_", None))
+    inside = (*around, id(value)) if isinstance(value, Value | Box) else around
+    if named:
+        return {n: _plain(getattr(value, a), inside) for n, a in named.items()}
+    if is_dataclass(value):
+        names = [field.name for field in fields(value)]
+    else:
+        names = ["discriminator", "value"]
+    return {name: _plain(getattr(value, name), inside) for name in names}
+
+
+def _enumerator(value: Any) -> str:
+    descriptor = getattr(value, "_descriptor_", None)
+    if isinstance(descriptor, EnumDescriptor):
+        return next(name for name, number in descriptor.members if number == value)
+    return str(value.name)
+
+
+def _members(descriptor: object) -> dict[str, str]:
+    """The attributes of a generated value by their names in the definition."""
+    match descriptor:
+        case StructDescriptor() | ExceptionDescriptor():
+            return {m.name: m.attribute for m in descriptor.members}
+        case ValueDescriptor():
+            return {m.name: m.attribute for m in descriptor.all_members()}
+        case BitsetDescriptor():
+            return {f.name: f.attribute for f in descriptor.fields}
+    return {}

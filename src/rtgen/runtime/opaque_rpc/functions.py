@@ -1,0 +1,206 @@
+"""The messages of one function, and the call and the dispatch that every function shares.
+
+A generated codec has an attribute for each function, whose class is generated, too. For a function
+`f` of a codec:
+
+`codec.f.encode_request(...)`
+    The whole request, SOP to EOP. Arguments are the inward parameters in order; for a nullable
+    `out` parameter a bool in its place: whether the caller wants it.
+`codec.f.read_request(more)`
+    The tuple of those arguments, from what follows SOP and function id. The EOP is checked.
+`codec.f.encode_reply(kept..., returned, outs...)`
+    The whole reply; without `returned` for a void function. `kept` are those arguments of the
+    request that the reply's layout depends on: a size, whether a nullable parameter was there.
+    They bear the parameter's name; `given_p` where the reply has a value of `p` of its own.
+`codec.f.first`
+    How many bytes of a reply can be asked for before anything of it is known.
+`codec.f.read_reply(first, more, kept...)`
+    `(returned, outs)`: returned is None for a void function, outs a tuple, or None where
+    the server left them out: the type is `ER` or `ER_INT`, the main code `E_RPC`.
+
+A oneway function has no reply. Encoding raises ArgumentError, reading ProtocolError and what
+`more` raises: `more(n)` returns exactly n bytes or raises ChannelError.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    ClassVar,
+    Concatenate,
+    Generic,
+    ParamSpec,
+    TypeVar,
+)
+
+from rtgen.runtime.opaque_rpc.codecs import Codec, More
+from rtgen.runtime.opaque_rpc.errors import E_MAGIC, E_OK, ProtocolError, RpcError
+
+if TYPE_CHECKING:
+    from rtgen.runtime.opaque_rpc.channel import Channel
+    from rtgen.runtime.opaque_rpc.messages import Handler
+
+log = logging.getLogger("rtgen.runtime.opaque_rpc")
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
+def _no_outs(*arguments: Any) -> tuple[()]:
+    return ()
+
+
+class Messages(Generic[_P, _R]):
+    """The messages of a function that takes `_P` and returns `_R`, for one codec.
+
+    `name` is the function's in CDL, `number` its id. The class attributes describe the function:
+    `kept` the arguments (by index) that the reply depends on, `results` how many values come back,
+    `oneway` and `error_code` (the type is `ER` or `ER_INT`) what CDL declares.
+    """
+
+    kept: ClassVar[tuple[int, ...]] = ()
+    results: ClassVar[int] = 0
+    is_void: ClassVar[bool] = False
+    error_code: ClassVar[bool] = False
+    oneway: ClassVar[bool] = False
+
+    encode_request: Callable[..., bytes]
+    read_request: Callable[[More], tuple[Any, ...]]
+    encode_reply: Callable[..., bytes]
+    read_reply: Callable[..., tuple[Any, tuple[Any, ...] | None]]
+    first: int = 0
+
+    unset: Callable[..., tuple[Any, ...]] = _no_outs
+    """The outs of a call that fails, for its arguments: inouts unchanged, others zero."""
+
+    call: Callable[Concatenate[Channel, _P], _R]
+    """Calls the function over a channel.
+
+    A function that returns `ER` or `ER_INT` returns the composite error code if the call fails, and
+    logs why; others raise RpcError. Raises ArgumentError for a value that cannot be sent.
+    """
+
+    def __init__(self, codec: Codec, name: str, number: int) -> None:
+        self.name = name
+        self.id = number
+        self.function = f"{codec.signature}.{name}"
+        self.tdr = codec.tdr
+        self.request_limit = codec.request_limit
+        self.reply_limit = codec.reply_limit
+        self.awaiting_reply = codec.awaiting_reply
+        self.nothing_follows = codec.nothing_follows
+        call: Any = self._call_code if self.error_code else self._call_value
+        if self.oneway:
+            call = self._send_code if self.error_code else self._send
+        self.call = call
+
+    def wrong_mark(self, mark: str, expected: int, found: int | bytes) -> ProtocolError:
+        """What to raise when a message does not begin or end as it has to.
+
+        `mark` is `SOP` or `EOP`, `found` what the message has there.
+        """
+        have = self.tdr.int16(found) if isinstance(found, int) else found
+        wanted = self.tdr.int16(expected).hex(" ")
+        return ProtocolError(
+            E_MAGIC, f"{self.function}: {mark} is {have.hex(' ')}, expected {wanted}"
+        )
+
+    def _send(self, channel: Channel, /, *arguments: Any) -> Any:
+        channel.begin(self.encode_request(*arguments), 0)
+        channel.end()
+
+    def _send_code(self, channel: Channel, /, *arguments: Any) -> Any:
+        request = self.encode_request(*arguments)
+        try:
+            channel.begin(request, 0)
+            channel.end()
+        except RpcError as error:
+            return self._failed(error, channel)
+        return E_OK
+
+    def _kept_of(self, arguments: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Those arguments that the reply depends on."""
+        kept = self.kept
+        if len(kept) == 1:
+            return (arguments[kept[0]],)
+        return tuple([arguments[index] for index in kept])
+
+    # An exchange is spelled out twice, since a further call costs a tenth of its time.
+
+    def _call_code(self, channel: Channel, /, *arguments: Any) -> Any:
+        request = self.encode_request(*arguments)
+        try:
+            head = channel.begin(request, self.first)
+            try:
+                returned, outs = self.read_reply(
+                    head, channel.more, *(self.kept and self._kept_of(arguments))
+                )
+            except BaseException:
+                channel.reset()
+                raise
+            channel.end()
+        except RpcError as error:
+            returned, outs = self._failed(error, channel), None
+        if self.results == 1:
+            return returned
+        return returned, *(self.unset(*arguments) if outs is None else outs)
+
+    def _call_value(self, channel: Channel, /, *arguments: Any) -> Any:
+        request = self.encode_request(*arguments)
+        head = channel.begin(request, self.first)
+        try:
+            returned, outs = self.read_reply(
+                head, channel.more, *(self.kept and self._kept_of(arguments))
+            )
+        except BaseException:
+            channel.reset()
+            raise
+        channel.end()
+        if not self.is_void:
+            return (returned, *outs) if outs else returned
+        if outs:
+            return outs if len(outs) > 1 else outs[0]
+        return None
+
+    def _failed(self, error: RpcError, channel: Channel) -> int:
+        """The code to return; the log says why, since the code alone does not."""
+        log.warning("%s at %s: %s", self.function, channel, error)
+        return error.code
+
+    def handler(self, target: Callable[_P, _R]) -> Handler:
+        """What serves requests of the function by calling `target`."""
+        read, kept, results = self.read_request, self.kept, self.results
+        function: Callable[..., Any] = target
+
+        def handle_oneway(more: More) -> None:
+            function(*read(more))
+
+        if self.oneway:
+            return handle_oneway
+        encode = self.encode_reply
+
+        def handle_plain(more: More) -> bytes:
+            return encode(function(*read(more)))
+
+        def handle_several(more: More) -> bytes:
+            return encode(*function(*read(more)))
+
+        def handle(more: More) -> bytes:
+            arguments = read(more)
+            result = function(*arguments)
+            values = (result,) if results == 1 else result or ()
+            return encode(*self._kept_of(arguments), *values)
+
+        if kept or results == 0:
+            return handle
+        return handle_plain if results == 1 else handle_several
+
+
+class RecordCodec:
+    """Base of what writes and reads a struct whose size depends on values."""
+
+    def __init__(self, codec: Codec) -> None:
+        self.tdr = codec.tdr

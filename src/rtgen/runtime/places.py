@@ -1,0 +1,48 @@
+"""Which frames of a stack are a user's own: neither rtgen's nor of Python or installed packages."""
+
+from __future__ import annotations
+
+import os
+import sysconfig
+from collections.abc import Sequence
+from pathlib import Path
+from types import FrameType
+
+_RTGEN = str(Path(__file__).resolve().parents[1]) + os.sep
+_INSTALLED = tuple(
+    path + os.sep
+    for path in {
+        sysconfig.get_path(name) for name in ("stdlib", "platstdlib", "purelib")
+    }
+)
+_DEBUGGER = (f"{os.sep}pdb.py", f"{os.sep}bdb.py")
+
+
+def shown(file: str) -> str:
+    """The file as messages show it: relative to the working folder if it is below."""
+    folder = f"{Path.cwd()}{os.sep}"
+    return file.removeprefix(folder).replace(os.sep, "/")
+
+
+def is_rtgens(file: str) -> bool:
+    """Whether a file is rtgen's own."""
+    return file.startswith(_RTGEN)
+
+
+def is_users(file: str) -> bool:
+    """Whether a file is a user's own."""
+    return not (file.startswith((_RTGEN, "<")) or file.startswith(_INSTALLED))
+
+
+def is_debugger(frame: FrameType) -> bool:
+    """Whether a frame is the debugger's."""
+    return frame.f_code.co_filename.endswith(_DEBUGGER)
+
+
+def users_frame(frames: Sequence[FrameType]) -> FrameType:
+    """The first frame of a user's own; else the first that is not rtgen's; else the first."""
+    for wanted in (is_users, lambda file: not is_rtgens(file)):
+        for frame in frames:
+            if wanted(frame.f_code.co_filename):
+                return frame
+    return frames[0]

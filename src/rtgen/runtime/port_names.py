@@ -1,0 +1,46 @@
+"""What ports of components are called, and why two of them cannot be connected."""
+
+from __future__ import annotations
+
+from rtgen.runtime.component import Component
+from rtgen.runtime.errors import ConnectError, PolarityError, UnknownPortError
+from rtgen.runtime.service_connectors import ServicePort
+
+
+def cannot_join(
+    source: Component, port: str, target: Component, other: str
+) -> ConnectError:
+    """Why two ports, none of which goes with the other, cannot be connected."""
+    for component, name in ((source, port), (target, other)):
+        if name not in port_names(component):
+            return unknown_port(component, name)
+    ends = f"{source.instance_name}.{port} and {target.instance_name}.{other}"
+    found = f"{kinds(source, port)} and {kinds(target, other)}"
+    return PolarityError(
+        f"{ends} cannot be connected: they are {found}; "
+        "an OutPort goes with an InPort, a service port with a service port"
+    )
+
+
+def unknown_port(component: Component, name: str) -> UnknownPortError:
+    """The error for a port that a component does not have."""
+    known = ", ".join(port_names(component)) or "none"
+    return UnknownPortError(
+        f"{component.instance_name} has no port {name!r}; known: {known}"
+    )
+
+
+def port_names(component: Component) -> tuple[str, ...]:
+    """The names of a component's ports."""
+    services = [port for port, _ in (*component.providers, *component.consumers)]
+    return tuple(dict.fromkeys([*component.in_ports, *component.out_ports, *services]))
+
+
+def kinds(component: Component, port: str) -> str:
+    """What kinds of port a component has under a name."""
+    kinds = {
+        "InPort": port in component.in_ports,
+        "OutPort": port in component.out_ports,
+        "service port": bool(ServicePort(component, port)),
+    }
+    return " and ".join(kind for kind, is_there in kinds.items() if is_there)

@@ -1,0 +1,178 @@
+"""Finds code of components that does not return, by looking at the stacks of the threads.
+
+Nothing is noted when a callback begins, so a tick costs the same with and without it.
+"""
+
+from __future__ import annotations
+
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from types import CodeType, FrameType
+from typing import ParamSpec, TypeVar
+
+from rtgen.runtime.callbacks import log, succeeds
+from rtgen.runtime.execution_context import Participant
+from rtgen.runtime.places import is_debugger, shown, users_frame
+
+PATIENCE = 2.0
+"""How long, in seconds, a call may take before it is reported, and before a run that ends gives it
+up."""
+_PERIOD = 0.2
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A call of a component's code that is under way; `file` and `line` say where it is now."""
+
+    instance: str
+    callback: str
+    file: str
+    line: int
+    thread: int = field(repr=False)
+    frame: FrameType = field(repr=False)
+
+    def __str__(self) -> str:
+        return f"{self.instance}.{self.callback} ({shown(self.file)}, line {self.line})"
+
+
+def calling(
+    instance: str,
+    callback: str,
+    function: Callable[P, T],
+    *args: P.args,
+    **kwargs: P.kwargs,
+) -> T:
+    """Calls code of a component that is no callback, such as a constructor, as a named call."""
+    return function(*args, **kwargs)
+
+
+def _of_calling(frame: FrameType) -> tuple[str, str]:
+    return frame.f_locals["instance"], frame.f_locals["callback"]
+
+
+def _of_succeeds(frame: FrameType) -> tuple[str, str]:
+    return frame.f_locals["component"].instance_name, frame.f_locals["callback"]
+
+
+def _of_cycle(frame: FrameType) -> tuple[str, str]:
+    return frame.f_locals["self"].component.instance_name, "on_execute"
+
+
+_CALLERS: dict[CodeType, Callable[[FrameType], tuple[str, str]]] = {
+    calling.__code__: _of_calling,
+    succeeds.__code__: _of_succeeds,
+    Participant.cycle.__code__: _of_cycle,
+}
+"""The functions that call components, and whom they call."""
+
+
+def calls_under_way() -> list[Call]:
+    """The calls of components' code in all threads, except those that stand in the debugger."""
+    frames = sys._current_frames()
+    return [
+        call
+        for thread, frame in frames.items()
+        if (call := _call_in(thread, frame)) is not None
+    ]
+
+
+def _call_in(thread: int, innermost: FrameType) -> Call | None:
+    inside: list[FrameType] = []
+    frame: FrameType | None = innermost
+    while frame is not None:
+        find = _CALLERS.get(frame.f_code)
+        if find is not None and inside:
+            if any(map(is_debugger, inside)):
+                return None
+            try:
+                instance, callback = find(frame)
+            except (KeyError, AttributeError):
+                return None  # The frame has just begun, or is about to end.
+            at = users_frame(inside)
+            file, line = at.f_code.co_filename, at.f_lineno
+            return Call(instance, callback, file, line, thread, frame)
+        inside.append(frame)
+        frame = frame.f_back
+    return None
+
+
+class Watchdog:
+    """Reports calls that take longer than PATIENCE, each once, from a thread of its own.
+
+    One looks at all threads of the process; while one is at work, a further one does nothing.
+    """
+
+    _at_work = threading.Lock()
+
+    def __init__(self, report: Callable[[Call, float], None]) -> None:
+        self._report = report
+        self._end = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def __enter__(self) -> Watchdog:
+        self.start()
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.stop()
+
+    def start(self) -> None:
+        """Begins to look."""
+        if self._at_work.acquire(blocking=False):
+            self._thread = threading.Thread(
+                target=self._run, name="rtgen watchdog", daemon=True
+            )
+            self._thread.start()
+
+    def stop(self) -> None:
+        """Ends that."""
+        if self._thread is not None:
+            self._end.set()
+            self._thread.join()
+            self._thread = None
+            self._at_work.release()
+
+    def _run(self) -> None:
+        seen: dict[int, Since] = {}
+        while not self._end.wait(min(_PERIOD, PATIENCE / 4)):
+            seen = {call.thread: since for call, since in followed(seen)}
+            for since in seen.values():
+                if since.seconds >= PATIENCE and not since.reported:
+                    since.reported = True
+                    self._report(since.call, since.seconds)
+
+
+@dataclass(slots=True)
+class Since:
+    """A call that is under way, since when it has been seen, and whether it was reported."""
+
+    call: Call
+    begin: float
+    reported: bool = False
+
+    @property
+    def seconds(self) -> float:
+        """How long it has been under way, at least."""
+        return time.monotonic() - self.begin
+
+
+def followed(seen: dict[int, Since]) -> Iterator[tuple[Call, Since]]:
+    """The calls under way; those that were under way before keep the time of their begin."""
+    for call in calls_under_way():
+        before = seen.get(call.thread)
+        if before is not None and before.call.frame is call.frame:
+            before.call = call
+            yield call, before
+        else:
+            yield call, Since(call, time.monotonic())
+
+
+def log_blocked(call: Call, seconds: float) -> None:
+    """Reports a call that does not return to the logger `rtgen.runtime`."""
+    log.warning("%s has not returned for %.0f s", call, seconds)

@@ -1,0 +1,50 @@
+"""TOML texts as their content, for whoever reports what is wrong with one."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Any
+
+from rtgen.diagnostics import Span
+from rtgen.limits import MOST_LEVELS
+
+_PLACE = re.compile(r"\s*\(at line (\d+), column (\d+)\)$")
+_PART = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
+_DEEP_KEY = re.compile(rf"(?<![\w-])(?:{_PART}){{{MOST_LEVELS}}}")
+
+
+class TomlError(Exception):
+    """The text is no TOML; `span` says where."""
+
+    def __init__(self, message: str, span: Span) -> None:
+        super().__init__(message)
+        self.span = span
+
+
+def parse(text: str, file: str) -> dict[str, Any]:
+    """The content of a TOML text that is shown as `file`. Raises TomlError."""
+
+    def problem(message: str, line: int, column: int) -> TomlError:
+        return TomlError(message, Span(file, line, column, line, column + 1))
+
+    # The library's time grows with the square of a key's length.
+    if (deep := _DEEP_KEY.search(text)) is not None:
+        before = text[: deep.start()].split("\n")
+        message = f"a key has more than {MOST_LEVELS} parts"
+        raise problem(message, len(before), len(before[-1]) + 1)
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise problem("nested too deeply", 1, 1) from None
+    except ValueError as error:  # also of an integer with thousands of digits
+        message = str(error)
+        if (place := _PLACE.search(message)) is not None:
+            line, column = int(place[1]), int(place[2])
+        elif isinstance(error, tomllib.TOMLDecodeError):
+            lines = text.split("\n")
+            line, column = len(lines), len(lines[-1]) + 1
+        else:
+            message, line, column = "a number is too long", 1, 1
+        message = _PLACE.sub("", message).removesuffix(" (at end of document)")
+        raise problem(message.strip(), line, column) from None

@@ -1,0 +1,167 @@
+"""Names of ports on OpenRTM, and back to those of the definition.
+
+OpenRTM has one name space for all ports of a component, and keeps of a name what follows its last
+dot (`PortBase.setOwner`). Profiles that its tools write have these names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from rtgen.model import Component, Connection, Port, PortKind, PortReference, System
+
+OPENRTM_NAME = "openrtm_name"
+"""The annotation that chooses a port's name."""
+
+IN, OUT, SERVICE = "in", "out", "service"
+
+Key = tuple[str, str]
+"""One of `IN`, `OUT`, `SERVICE`, and the name of a port in the definition."""
+
+_SUFFIXES = {IN: "", OUT: "_out", SERVICE: "_service"}
+_WAYS = {PortKind.INPORT: IN, PortKind.OUTPORT: OUT}
+_POLARITIES = {PortKind.PROVIDER: "provided", PortKind.CONSUMER: "required"}
+
+
+def key_of(port: Port) -> Key:
+    """The key of a port; interfaces of one service port have the same."""
+    way = _WAYS.get(port.kind, SERVICE)
+    return way, port.port if way == SERVICE else port.name
+
+
+def chosen_name(port: Port) -> str:
+    """What the port's annotation says; empty without one."""
+    annotation = port.annotation(OPENRTM_NAME)
+    value = None if annotation is None else annotation.get()
+    return value if isinstance(value, str) else ""
+
+
+def known_name(name: str) -> str:
+    """The name that a port has in OpenRTM if it is registered by `name`."""
+    return name.rpartition(".")[2]
+
+
+def registered_names(
+    keys: Iterable[Key], chosen: Mapping[Key, str] | None = None
+) -> dict[Key, str]:
+    """The names to register ports by, so that OpenRTM does not know two of them by the same."""
+    listed = list(dict.fromkeys(keys))
+    names: dict[Key, str] = {}
+    for way, suffix in _SUFFIXES.items():
+        taken = set(map(known_name, names.values()))
+        for key in listed:
+            if key[0] == way:
+                clashes = known_name(key[1]) in taken
+                names[key] = (chosen or {}).get(key) or key[1] + suffix * clashes
+    return names
+
+
+def names_of(component: Component) -> dict[Key, str]:
+    """The names to register the ports of a component by."""
+    chosen: dict[Key, str] = {}
+    for port in component.ports:
+        if name := chosen_name(port):
+            chosen.setdefault(key_of(port), name)
+    return registered_names(map(key_of, component.ports), chosen)
+
+
+@dataclass(frozen=True, slots=True)
+class InstancePorts:
+    """The ports of an instance: the names to register them by, and the types of its interfaces.
+
+    `interfaces` is by port, polarity (`provided`, `required`) and instance name.
+    """
+
+    registered: Mapping[Key, str]
+    interfaces: Mapping[tuple[str, str, str], str]
+
+
+_NOTHING = InstancePorts({}, {})
+
+
+def ports_of(component: Component) -> InstancePorts:
+    """The ports of the instances of a component."""
+    return InstancePorts(
+        names_of(component),
+        {
+            (port.port, _POLARITIES[port.kind], port.instance): (
+                port.type_name or str(port.type)
+            )
+            for port in component.ports
+            if port.kind in _POLARITIES
+        },
+    )
+
+
+def with_definition_names(
+    system: System, instances: Mapping[str, InstancePorts]
+) -> System:
+    """The system with the definitions' names of ports and interfaces where it has OpenRTM's.
+
+    Names that are neither stay.
+    """
+    connections = (_connection(c, instances) for c in system.connections)
+    return replace(system, connections=tuple(connections))
+
+
+def _connection(
+    connection: Connection, instances: Mapping[str, InstancePorts]
+) -> Connection:
+    ways = (SERVICE, SERVICE) if connection.service else (OUT, IN)
+    source, target = (
+        _definition_end(end, way, instances)
+        for end, way in zip((connection.source, connection.target), ways, strict=True)
+    )
+    if not connection.service:
+        return replace(connection, source=source, target=target)
+    keys = {
+        text: _definition_key(text, (source, target), instances)
+        for pair in connection.properties
+        for text in pair
+    }
+    return replace(
+        connection,
+        source=source,
+        target=target,
+        properties=tuple((keys[k], keys[v]) for k, v in connection.properties),
+        places={keys.get(key, key): span for key, span in connection.places.items()},
+    )
+
+
+def _aliases(registered: str) -> tuple[str, str]:
+    """The names that a file may have for a port that is registered by a name."""
+    return registered, known_name(registered)
+
+
+def _definition_end(
+    end: PortReference, way: str, instances: Mapping[str, InstancePorts]
+) -> PortReference:
+    ports = instances.get(end.instance, _NOTHING).registered
+    if (way, end.port) in ports:
+        return end
+    for (kind, port), registered in ports.items():
+        if kind == way and end.port in _aliases(registered):
+            return replace(end, port=port)
+    return end
+
+
+def _definition_key(
+    text: str, ends: Sequence[PortReference], instances: Mapping[str, InstancePorts]
+) -> str:
+    """A key or value of a property, which may name an interface of one of the ends.
+
+    The type in it is not compared: the others are unique, and files write a type with its scope
+    or without.
+    """
+    for end in ends:
+        ports = instances.get(end.instance, _NOTHING)
+        registered = ports.registered.get((SERVICE, end.port), end.port)
+        for alias in (end.port, *_aliases(registered)):
+            prefix = f"{end.instance}.port.{alias}."
+            if text.startswith(prefix):
+                polarity, _, rest = text.removeprefix(prefix).partition(".")
+                type_, _, name = rest.partition(".")
+                type_ = ports.interfaces.get((end.port, polarity, name), type_)
+                return f"{end.instance}.port.{end.port}.{polarity}.{type_}.{name}"
+    return text

@@ -1,0 +1,48 @@
+"""No schedule on a CAN bus makes a message later than computed.
+
+`python tests/fuzz/can_schedules.py 10000` tries more of them.
+"""
+
+from dataclasses import replace
+
+import pytest
+from can_schedules import ScheduleTarget
+from fuzzing import run
+
+from rtgen.layouts.can_timing import Message
+
+
+def test_schedules() -> None:
+    report = run(ScheduleTarget, range(200))
+    assert not report.failures, report.failures[0].detail
+    assert report.labels["bound"] > 600
+    assert report.labels["nearly reached"] > 60
+
+
+class Unaware(ScheduleTarget):
+    """An analysis that leaves something out."""
+
+    field = ""
+
+    def known(self, message: Message) -> Message:
+        return replace(message, **{self.field: type(getattr(message, self.field))()})
+
+
+class UnawareOfQueues(Unaware):
+    field = "queue"
+
+
+class UnawareOfTriggers(Unaware):
+    field = "trigger"
+
+
+class UnawareOfJitter(Unaware):
+    field = "jitter"
+
+
+@pytest.mark.parametrize(
+    "unaware", [UnawareOfQueues, UnawareOfTriggers, UnawareOfJitter]
+)
+def test_the_schedules_find_what_an_analysis_leaves_out(unaware: type[Unaware]) -> None:
+    report = run(unaware, range(40))
+    assert any("computed" in failure.title for failure in report.failures)

@@ -1,0 +1,25 @@
+"""No text of a definition becomes code, whatever the input language and the target."""
+
+from functools import partial
+
+from fuzzing import run
+from hostile import ConversionsTarget, HostileTarget
+from hostile_names import NamesTarget
+
+
+def test_hostile_definitions() -> None:
+    report = run(partial(HostileTarget, count=2), range(15))
+    assert not report.failures, report.failures[0].detail
+    assert report.labels["made"] >= 12
+
+
+def test_hostile_names() -> None:
+    report = run(NamesTarget, range(33, 51))
+    assert not report.failures, report.failures[0].detail
+    assert report.labels["made"] > 14
+
+
+def test_hostile_systems_modules_and_profiles() -> None:
+    report = run(ConversionsTarget, range(45))
+    assert not report.failures, report.failures[0].detail
+    assert report.labels["made"] > 35

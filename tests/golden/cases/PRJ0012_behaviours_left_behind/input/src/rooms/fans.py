@@ -1,0 +1,5 @@
+from house.components.fans import FansBase
+
+
+class Fans(FansBase):
+    pass

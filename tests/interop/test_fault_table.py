@@ -1,0 +1,277 @@
+"""The table of faults in docs/canopen.md, done to a slave by hand over hub and pseudo-terminal."""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import can
+import pytest
+from test_hand_slave import NODE, Bench, hand, of
+
+from rtgen.runtime import ACTIVE_STATE, ERROR_STATE, INACTIVE_STATE
+
+from hub_process import HubProcess  # isort: skip
+
+__all__ = ["hand"]
+PAGE = Path(__file__).parents[2] / "docs/canopen.md"
+STATES = {"ACTIVE": ACTIVE_STATE, "ERROR": ERROR_STATE}
+CHANNEL = "faults"
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A fault with what is to become of it."""
+
+    proxy: str
+    phase: str
+    reason: str
+    back: tuple[str, ...]
+
+
+def table() -> dict[str, Row]:
+    """The rows of the page, by what stands before the colon of their first cell."""
+    text = PAGE.read_text(encoding="utf-8").partition("\n## Faults\n")[2]
+    rows = re.findall(
+        r"^\| (.+?) \| (.+?) \| (.+?) \| (.*?) ?\| (.*?) ?\|$", text, re.M
+    )
+    found = {}
+    for name, proxy, manager, _, back in rows[1 : 10 + 1]:
+        phase, _, reason = manager.partition(": ")
+        steps = tuple(filter(None, back.split("; ")))
+        found[name.partition(":")[0]] = Row(proxy, phase, reason, steps)
+    return found
+
+
+TABLE = table()
+
+
+class Node:
+    """A slave by hand with its own connection to the bus, in a thread; `cut` is its power."""
+
+    def __init__(self, connect: Callable[[], can.BusABC]) -> None:
+        self._connect = connect
+        self._ended = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def power(self) -> None:
+        bus = self._connect()
+        self.slave = of("hand_slave", "Slave")(bus, NODE)
+        ended = self._ended = threading.Event()
+
+        def serve() -> None:
+            # Its bus may go, too.
+            with suppress(can.CanError, OSError), bus:
+                self.slave.reset()
+                while not ended.is_set():
+                    self.slave.step()
+
+        self._thread = threading.Thread(target=serve)
+        self._thread.start()
+
+    def cut(self) -> None:
+        self._ended.set()
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+
+    def emergencies(self, *codes: int) -> None:
+        for code in codes:
+            data = code.to_bytes(2, "little") + bytes(6)
+            self.slave.send(0x80 + NODE, data)
+
+
+@dataclass
+class Line:
+    """The hub, the bench, and nodes on either kind of connection."""
+
+    medium: str
+    faults: tuple[str, ...] = ()
+    hub: HubProcess = field(init=False)
+    bench: Bench = field(init=False)
+
+    def __enter__(self) -> Line:
+        ptys = ("--slcan-pty", "--slcan-pty", "--slcan-channel", CHANNEL)
+        self.options = (*(ptys if self.medium == "pty" else ()), *self.faults)
+        self.hub = HubProcess(*self.options)
+        self._used = iter(self.hub.ptys)
+        self.node, self.second = Node(self.connection()), Node(self.connection())
+        self.bench = Bench(manager=True, hub=self.hub, own_slave=True, channel=CHANNEL)
+        return self
+
+    def connection(self) -> Callable[[], can.BusABC]:
+        """What opens a connection of a node: a pseudo-terminal of its own, or a socket."""
+        if self.medium == "pty":
+            path = next(self._used)
+            return lambda: can.Bus(interface="slcan", channel=path, sleep_after_open=0)
+        return lambda: can.Bus(
+            interface="socketcand",
+            channel=CHANNEL,
+            host=self.hub.host,
+            port=self.hub.port,
+            tcp_tune=True,
+        )
+
+    def __exit__(self, *exception: object) -> None:
+        self.node.cut()
+        self.second.cut()
+        self.bench.close()
+        self.hub.__exit__(None, None, None)
+
+    def activate(self) -> None:
+        for name in ("Manager0", "Proxy0"):
+            self.bench.system.activate(name)
+
+    def work(self) -> None:
+        self.activate()
+        self.bench.until(ACTIVE_STATE)
+
+    def report(self) -> Any:
+        (report,) = self.bench.manager.station.reports()
+        return report
+
+    def expect(self, row: Row) -> None:
+        bench = self.bench
+        bench.until(STATES[row.proxy])
+        phases = [each.removeprefix("NODE_") for each in row.phase.split(" or ")]
+        bench.wait(lambda: self.report().phase.name in phases)
+        assert row.reason in self.report().reason
+
+
+# The faults: each makes its own and returns what ends it.
+
+
+def missing(line: Line) -> Callable[[], None]:
+    line.activate()
+    return line.node.power
+
+
+def late(line: Line) -> Callable[[], None]:
+    line.activate()
+    line.bench.until(ERROR_STATE)
+    line.node.power()
+    return lambda: None
+
+
+def working(line: Line) -> None:
+    line.node.power()
+    line.work()
+
+
+def killed(line: Line) -> Callable[[], None]:
+    working(line)
+    line.node.cut()
+    return line.node.power
+
+
+def reset(line: Line) -> Callable[[], None]:
+    working(line)
+    line.node.slave.obey(0x81)
+    return lambda: None
+
+
+def silent(line: Line) -> Callable[[], None]:
+    working(line)
+    line.node.slave.set(0x2006, 1)
+    return lambda: line.node.slave.set(0x2006, 0)
+
+
+def doubled(line: Line) -> Callable[[], None]:
+    working(line)
+    line.second.power()
+    return line.second.cut
+
+
+def storm_that_stops(line: Line) -> Callable[[], None]:
+    working(line)
+    line.node.emergencies(*range(0x2300, 0x2300 + 500))
+    return lambda: None
+
+
+def storm_that_reports(line: Line) -> Callable[[], None]:
+    working(line)
+    line.node.emergencies(*([0x8210] * 500))
+    line.bench.wait(lambda: "8210h" in line.bench.proxy.reason)
+    return lambda: None
+
+
+def losses(line: Line) -> Callable[[], None]:
+    working(line)
+    line.bench.wait(lambda: len(line.bench.samples) > 100)
+    return lambda: None
+
+
+def bus_gone(line: Line) -> Callable[[], None]:
+    working(line)
+    port = line.hub.port
+    line.hub.__exit__(None, None, None)
+
+    def back() -> None:
+        line.node.cut()
+        line.hub = HubProcess(*line.options, port=port)
+        line._used = iter(line.hub.ptys)
+        line.node = Node(line.connection())
+        line.node.power()
+        link = line.bench.manager.station.link
+        line.bench.wait(lambda: link.up)
+
+    return back
+
+
+FAULTS: dict[str, Callable[[Line], Callable[[], None]]] = {
+    "missing": missing,
+    "late": late,
+    "killed": killed,
+    "reset": reset,
+    "silent": silent,
+    "doubled": doubled,
+    "storm of emergencies that stop": storm_that_stops,
+    "storm of emergencies that report": storm_that_reports,
+    "losses": losses,
+    "bus gone": bus_gone,
+}
+
+
+def test_every_fault_of_the_page_is_done() -> None:
+    assert list(TABLE) == list(FAULTS)
+
+
+@contextmanager
+def line_of(name: str, medium: str) -> Iterator[Line]:
+    if medium == "pty":
+        pytest.importorskip("serial", reason="pyserial, for slcan")
+    lossy = ("--fault", "loss=0.02", "--seed", "1") if name == "losses" else ()
+    with Line(medium, lossy) as line:
+        yield line
+
+
+@pytest.mark.parametrize("medium", ["hub", pytest.param("pty", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_has_the_state_and_the_way_back_of_the_page(
+    name: str, medium: str
+) -> None:
+    row = TABLE[name]
+    with line_of(name, medium) as line:
+        end = FAULTS[name](line)
+        line.expect(row)
+        system = line.bench.system
+        for step in row.back:
+            if step in ("power", "end of the fault"):
+                end()
+            elif step == "reset of the manager and the proxy":
+                system.reset("Manager0")
+                line.bench.until(INACTIVE_STATE, "Manager0")
+                system.activate("Manager0")
+                line.bench.until(ACTIVE_STATE, "Manager0")
+                system.reset("Proxy0")
+            else:
+                assert step == "reset of the proxy"
+                system.reset("Proxy0")
+        line.bench.until(ACTIVE_STATE)
+        seen = len(line.bench.samples)
+        line.bench.wait(lambda: len(line.bench.samples) > seen + 5)

@@ -1,0 +1,383 @@
+"""Runs what a page of the documentation shows, and compares what it says is printed.
+
+The info string of a fenced block says what it is:
+
+- `console`: commands after `$ `, each with what it prints, messages first. A line `...` stands for
+  any lines, `...` within a line for any text. Without output, the exit code must be 0.
+- `python`, `toml`, `json`, `xml`: parsed; the imports of Python are carried out.
+- `idl`, `cdl`, `jsonl`, `text`: shown only.
+
+Comments steer what happens, and are not rendered:
+
+- `<!-- page: in a new folder -->`, `<!-- page: in the repository -->`: where what follows is run;
+  the latter is a copy.
+- `<!-- page: file NAME -->`: the next block is written to that file.
+- `<!-- page: $ COMMAND -->`: a command that the page does not show; `$REPOSITORY` is this one.
+- `<!-- page: output varies -->`: for each line of output in the next block, a line with the same
+  words is printed; numbers may differ, and there may be more lines.
+- `<!-- page: not run: REASON -->`: the next block needs what a test has not.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import io
+import json
+import os
+import re
+import shlex
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tomllib
+from collections.abc import Callable, Iterator
+from contextlib import chdir, redirect_stderr, redirect_stdout
+from dataclasses import dataclass, field
+from pathlib import Path
+from unittest.mock import patch
+
+from lxml import etree
+from markdown_it import MarkdownIt
+
+from rtgen.cli import run as rtgen
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+
+RUN_ELSEWHERE = frozenset({"gallery"})
+"""The systems of the gallery are run by the tests of the reference build."""
+
+SHOWN_ONLY = frozenset({"idl", "cdl", "jsonl", "text"})
+_COMMENT = re.compile(r"<!-- page: (.*?) -->", re.DOTALL)
+_VARYING = re.compile(r"^(wall \[s\]|ratio)( +)[\d.]+$", re.MULTILINE)
+_REPOSITORY = ("specs", "generated", "src/refnav", "rtgen.toml", "Makefile")
+_RUNS: dict[str, tuple[int, str]] = {}
+"""Simulated runs of systems of the repository, which repeat bit for bit, with their output."""
+_LONGEST = 60.0
+"""Seconds that a command may take."""
+
+_HUB = "29536"
+_PORTS = (_HUB, "8931", "8940")
+"""Ports that pages name; free ones are used instead. The first is the default of the hub."""
+
+
+class PageError(AssertionError):
+    """A page shows something else than what is there."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block: its info string, its text, its line in the page."""
+
+    language: str
+    text: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Directive:
+    """What a comment `<!-- page: ... -->` says."""
+
+    text: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command of a `console` block and what the page says it prints."""
+
+    text: str
+    output: str
+    line: int
+
+    @property
+    def in_background(self) -> bool:
+        """Whether the page goes on while it runs."""
+        return self.text.endswith("&")
+
+
+def parts(page: Path) -> Iterator[Block | Directive]:
+    """The blocks and directives of a page, in order."""
+    for token in MarkdownIt("commonmark").parse(page.read_text(encoding="utf-8")):
+        line = (token.map or [0])[0] + 1
+        if token.type == "fence":
+            yield Block(token.info.strip(), token.content, line)
+        elif token.type == "html_block":
+            for match in _COMMENT.finditer(token.content):
+                yield Directive(match[1], line)
+
+
+def commands(block: Block) -> list[Command]:
+    """The commands of a `console` block; a backslash at the end of a line continues it."""
+    found: list[Command] = []
+    lines = block.text.splitlines()
+    number = 0
+    while number < len(lines):
+        first = number
+        if not lines[number].startswith("$ "):
+            raise PageError(
+                f"line {block.line + number + 1}: a command begins with '$ '"
+            )
+        text = lines[number][2:]
+        while text.endswith("\\"):
+            number += 1
+            text = f"{text[:-1].rstrip()} {lines[number].strip()}"
+        number += 1
+        output: list[str] = []
+        while number < len(lines) and not lines[number].startswith("$ "):
+            output.append(lines[number])
+            number += 1
+        text = re.sub(r"\s+#.*$", "", text).strip()
+        found.append(Command(text, "\n".join(output), block.line + first + 1))
+    return found
+
+
+def matches(expected: str, printed: str) -> bool:
+    """Whether a text is as expected, where `...` stands for anything."""
+    pattern = re.escape(expected.strip("\n")).replace(r"\.\.\.", ".*")
+    return re.fullmatch(pattern, printed.strip("\n"), re.DOTALL) is not None
+
+
+@dataclass
+class Runner:
+    """Carries out the parts of one page below `folder`."""
+
+    folder: Path
+    _place: Path | None = None
+    _places: int = 0
+    _file: str | None = None
+    _skipped: str | None = None
+    _varies: bool = False
+    _set: dict[str, str] = field(default_factory=dict)
+    _background: list[subprocess.Popen[str]] = field(default_factory=list)
+    _ports: dict[str, str] = field(default_factory=dict)
+
+    def run(self, page: Path) -> None:
+        """All parts of the page; PageError at the first that differs."""
+        try:
+            for part in parts(page):
+                try:
+                    self._carry_out(part)
+                except PageError as error:
+                    raise PageError(f"{page.name}:{part.line}: {error}") from None
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """End what still runs."""
+        for process in self._background:
+            if process.poll() is None:
+                os.killpg(process.pid, signal.SIGTERM)
+            process.communicate(timeout=_LONGEST)
+        self._background.clear()
+
+    def _carry_out(self, part: Block | Directive) -> None:
+        if isinstance(part, Directive):
+            self._obey(part.text)
+            return
+        skipped, self._skipped = self._skipped, None
+        name, self._file = self._file, None
+        varies, self._varies = self._varies, False
+        if skipped is not None:
+            return
+        if name is not None:
+            path = self._here() / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(self._with_ports(part.text), encoding="utf-8")
+        match part.language:
+            case "console":
+                for command in commands(part):
+                    self._command(command, varies=varies)
+            case language if language in _CHECKS:
+                try:
+                    _CHECKS[language](part.text)
+                except (SyntaxError, ImportError, ValueError) as error:
+                    raise PageError(f"{type(error).__name__}: {error}") from error
+            case language if language not in SHOWN_ONLY:
+                raise PageError(f"a block of unknown language {language!r}")
+
+    def _obey(self, text: str) -> None:
+        kind, _, rest = text.partition(" ")
+        if text == "in a new folder":
+            self._new_place()
+        elif text == "in the repository":
+            place = self._new_place()
+            for name in _REPOSITORY:
+                source, target = ROOT / name, place / name
+                target.parent.mkdir(parents=True, exist_ok=True)
+                if source.is_dir():
+                    ignored = shutil.ignore_patterns("__pycache__")
+                    shutil.copytree(source, target, ignore=ignored)
+                else:
+                    shutil.copy(source, target)
+        elif kind == "file":
+            self._file = rest
+        elif kind == "$":
+            self._command(Command(rest, "", 0))
+        elif text == "output varies":
+            self._varies = True
+        elif text.startswith("not run: "):
+            self._skipped = text
+        else:
+            raise PageError(f"unknown directive {text!r}")
+
+    def _new_place(self) -> Path:
+        self.close()
+        self._places += 1
+        self._place = self.folder / str(self._places)
+        self._place.mkdir()
+        return self._place
+
+    def _here(self) -> Path:
+        if self._place is None:
+            raise PageError("no directive says where this is run")
+        return self._place
+
+    def _with_ports(self, text: str) -> str:
+        for port in _PORTS:
+            if port in text:
+                text = text.replace(port, self._port(port))
+        return text
+
+    def _port(self, shown: str) -> str:
+        if shown not in self._ports:
+            with socket.socket() as free:
+                free.bind(("127.0.0.1", 0))
+                self._ports[shown] = str(free.getsockname()[1])
+        return self._ports[shown]
+
+    def _command(self, command: Command, *, varies: bool = False) -> None:
+        here = self._here()
+        text = self._with_ports(command.text)
+        if text.startswith("export "):
+            self._set |= dict(word.split("=", 1) for word in shlex.split(text)[1:])
+            return
+        expected = _VARYING.sub(r"\1\2?", self._with_ports(command.output))
+        if text.startswith("rtgen can hub"):
+            text = text.replace("hub", f"hub --port {self._port(_HUB)}", 1)
+        if command.in_background:
+            self._start(text.removesuffix("&"), expected, here)
+            return
+        words = shlex.split(text)
+        if words[0] == "rtgen" and not set("|<>$;*&") & set(text):
+            known = _RUNS.get(text)
+            code, printed = known or _in_process(words[1:], here, self._environment())
+            if text.startswith("rtgen run specs/") and "--clock real" not in text:
+                _RUNS[text] = code, printed
+        else:
+            code, printed = self._in_shell(text, here)
+        printed = _VARYING.sub(r"\1\2?", printed)
+        if not command.output:
+            if code != 0:
+                raise PageError(f"$ {text}\nends with exit code {code}:\n{printed}")
+        elif varies:
+            shapes = {_shape(line) for line in printed.splitlines()}
+            missing = [x for x in expected.splitlines() if _shape(x) not in shapes]
+            if missing:
+                raise PageError(f"$ {text}\nno line like {missing[0]!r} in\n{printed}")
+        elif not matches(expected, printed):
+            raise PageError(f"$ {text}\n{_difference(expected, printed)}")
+
+    def _environment(self) -> dict[str, str]:
+        programs = str(Path(sys.executable).parent)
+        path = f"{programs}{os.pathsep}{os.environ['PATH']}"
+        settings = {"PATH": path, "REPOSITORY": str(ROOT), "PYTHONUNBUFFERED": "1"}
+        if "CAN_INTERFACE" in self._set:
+            bus = {"host": "127.0.0.1", "port": self._port(_HUB), "tcp_tune": True}
+            settings["CAN_CONFIG"] = json.dumps(bus)
+        return {**os.environ, **settings, **self._set}
+
+    def _in_shell(self, text: str, here: Path) -> tuple[int, str]:
+        done = subprocess.run(
+            ["bash", "-c", text],
+            cwd=here,
+            env=self._environment(),
+            capture_output=True,
+            text=True,
+            timeout=_LONGEST,
+            check=False,
+        )
+        return done.returncode, done.stderr + done.stdout
+
+    def _start(self, text: str, expected: str, here: Path) -> None:
+        process = subprocess.Popen(
+            ["bash", "-c", f"exec {text}" if "=" not in text.split()[0] else text],
+            cwd=here,
+            env=self._environment(),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
+        self._background.append(process)
+        assert process.stdout is not None
+        for line in expected.splitlines():
+            printed = process.stdout.readline().rstrip("\n")
+            if not matches(line, printed):
+                raise PageError(f"$ {text}\n{_difference(line, printed)}")
+
+
+def _in_process(
+    words: list[str], here: Path, environment: dict[str, str]
+) -> tuple[int, str]:
+    texts = [io.TextIOWrapper(io.BytesIO(), "utf-8", newline="") for _ in range(2)]
+    with (
+        chdir(here),
+        patch.dict(os.environ, environment),
+        redirect_stderr(texts[0]),
+        redirect_stdout(texts[1]),
+    ):
+        code = rtgen(words)
+    printed = ""
+    for text in texts:
+        text.seek(0)
+        printed += text.read()
+    return code, printed
+
+
+def _shape(line: str) -> str:
+    """The line without what varies: numbers, octets, blanks."""
+    words = re.sub(r"\b[0-9a-f]{2}\b|[-+]?\b[0-9][0-9a-zA-Z.]*\b", "", line)
+    return " ".join(words.split())
+
+
+def _difference(expected: str, printed: str) -> str:
+    return "\n".join(
+        difflib.unified_diff(
+            expected.strip("\n").splitlines(),
+            printed.strip("\n").splitlines(),
+            "page",
+            "program",
+            lineterm="",
+        )
+    )
+
+
+def _import(text: str) -> None:
+    """Carry out the imports of installed packages; SyntaxError if the text is no Python."""
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            names = [alias.name for alias in node.names]
+            module = node.module if isinstance(node, ast.ImportFrom) else names[0]
+            if (module or "").partition(".")[0] in ("rtgen", "refnav", "refrobots"):
+                exec(compile(ast.Module([node], []), "page", "exec"), {})
+
+
+def _check_xml(text: str) -> None:
+    prefixes = sorted(set(re.findall(r"[<\s/]([\w]+):\w", text)) - {"xml", "xmlns"})
+    declared = " ".join(f'xmlns:{prefix}="urn:{prefix}"' for prefix in prefixes)
+    if text.lstrip().startswith("<?xml"):
+        etree.fromstring(text.encode())
+    else:
+        etree.fromstring(f"<page {declared}>{text}</page>".encode())
+
+
+_CHECKS: dict[str, Callable[[str], object]] = {
+    "python": _import,
+    "toml": tomllib.loads,
+    "json": json.loads,
+    "xml": _check_xml,
+}

@@ -1,0 +1,58 @@
+"""Random runs: no collision, nobody drives by old data, nothing is called met that is not.
+
+`RTGEN_RANDOM_RUNS` asks for more of them, from the seed `RTGEN_RANDOM_FIRST` on; so does
+`python tests/reference/random_runs.py 500`.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from random_runs import make
+
+FIRST = int(os.environ.get("RTGEN_RANDOM_FIRST", "1"))
+RUNS = int(os.environ.get("RTGEN_RANDOM_RUNS", "6"))
+
+
+@pytest.mark.parametrize("seed", range(FIRST, FIRST + RUNS))
+def test_a_random_run(seed: int, tmp_path: Path) -> None:
+    run = make(seed, tmp_path)
+    assert run.faults == [], (run.accidents, run.words)
+
+
+def test_a_run_follows_from_its_seed(tmp_path: Path) -> None:
+    once, again = (make(4, tmp_path, kind="plain") for _ in range(2))
+    assert once == again
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("seed", "changed", "fault"),
+    [
+        # Odometry dies, and nobody cares.
+        (
+            18,
+            ["PathFollower0.PositionTimeout=0", "Navigation0.PositionTimeout=0"],
+            "s beyond",
+        ),
+        # Obstacles are seen too late.
+        (
+            1,
+            [
+                "ObstaclesAvoidance0.horizon=0.01",
+                "CollisionDetection0.margin=0",
+                "CollisionDetection0.radiusOfBodyArea=0.01",
+                "ObstaclesAvoidance0.radiusOfBodyArea=0.01",
+                "ObstaclesAvoidance0.clearance=0",
+            ],
+            "collision",
+        ),
+    ],
+)
+def test_a_run_that_must_not_be_is_found(
+    seed: int, changed: list[str], fault: str, tmp_path: Path
+) -> None:
+    run = make(seed, tmp_path, changed=changed)
+    assert any(fault in found for found in run.faults)

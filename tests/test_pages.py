@@ -1,0 +1,130 @@
+"""Each page of the documentation shows what the programs do."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+import pytest
+from pages import (
+    PAGES,
+    ROOT,
+    RUN_ELSEWHERE,
+    Block,
+    Command,
+    PageError,
+    Runner,
+    commands,
+    matches,
+)
+
+LINK = re.compile(r"\]\(([^)\s]+)\)")
+HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "page",
+    [page for page in PAGES if page.stem not in RUN_ELSEWHERE],
+    ids=lambda page: page.relative_to(ROOT).with_suffix("").as_posix(),
+)
+def test_a_page_shows_what_happens(page: Path, tmp_path: Path) -> None:
+    Runner(tmp_path).run(page)
+
+
+def anchors(page: Path) -> set[str]:
+    """The anchors that a code host gives the headings of a page."""
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    return {
+        re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+        for heading in HEADING.findall(text)
+    }
+
+
+@pytest.mark.parametrize(
+    "page", PAGES, ids=lambda page: page.relative_to(ROOT).with_suffix("").as_posix()
+)
+def test_links_lead_somewhere(page: Path) -> None:
+    for link in LINK.findall(page.read_text(encoding="utf-8")):
+        if "://" in link:
+            continue
+        name, _, anchor = link.partition("#")
+        target = (page.parent / name).resolve() if name else page
+        assert target.exists(), link
+        assert ROOT in (target, *target.parents), link
+        if anchor:
+            assert anchor in anchors(target), link
+
+
+def test_every_page_is_in_the_index() -> None:
+    index = (ROOT / "docs" / "README.md").read_text(encoding="utf-8")
+    linked = {link.partition("#")[0] for link in LINK.findall(index)}
+    assert {page.name for page in PAGES} - {"README.md"} <= linked
+
+
+def test_commands_of_a_block_have_their_outputs() -> None:
+    block = Block("console", "$ a b   # note\n1\n2\n$ c \\\n    d\n", 10)
+    assert commands(block) == [Command("a b", "1\n2", 11), Command("c d", "", 14)]
+    with pytest.raises(PageError, match=r"begins with '\$ '"):
+        commands(Block("console", "a\n", 1))
+
+
+@pytest.mark.parametrize(
+    ("expected", "printed", "same"),
+    [
+        ("a\nb", "a\nb\n", True),
+        ("a\n...\nd", "a\nb\nc\nd", True),
+        ("took ... s", "took 0.3 s", True),
+        ("a", "b", False),
+        ("a.c", "abc", False),
+    ],
+)
+def test_outputs_are_compared_with_gaps(
+    expected: str, printed: str, same: bool
+) -> None:
+    assert matches(expected, printed) is same
+
+
+def run_page(folder: Path, text: str) -> None:
+    page = folder / "page.md"
+    page.write_text(text, encoding="utf-8")
+    Runner(folder).run(page)
+
+
+NEW_FOLDER = "<!-- page: in a new folder -->\n\n"
+
+
+def test_files_and_commands_of_a_page_are_tried(tmp_path: Path) -> None:
+    written = "<!-- page: file a/b.txt -->\n\n```text\nhello\n```\n\n"
+    shown = "```console\n$ cat a/b.txt\nhello\n```\n"
+    run_page(tmp_path, NEW_FOLDER + written + shown)
+    assert (tmp_path / "1" / "a" / "b.txt").read_text(encoding="utf-8") == "hello\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (NEW_FOLDER + "```console\n$ echo b\na\n```", r"page.md:3: \$ echo b\n"),
+        (NEW_FOLDER + "```console\n$ false\n```", "ends with exit code 1"),
+        ("```console\n$ true\n```", "no directive says where"),
+        ("```\nx\n```", "unknown language"),
+        ("```python\nfrom rtgen.runtime import Nothing\n```", "Nothing"),
+        ("```toml\na =\n```", "page.md:1"),
+        ("<!-- page: perhaps -->", "unknown directive"),
+    ],
+)
+def test_what_differs_is_reported(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(PageError, match=message):
+        run_page(tmp_path, text)
+
+
+def test_what_a_page_starts_ends_with_it(tmp_path: Path) -> None:
+    run_page(
+        tmp_path,
+        NEW_FOLDER
+        + "```console\n$ sh -c 'echo $$ > id; echo ready; sleep 60' &\nready\n$ test -s id\n```\n",
+    )
+    number = int((tmp_path / "1" / "id").read_text(encoding="utf-8"))
+    with pytest.raises(ProcessLookupError):
+        os.kill(number, 0)

@@ -1,0 +1,159 @@
+"""Modules that `rtgen adopt` reads: encodings, Python 2, bases and IDL of the same repository."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from rtgen.cli import run
+from rtgen.frontends import openrtm_python
+from rtgen.frontends.openrtm_python import rules
+
+MODULE = """\
+import OpenRTM_aist
+import RTC
+{imports}
+spec = ["implementation_id", "Part", "type_name", "Part", "description", "{text}", ""]
+class Part({base}):
+    {body}
+"""
+BODY = """\
+def onInitialize(self):
+        self._in = OpenRTM_aist.InPort("in", RTC.TimedLong(RTC.Time(0, 0), 0))
+        self.addInPort("in", self._in)
+"""
+OWN = "OpenRTM_aist.DataFlowComponentBase"
+
+
+def module(
+    imports: str = "", base: str = OWN, body: str = BODY, text: str = "x"
+) -> str:
+    return MODULE.format(imports=imports, base=base, body=body, text=text)
+
+
+def codes(result: openrtm_python.ModuleResult) -> list[str]:
+    return [d.code for d in result.diagnostics]
+
+
+@pytest.mark.parametrize(
+    ("declared", "encoding", "told"),
+    [
+        ("euc-jp", "euc_jp", []),
+        ("shift_jis", "cp932", []),
+        ("utf-8", "utf-8-sig", []),
+        ("", "euc_jp", [rules.ASSUMED.code]),
+        ("", "cp932", [rules.ASSUMED.code]),
+        ("utf-8", "cp932", [rules.ASSUMED.code]),
+        ("rot13", "utf-8", [rules.ASSUMED.code]),
+        ("no-such-code", "utf-8", [rules.ASSUMED.code]),
+    ],
+)
+def test_encodings(
+    declared: str, encoding: str, told: list[str], tmp_path: Path
+) -> None:
+    path = tmp_path / "a.py"
+    line = f"# coding: {declared}\n" if declared else ""
+    path.write_bytes((line + module(text="距離センサ")).encode(encoding))
+    result = openrtm_python.read(path)
+    assert result.profile is not None
+    assert result.profile.description == "距離センサ"
+    assert [port.name for port in result.profile.data_ports] == ["in"]
+    assert codes(result) == told
+
+
+def test_python_2_without_its_converter(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "fissix.refactor", None)
+    path = tmp_path / "a.py"
+    path.write_text(module() + 'print "x"\n')
+    (found,) = openrtm_python.read(path).diagnostics
+    assert found.code == rules.UNREADABLE.code
+    assert found.span is not None
+    assert found.span.line == 10
+    assert "rtgen[python2]" in (found.hint or "")
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A repository with a component in a folder, and a base and constants elsewhere in it."""
+    (tmp_path / ".git").mkdir()
+    (tmp_path / "common").mkdir()
+    (tmp_path / "common/__init__.py").write_text("")
+    (tmp_path / "common/base.py").write_text(
+        module(body=BODY, base=OWN).replace("class Part", "class Base")
+    )
+    work = tmp_path / "parts"
+    work.mkdir()
+    (work / "names.py").write_text('OUT = "out"\nMORE = [OUT + "2"]\n')
+    monkeypatch.chdir(work)
+    return work
+
+
+def test_bases_and_constants_of_the_repository(folder: Path) -> None:
+    body = """\
+def onInitialize(self):
+        super().onInitialize()
+        for name in (OUT, *names.MORE):
+            self.addOutPort(name, OpenRTM_aist.OutPort(name, RTC.TimedLong(None, 0)))
+"""
+    imports = "from common.base import Base\nimport names\nfrom names import *"
+    path = folder / "a.py"
+    path.write_text(module(imports, "Base", body))
+    result = openrtm_python.read(path)
+    assert result.profile is not None
+    ports = [port.name for port in result.profile.data_ports]
+    assert ports == ["in", "out", "out2"]
+    assert codes(result) == []
+    assert len(result.sources) > 1
+
+
+def test_a_base_that_is_not_called_makes_nothing(folder: Path) -> None:
+    path = folder / "a.py"
+    body = "def onInitialize(self):\n        return RTC.RTC_OK\n"
+    path.write_text(module("from common import base", "base.Base", body))
+    result = openrtm_python.read(path)
+    assert result.profile is not None
+    assert result.profile.data_ports == ()
+
+
+def test_a_base_that_is_not_found(tmp_path: Path) -> None:
+    path = tmp_path / "a.py"
+    path.write_text(module("from elsewhere.base import Base", "Base"))
+    (found,) = openrtm_python.read(path).diagnostics
+    assert found.code == rules.NO_COMPONENT.code
+    assert "elsewhere.base.Base is not found" in found.message
+    assert "-I" in (found.hint or "")
+    other = tmp_path / "more/elsewhere"
+    other.mkdir(parents=True)
+    (other / "base.py").write_text(f"import OpenRTM_aist\nclass Base({OWN}): pass\n")
+    assert openrtm_python.read(path, [tmp_path / "more"]).profile is not None
+
+
+@pytest.mark.parametrize("place", ["Yard.idl", "idl/Yard.idl", "../idl/Yard.idl"])
+def test_idl_beside_the_module(
+    place: str, folder: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = folder / place
+    file.parent.mkdir(exist_ok=True)
+    file.write_text("module Yard { struct Load { long mass; }; };\n")
+    (file.parent / "Broken.idl").write_text("struct Other {\n")
+    body = BODY.replace("RTC.TimedLong(RTC.Time(0, 0), 0)", "Yard.Load(0)")
+    path = folder / "a.py"
+    path.write_text(module("import Yard", body=body))
+    assert run(["adopt", "a.py"]) == 0
+    out, err = capfd.readouterr()
+    assert '#include "Yard.idl"' in out
+    assert "consumes Yard::Load in_;" in out
+    assert "RTC0537" not in err
+
+
+def test_a_module_that_never_ends(tmp_path: Path) -> None:
+    body = BODY + "        while True:\n            for i in range(1000): f(i)\n"
+    path = tmp_path / "a.py"
+    path.write_text(module(body=body))
+    result = openrtm_python.read(path)
+    assert result.profile is not None
+    assert codes(result) == [rules.COMPUTED.code]

@@ -1,0 +1,51 @@
+"""The line fitter: a text in a literal is no part of the statement, however it looks."""
+
+from __future__ import annotations
+
+import ast
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from rtgen.backends.python_text import fit, fit_text
+from rtgen.backends.quoting.python import docstring, string_literal
+
+WORDS = (" | ", ": ", " if ", " else ", " for ", ", ", " = ", "(", ")", "[", "{", "#")
+texts = st.lists(
+    st.sampled_from((*WORDS, '"', "'", "\\", "\n", "word", '"""', "  # fmt: skip")),
+    max_size=60,
+).map("".join)
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "x = f({0})",
+        "x = f(a, description={0}, other={1})",
+        "x: T = {0}",
+        "x = {0} if y else {1}",
+        "return g(a={0})",
+        "raise E({0})",
+        "x = [{0}]",
+        "x = field(default_factory=lambda: [{0}, {1}])",
+        "self.a = self.b({0}, C)",
+        "f({0})",
+    ],
+)
+@given(st.data())
+def test_a_split_statement_is_the_same_statement(
+    statement: str, data: st.DataObject
+) -> None:
+    first, second = data.draw(texts), data.draw(texts)
+    flat = statement.format(string_literal(first), string_literal(second))
+    assert ast.dump(ast.parse(fit(flat))) == ast.dump(ast.parse(flat))
+
+
+@given(texts, texts)
+def test_a_docstring_does_not_hide_the_statements_behind_it(
+    first: str, second: str
+) -> None:
+    value = string_literal(f"{second} | {second}")
+    module = f"{docstring(first, 0)}x = f(aaaaaaaaaaaaaaaa={value})\n"
+    assert ast.dump(ast.parse(fit_text(module))) == ast.dump(ast.parse(module))

@@ -1,0 +1,62 @@
+"""A project of many joins stays small: what several signatures have is made once."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from boards import emit, write
+
+ROOT = Path(__file__).parents[3]
+
+
+def _project(joins: int, functions: int) -> str:
+    place = ROOT / "benchmarks" / "tecs_project.py"
+    spec = importlib.util.spec_from_file_location("tecs_project", place)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    text: str = module.project(joins, functions)
+    return text
+
+
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("big")
+    emission, _ = emit(folder, {"big.cdl": _project(20, 20)})
+    write(folder, emission.artifacts)
+    return folder
+
+
+def test_lines_of_python(tree: Path) -> None:
+    files = list((tree / "tecs").rglob("*.py"))
+    lines = sum(file.read_text("utf-8").count("\n") for file in files)
+    assert lines <= 27 * 20 * 20
+    assert not list(tree.rglob("*_calls.py")), "nobody asks for calls over CORBA"
+
+
+def test_one_marshaller_imports_one_signature(tree: Path) -> None:
+    code = (
+        "import sys, tecs.big.big7_marshaller\n"
+        "print(*(m for m in sys.modules if m.startswith('tecs.big.')))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=tree,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    modules = done.stdout.split()
+    assert "tecs.big.big7_codec" in modules
+    assert not [m for m in modules if "big8" in m]
+
+
+def test_only_the_order_of_replies_that_was_chosen(tree: Path) -> None:
+    text = (tree / "tecs" / "big" / "_messages.py").read_text("utf-8")
+    assert text.count("def encode_reply") == text.count("def encode_request") == 6
+    assert "`ER ([in, size_is(n)] const int16_t *v, [in] int32_t n)`" in text

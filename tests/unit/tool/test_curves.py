@@ -1,0 +1,102 @@
+"""`rtgen run --plot INSTANCE.PORT` and `--csv INSTANCE.PORT`: values of ports over time."""
+
+from __future__ import annotations
+
+import csv
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from rtgen.cli import run
+
+ROOT = Path(__file__).parents[3]
+SYSTEM = str(ROOT / "specs/navigation/rh3_goal.xml")
+SHORT = ["run", SYSTEM, "--until", "0.5"]
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "rtgen.toml").write_text((ROOT / "rtgen.toml").read_text())
+    for name in ("specs", "src", "generated"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    monkeypatch.chdir(tmp_path)
+
+
+def _table(path: str) -> tuple[list[str], list[list[str]]]:
+    with Path(path).open(newline="") as stream:
+        header, *rows = csv.reader(stream)
+    return header, rows
+
+
+def test_each_sample_of_an_out_port_is_a_row() -> None:
+    selected = ["--csv", "PathFollower0.velocity", "--csv", "v.csv"]
+    assert run([*SHORT, "-q", *selected]) == 0
+    header, rows = _table("v.csv")
+    whole = "PathFollower0.velocity.data"
+    assert header == ["t", f"{whole}.vx", f"{whole}.vy", f"{whole}.va"]
+    assert len(rows) == 500
+    assert [row[0] for row in rows[:3]] == ["0.0", "0.001", "0.002"]
+    assert float(rows[-1][3]) == pytest.approx(0.3)
+
+
+def test_members_in_ports_and_observables() -> None:
+    selected = [
+        "PathFollower0.velocity.data.va",
+        "RefHardRh30.InTargetVelocity.data.va",
+    ]
+    selected += ["RefHardRh30.truth[2]"]
+    options = [text for name in selected for text in ("--csv", name)]
+    assert run([*SHORT, "-q", *options]) == 0
+    header, rows = _table("build/rh3_goal/values.csv")
+    assert header == ["t", *selected]
+    columns = list(zip(*rows, strict=True))
+    assert len([text for text in columns[1] if text]) == 500
+    # The base reads what the follower has written, and is seen 50 times a second.
+    assert {text for text in columns[2] if text} <= set(columns[1])
+    assert [row[0] for row in rows if row[3]][:3] == ["0.0", "0.02", "0.04"]
+
+
+def test_a_picture_has_axes_with_units(capfd: pytest.CaptureFixture[str]) -> None:
+    selected = ["--plot", "PathFollower0.velocity", "--plot", "RefHardRh30.truth"]
+    assert run([*SHORT, *selected]) == 0
+    assert "results: build/rh3_goal/values.svg" in capfd.readouterr().err
+    file = Path("build/rh3_goal/values.svg")
+    ElementTree.parse(file)
+    texts = re.findall(r"<!-- (.*?) -->", file.read_text())
+    assert "[m/s, rad/s]" in texts
+    assert "simulated time [s]" in texts
+    assert "PathFollower0.velocity.data.va" in texts
+    first = file.read_bytes()
+    assert run([*SHORT, "-q", *selected, "--plot", "again.svg"]) == 0
+    assert Path("again.svg").read_bytes() == first
+
+
+def test_trajectories_are_drawn_as_before() -> None:
+    assert run([*SHORT, "-q", "--plot", "t.svg", "--csv", "t.csv"]) == 0
+    assert _table("t.csv")[0][:4] == ["t", "x", "y", "theta"]
+    assert "x [m]" in Path("t.svg").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "told"),
+    [
+        (
+            ["--plot", "PathFollower0.velocty"],
+            2,
+            "did you mean PathFollower0.velocity?",
+        ),
+        (["--plot", "PathFollowr0.velocity"], 2, "did you mean 'PathFollower0'?"),
+        (["--csv", "PathFollowr0.velocity"], 2, "did you mean 'PathFollower0'?"),
+        (["--plot", "PathFollower0.velocity.foo"], 2, "has no numbers; a sample is"),
+        (["--plot", "PathFollower0.velocity["], 2, "names no value of a port"),
+        (["--csv", "a.csv", "--csv", "b.csv"], 2, "two files, a.csv and b.csv"),
+        (["--plot", "a.jpeg"], 3, "unknown kind of picture"),
+    ],
+)
+def test_what_is_not_there(
+    arguments: list[str], code: int, told: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run([*SHORT, *arguments]) == code
+    assert told in capfd.readouterr().err

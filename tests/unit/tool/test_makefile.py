@@ -1,0 +1,71 @@
+"""The Makefile and the Python that it finds: too old, missing, or another than asked for."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[3]
+OLD = "#!/bin/sh\n# Python 3.10, as far as the Makefile asks.\nexit 1\n"
+
+pytestmark = pytest.mark.skipif(shutil.which("make") is None, reason="needs make")
+
+
+def _script(path: Path, text: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text)
+    path.chmod(0o755)
+    return path
+
+
+def _make(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    shutil.copy(ROOT / "Makefile", folder)
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    command = ["make", "--no-print-directory", *arguments]
+    return subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, timeout=60, check=False
+    )
+
+
+@pytest.mark.parametrize("python", ["old", "missing"])
+def test_a_python_that_does_not_do_is_told_in_one_line(
+    tmp_path: Path, python: str
+) -> None:
+    old = _script(tmp_path / "old", OLD)
+    name = str(old) if python == "old" else "no-such-python"
+    done = _make(tmp_path, "demo", f"PYTHON={name}")
+    assert done.returncode != 0
+    first, *others = done.stderr.splitlines()
+    assert first == (
+        f"rtgen needs Python 3.11 or later, and '{name}' is none: make PYTHON=python3.11"
+    )
+    assert all(line.startswith("make") for line in others)
+    assert not (tmp_path / ".venv").exists()
+
+
+def test_an_environment_that_is_too_old_is_made_anew(tmp_path: Path) -> None:
+    _script(tmp_path / ".venv/bin/python", OLD)
+    (tmp_path / ".venv/demo.stamp").touch()
+    done = _make(tmp_path, "-n", "demo", f"PYTHON={sys.executable}")
+    assert done.returncode == 0
+    assert f"{sys.executable} -m venv .venv" in done.stdout
+    assert not (tmp_path / ".venv").exists()
+
+
+def test_an_environment_of_another_python_is_refused(tmp_path: Path) -> None:
+    here = _script(
+        tmp_path / ".venv/bin/python", f'#!/bin/sh\nexec {sys.executable} "$@"\n'
+    )
+    newer = _script(tmp_path / "newer", "#!/bin/sh\necho 3.99\n")
+    done = _make(tmp_path, "-n", "demo", f"PYTHON={newer}")
+    assert done.returncode != 0
+    assert (
+        f".venv has another Python than {newer}: run `make clean` first" in done.stderr
+    )
+    assert here.exists()
+    assert _make(tmp_path, "-n", "demo", f"PYTHON={sys.executable}").returncode == 0
+    assert _make(tmp_path, "-n", "clean", f"PYTHON={newer}").returncode == 0

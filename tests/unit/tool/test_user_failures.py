@@ -1,0 +1,285 @@
+"""A user's component that fails: what `rtgen run` prints, where it points to, how it ends."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from user_project import CONTROLLER, DOCS, PATIENT, TEN_WAYS, Break, apply, write
+
+from rtgen.cli import run
+
+WARM = ["run", "warm.xml", "--until", "1"]
+BY_NAME = {change.name: change for change in TEN_WAYS}
+PRINTED = [change for change in TEN_WAYS if change.name != "waiting"]
+
+
+@pytest.fixture(scope="module")
+def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("warmth")
+    write(folder)
+    return folder
+
+
+@pytest.fixture
+def project(
+    generated: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[Path]:
+    folder = tmp_path / "project"
+    shutil.copytree(generated, folder)
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    before = set(sys.modules)
+    yield folder
+    for name in set(sys.modules) - before:
+        if name.partition(".")[0] in ("heating", "warmth"):
+            del sys.modules[name]
+
+
+def test_the_page_runs(project: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["run", "warm.xml", "--until", "60"]) == 0
+    out = capfd.readouterr().out
+    assert "Heater0      ACTIVE    600         0     0\n" in out
+    page = (DOCS / "systems.md").read_text()
+    assert out.split("wall")[0] in page
+
+
+@pytest.mark.parametrize("change", PRINTED, ids=lambda change: change.name)
+def test_ten_ways_to_break_a_component(
+    change: Break, project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    apply(change, project)
+    assert run(WARM) == change.code
+    out, err = capfd.readouterr()
+    assert f"{CONTROLLER}:{change.line}:" in err
+    [finding] = [line for line in err.splitlines() if change.page in line]
+    assert finding in (DOCS / "debugging.md").read_text()
+    assert err.count("Traceback (most recent call last)") <= 1
+    assert "rtgen/runtime" not in err
+    assert (out == "") is (change.code != 1)
+
+
+def test_the_findings_of_a_run_are_one_document(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    apply(BY_NAME["a name"], project)
+    assert run([*WARM, "--diagnostics", "json"]) == 1
+    [finding] = json.loads(capfd.readouterr().err)
+    place = (finding["file"], finding["line"], finding["column"])
+    assert place == (CONTROLLER, 18, 30)
+    assert finding["code"] == "SYS0021"
+    assert finding["message"] == BY_NAME["a name"].page
+
+
+@pytest.mark.parametrize(
+    ("form", "there", "missing"),
+    [
+        ("none", ["   18 |", "^^^^"], ["Traceback"]),
+        (
+            "short",
+            ["Traceback", f'File "{CONTROLLER}", line 18'],
+            ["execution_context"],
+        ),
+        ("full", ["Traceback", "execution_context.py", f'File "{CONTROLLER}"'], []),
+    ],
+)
+def test_traceback(
+    form: str,
+    there: list[str],
+    missing: list[str],
+    project: Path,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    apply(BY_NAME["a name"], project)
+    assert run([*WARM, "--traceback", form]) == 1
+    err = capfd.readouterr().err
+    for text in there:
+        assert text in err
+    for text in missing:
+        assert text not in err
+
+
+def test_lost_samples_are_told_with_port_reason_and_advice(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    change = Break("", "= self.temperature.read_newest()", "= None", 0, 0, "")
+    apply(change, project)
+    assert run(["run", "warm.xml", "--until", "2"]) == 0
+    assert capfd.readouterr().out.splitlines()[-1] == (
+        "Controller0.temperature: 12 samples of Heater0.temperature lost: the buffer of 8 "
+        "was full, newer ones took their place; read while is_new(), or read_newest(), in "
+        "each tick"
+    )
+
+
+def test_overruns_are_told_with_reason_and_advice(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    slow = "            __import__('time').sleep(0.15)\n            cold ="
+    apply(Break("", "            cold =", slow, 0, 0, ""), project)
+    assert run(["run", "warm.xml", "--until", "0.6", "--clock", "real"]) == 0
+    out = capfd.readouterr().out
+    assert " of a period of 100 ms; do less in on_execute, or lower the rate" in out
+    assert "Controller0: " in out.partition("elapsed [s]")[2]
+
+
+@pytest.mark.parametrize(("name", "code"), [(None, 0), ("a name", 1)])
+def test_quiet_prints_findings_only(
+    name: str | None, code: int, project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    if name is not None:
+        apply(BY_NAME[name], project)
+    assert run([*WARM, "-q", "--traceback", "none"]) == code
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert err.count("error[") == code
+    assert "ACTIVE" not in err
+
+
+def _rtgen(*arguments: str, stdin: str = "") -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", PATIENT, *arguments],
+        input=stdin,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+CLOCKS = ["sim", pytest.param("real", marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize("clock", CLOCKS)
+def test_pdb_opens_in_the_failing_frame(project: Path, clock: str) -> None:
+    apply(BY_NAME["a name"], project)
+    done = _rtgen(*WARM, "--pdb", "--clock", clock, stdin="p measured\nq\n")
+    assert done.returncode == 1
+    assert "-> self.power.write(Powr(100.0" in done.stdout
+    assert "Temperature(value=" in done.stdout
+    assert "Controller0: on_execute: NameError" in done.stdout
+
+
+@pytest.mark.parametrize("clock", CLOCKS)
+def test_quit_at_a_breakpoint_ends_the_run(project: Path, clock: str) -> None:
+    line = "            cold ="
+    change = Break("", line, f"            breakpoint()\n{line}", 1, 17, "")
+    apply(change, project)
+    done = _rtgen(*WARM, "--clock", clock, stdin="p 6 * 7\nc\nq\n")
+    assert done.returncode == 1
+    assert "(Pdb) 42" in done.stdout
+    assert "Controller0: on_execute: BdbQuit" in done.stdout
+    # In real time it may tick before there is a sample.
+    ticks = "       2 " if clock == "sim" else ""
+    assert f"Controller0  ERROR{ticks}" in done.stdout
+
+
+def _interrupted(*arguments: str) -> tuple[int, str]:
+    """The exit code and the output of a run that gets Ctrl-C once its component blocks."""
+    with subprocess.Popen(
+        [sys.executable, "-u", "-c", PATIENT, *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    ) as process:
+        assert process.stdout is not None
+        lines = []
+        for line in process.stdout:
+            lines.append(line)
+            if "has not returned for" in line:
+                process.send_signal(signal.SIGINT)
+        return process.wait(), "".join(lines)
+
+
+WAIT = "__import__('threading').Event().wait()"
+BEFORE_THE_RUN = ("on_initialize", "on_startup")
+FIRST = {
+    "on_error": "return 1",
+    "on_aborting": "return 1",
+    "on_reset": "return 1",
+    "on_rate_changed": "self.get_context(0).set_rate(5.0)",
+}
+"""What `on_execute` does first, so that the callback is called."""
+ASKS_FOR_RESET = """\
+    def on_error(self, ec_id):
+        return self.get_context(0).reset_component(self)
+
+"""
+CALLBACKS = (
+    *BEFORE_THE_RUN,
+    *FIRST,
+    "on_activated",
+    "on_execute",
+    "on_state_update",
+    "on_deactivated",
+    "on_shutdown",
+    "on_finalize",
+)
+
+
+def blocking(callback: str) -> Iterator[Break]:
+    """The controller with a callback that does not return."""
+    begin = '        """Full power below the target, none above."""\n'
+    if callback == "on_execute":
+        yield Break("", begin, f"{begin}        {WAIT}\n", 1, 0, "")
+        return
+    method = f"    def {callback}(self, *_):\n        {WAIT}\n\n"
+    if callback == "on_reset":
+        method += ASKS_FOR_RESET
+    if callback in FIRST:
+        yield Break("", begin, f"{begin}        {FIRST[callback]}\n", 1, 0, "")
+    yield Break("", "    def on_execute", f"{method}    def on_execute", 1, 0, "")
+
+
+@pytest.mark.parametrize("clock", ["sim", "real"])
+@pytest.mark.parametrize(
+    "callback",
+    [
+        c if c == "on_execute" else pytest.param(c, marks=pytest.mark.slow)
+        for c in CALLBACKS
+    ],
+)
+def test_a_callback_that_blocks_is_named_and_ctrl_c_ends_the_run(
+    callback: str, clock: str, project: Path
+) -> None:
+    for change in blocking(callback):
+        apply(change, project)
+    code, output = _interrupted("run", "warm.xml", "--until", "0.5", "--clock", clock)
+    assert f"Controller0.{callback} has not returned for 0 s" in output
+    assert f"{CONTROLLER}:" in output
+    if callback in BEFORE_THE_RUN:
+        assert code == 130
+    else:
+        assert code == 1
+        assert "Controller0" in output.partition("instance ")[2]
+
+
+def test_the_end_of_a_run_gives_up_what_blocks(project: Path) -> None:
+    apply(BY_NAME["waiting"], project)
+    done = _rtgen("run", "warm.xml", "--until", "0.3", "--clock", "real")
+    assert done.returncode == 1
+    assert f"{CONTROLLER}:17:13: error[SYS0021]" in done.stderr
+    assert "BlockedError: on_execute has not returned" in done.stderr
+    assert "elapsed [s]" in done.stdout
+    assert "simulated" not in done.stdout
+
+
+@pytest.mark.slow
+def test_code_that_swallows_interrupts_ends_with_the_process(project: Path) -> None:
+    old = "            cold ="
+    loop = (
+        "            while True:\n                try:\n"
+        "                    __import__('time').sleep(10)\n"
+        "                except BaseException:\n                    pass\n"
+    )
+    apply(Break("", old, loop + old, 1, 0, ""), project)
+    code, output = _interrupted(*WARM)
+    assert code == 1
+    assert "does not end when interrupted" in output
