@@ -135,11 +135,13 @@ def test_a_oneway_operation_tells_nobody_of_a_failure(
     stub = connect(forms.Signals, servant)
     assert stub.tick() is None
     assert stub.fire("now", forms.Pose(1.0, 2.0)) is None
-    # What is sent by one connection is carried out in order, and nothing is answered.
+    # Nothing is answered. omniORB may give two requests of a connection to two threads.
     deadline = time.monotonic() + 10.0
     while len(heard) < 2 and time.monotonic() < deadline:
         time.sleep(0.001)
-    assert heard == ["tick", ("now", forms.Pose(1.0, 2.0))]
+    assert len(heard) == 2
+    assert "tick" in heard
+    assert ("now", forms.Pose(1.0, 2.0)) in heard
 
 
 def test_a_local_interface_has_no_calls(forms: Any, objects: Objects) -> None:

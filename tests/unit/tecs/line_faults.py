@@ -171,14 +171,16 @@ class Line:
         """Carries what is there; whether the line goes on."""
         try:
             data = ends[direction].recv(65536)
-            left = self._left[direction]
+            # `mend` puts another list in its place, also while this one is in use here.
+            cuts = self._left
+            left = cuts[direction]
             self.carried[direction] += len(data)
             part = data if left is None else data[:left]
             ends[1 - direction].sendall(part)
         except OSError:
             return False
         if left is not None:
-            self._left[direction] = left - len(part)
+            cuts[direction] = left - len(part)
             return bool(data) and len(part) == len(data) and left > len(part)
         return bool(data)
 
