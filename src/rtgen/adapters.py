@@ -16,9 +16,9 @@ from rtgen.adapter_rules import (
     ADAPTER_VALUE,
 )
 from rtgen.diagnostics import Diagnostic, InputError, Rule
+from rtgen.facts.primitives import INTEGER_RANGES
 from rtgen.frontends import FrontendResult
 from rtgen.model import (
-    INTEGER_RANGES,
     Adapter,
     Component,
     Member,

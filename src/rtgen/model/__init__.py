@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
+from rtgen.facts.primitives import Primitive
 from rtgen.model.can_bus import Bus
 from rtgen.model.canopen import Device
 from rtgen.model.components import (
@@ -51,13 +52,11 @@ from rtgen.model.declarations import (
 )
 from rtgen.model.tecs import TecsUnit
 from rtgen.model.types import (
-    INTEGER_RANGES,
     VOID,
     ArrayType,
     FixedType,
     MapType,
     NamedType,
-    Primitive,
     PrimitiveType,
     ScopedName,
     SequenceType,
@@ -66,7 +65,6 @@ from rtgen.model.types import (
 )
 
 __all__ = [
-    "INTEGER_RANGES",
     "VOID",
     "Activation",
     "Adapter",

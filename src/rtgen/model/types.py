@@ -7,50 +7,12 @@ plain value without cycles, also where types are recursive.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import TypeAlias
+
+from rtgen.facts.primitives import Primitive
 
 ScopedName: TypeAlias = tuple[str, ...]
 """A name from the global scope down: `("IIS", "TimedPose2D")`; escape underscores removed."""
-
-
-class Primitive(StrEnum):
-    """The basic types; the value is the canonical spelling (OMG IDL 4.2, 7.4.1.4.4.2)."""
-
-    SHORT = "short"
-    UNSIGNED_SHORT = "unsigned short"
-    LONG = "long"
-    UNSIGNED_LONG = "unsigned long"
-    LONG_LONG = "long long"
-    UNSIGNED_LONG_LONG = "unsigned long long"
-    INT8 = "int8"
-    UINT8 = "uint8"
-    FLOAT = "float"
-    DOUBLE = "double"
-    LONG_DOUBLE = "long double"
-    CHAR = "char"
-    WCHAR = "wchar"
-    BOOLEAN = "boolean"
-    OCTET = "octet"
-    ANY = "any"
-    OBJECT = "Object"
-    VALUE_BASE = "ValueBase"
-    TYPE_CODE = "CORBA::TypeCode"
-    VOID = "void"
-
-
-INTEGER_RANGES = {
-    Primitive.SHORT: (-(2**15), 2**15 - 1),
-    Primitive.UNSIGNED_SHORT: (0, 2**16 - 1),
-    Primitive.LONG: (-(2**31), 2**31 - 1),
-    Primitive.UNSIGNED_LONG: (0, 2**32 - 1),
-    Primitive.LONG_LONG: (-(2**63), 2**63 - 1),
-    Primitive.UNSIGNED_LONG_LONG: (0, 2**64 - 1),
-    Primitive.INT8: (-(2**7), 2**7 - 1),
-    Primitive.UINT8: (0, 2**8 - 1),
-    Primitive.OCTET: (0, 2**8 - 1),
-}
-"""The least and the greatest value of each integer type (OMG IDL 4.2, 7.4.1.4.4.2 and 7.4.13)."""
 
 
 @dataclass(frozen=True, slots=True)

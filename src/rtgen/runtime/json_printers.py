@@ -17,6 +17,7 @@ from json.encoder import encode_basestring
 from keyword import iskeyword
 from typing import Any
 
+from rtgen.facts.primitives import INTEGERS
 from rtgen.runtime.descriptors import (
     AliasDescriptor,
     BitsetDescriptor,
@@ -35,10 +36,6 @@ from rtgen.runtime.values import AnyValue, Box, Value
 Printer = Callable[[Any], str]
 
 _FLOATS = ("float", "double")
-_INTEGERS = (
-    *("octet", "short", "unsigned short", "long", "unsigned long"),
-    *("long long", "unsigned long long", "int8", "uint8"),
-)
 
 
 def json_printer(type_: type[DataType]) -> Printer:
@@ -136,7 +133,7 @@ class _Compiler:
             case PrimitiveDescriptor(primitive) if primitive in _FLOATS:
                 kind, shown = "float", f"{name}!r"
                 self._floats.append(name)
-            case PrimitiveDescriptor(primitive) if primitive in _INTEGERS:
+            case PrimitiveDescriptor(primitive) if primitive in INTEGERS:
                 kind, shown = "int", name
             case PrimitiveDescriptor("boolean"):
                 kind, shown = "bool", f"truth[{name}]"
@@ -145,7 +142,7 @@ class _Compiler:
             case SequenceDescriptor(PrimitiveDescriptor("octet")):
                 kind, shown = "bytes", f"octets({name})"
             case SequenceDescriptor(PrimitiveDescriptor(element)) if (
-                element in _FLOATS or element in _INTEGERS
+                element in _FLOATS or element in INTEGERS
             ):
                 kind, shown = "list", f"numbers({name})"
             case _:

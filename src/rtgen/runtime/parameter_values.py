@@ -9,27 +9,12 @@ from decimal import Decimal, InvalidOperation
 from enum import IntEnum
 from typing import Any
 
+from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES, OCTET_TYPES
 from rtgen.runtime import constraints
 from rtgen.runtime.constraints import Scalar
 from rtgen.runtime.errors import ParameterValueError
 from rtgen.runtime.profiles import ParameterProfile
 
-_INTEGERS = {
-    "int8": (-(2**7), 2**7 - 1),
-    "uint8": (0, 2**8 - 1),
-    "octet": (0, 2**8 - 1),
-    "short": (-(2**15), 2**15 - 1),
-    "unsigned short": (0, 2**16 - 1),
-    "long": (-(2**31), 2**31 - 1),
-    "unsigned long": (0, 2**32 - 1),
-    "long long": (-(2**63), 2**63 - 1),
-    "unsigned long long": (0, 2**64 - 1),
-}
-_FLOATS = {
-    "float": (2.0 - 2.0**-23) * 2.0**127,
-    "double": math.inf,
-    "long double": math.inf,
-}
 _TRUE, _FALSE = ("true", "1", "yes", "on"), ("false", "0", "no", "off")
 _SEQUENCE = re.compile(r"sequence<(?P<element>.+?)(?:,(?P<bound>\d+))?>")
 _ARRAY = re.compile(r"(?P<element>[^\[\]]+)\[(?P<length>\d+)\]")
@@ -101,10 +86,10 @@ def _parser(type_: str, example: object) -> Callable[[str], Any]:
         return _elements(match["element"].strip(), example, length, length)
     if type_ == "boolean":
         return _boolean
-    if type_ in _INTEGERS:
-        return _integer(*_INTEGERS[type_])
-    if type_ in _FLOATS:
-        return _floating(_FLOATS[type_])
+    if type_ in INTEGER_RANGES:
+        return _integer(*INTEGER_RANGES[type_])
+    if type_ in FLOAT_LIMITS:
+        return _floating(FLOAT_LIMITS[type_])
     if match := _STRING.fullmatch(type_):
         bound = int(match["bound"]) if match["bound"] else None
         return _character if match["char"] else _string(bound)
@@ -228,7 +213,7 @@ def _elements(
                 raise _RefusalError(
                     f"element {position}, {item!r}: {refusal}"
                 ) from None
-        if type_ in ("octet", "uint8"):
+        if type_ in OCTET_TYPES:
             return bytes(values)
         return "".join(values) if type_ == "char" else values
 

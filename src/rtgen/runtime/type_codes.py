@@ -11,6 +11,12 @@ import struct
 from collections.abc import Callable
 from typing import Any
 
+from rtgen.facts.primitives import (
+    INTEGERS,
+    TYPE_CODE_KINDS,
+    Scalar,
+    integer_range,
+)
 from rtgen.runtime.cdr_values import text_octets, text_value
 from rtgen.runtime.descriptors import (
     AliasDescriptor,
@@ -35,26 +41,7 @@ from rtgen.runtime.descriptors import (
 )
 from rtgen.runtime.faults import Fault
 
-_SIMPLE = {
-    0: "null",
-    1: "void",
-    2: "short",
-    3: "long",
-    4: "unsigned short",
-    5: "unsigned long",
-    6: "float",
-    7: "double",
-    8: "boolean",
-    9: "char",
-    10: "octet",
-    11: "any",
-    12: "CORBA::TypeCode",
-    23: "long long",
-    24: "unsigned long long",
-    25: "long double",
-    26: "wchar",
-}
-_KINDS = {name: kind for kind, name in _SIMPLE.items()}
+_SIMPLE = {kind: str(name) for name, kind in TYPE_CODE_KINDS.items()}
 _OBJREF, _STRUCT, _UNION, _ENUM, _STRING, _SEQUENCE, _ARRAY = 14, 15, 16, 17, 18, 19, 20
 _ALIAS, _EXCEPT, _WSTRING, _FIXED, _VALUE, _BOX = 21, 22, 27, 28, 29, 30
 _NATIVE, _ABSTRACT, _LOCAL, _COMPONENT, _HOME, _EVENT = 31, 32, 33, 34, 35, 36
@@ -64,14 +51,18 @@ _VALUE_BASE = ValueDescriptor("IDL:omg.org/CORBA/ValueBase:1.0", "ValueBase", ()
 _OBJECT = InterfaceDescriptor("", "Object")
 _OBJECT_IDS = ("", "IDL:omg.org/CORBA/Object:1.0")
 
+
+def _first_unused(integer: Scalar) -> tuple[int, int]:
+    least, greatest = integer_range(integer)
+    return (least, 1) if least < 0 else (greatest, -1)
+
+
 _LABELS = {
-    "short": ("h", -(1 << 15), 1),
-    "unsigned short": ("H", (1 << 16) - 1, -1),
-    "long": ("i", -(1 << 31), 1),
-    "unsigned long": ("I", (1 << 32) - 1, -1),
-    "long long": ("q", -(1 << 63), 1),
-    "unsigned long long": ("Q", (1 << 64) - 1, -1),
-    "octet": ("B", 255, -1),
+    **{
+        name: (scalar.code, *_first_unused(scalar))
+        for name, scalar in INTEGERS.items()
+        if name in TYPE_CODE_KINDS
+    },
     "char": ("B", 255, -1),
     "wchar": ("H", 0xFFFF, -1),
     "boolean": ("B", 0, 1),
@@ -104,8 +95,8 @@ class _Writer:
                 self._named(_OBJREF, _OBJECT, None)
             case PrimitiveDescriptor("ValueBase"):
                 self._named(_VALUE, _VALUE_BASE, lambda: self._value(_VALUE_BASE))
-            case PrimitiveDescriptor(name) if name in _KINDS:
-                self._number("I", _KINDS[name])
+            case PrimitiveDescriptor(name) if name in TYPE_CODE_KINDS:
+                self._number("I", TYPE_CODE_KINDS[name])
             case StringDescriptor(wide, bound):
                 self._number("I", _WSTRING if wide else _STRING)
                 self._number("I", bound or 0)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from decimal import Decimal
 from math import inf, isfinite
 
+from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
 from rtgen.model import (
-    INTEGER_RANGES,
     ConfigurationParameter,
     ConstantValue,
     Enum,
@@ -30,8 +30,6 @@ from rtgen.model.constraints import (
     parse,
 )
 from rtgen.typemap.parameter_words import WORDS
-
-_FLOATS = {Primitive.FLOAT: (2 - 2.0**-23) * 2.0**127, Primitive.DOUBLE: inf}
 
 
 class ValueMismatchError(ValueError):
@@ -84,7 +82,7 @@ class Parameters:
         type_ = self._model.unalias(parameter.type)
         match type_:
             case PrimitiveType(kind):
-                return "0.0" if kind in _FLOATS else "0"
+                return "0.0" if kind in FLOAT_LIMITS else "0"
             case NamedType():
                 return self.enumerators(type_)[0]
             case _:
@@ -147,7 +145,7 @@ class Parameters:
         """Whether a value, or an item of it, is a number (and not a truth value)."""
         item = self.item_type(type_)
         return isinstance(item, PrimitiveType) and (
-            item.kind in INTEGER_RANGES or item.kind in _FLOATS
+            item.kind in INTEGER_RANGES or item.kind in FLOAT_LIMITS
         )
 
     def check_value(self, type_: Type, value: ConstantValue) -> None:
@@ -270,5 +268,5 @@ def _check_float(kind: Primitive, value: ConstantValue) -> None:
         number = inf
     if not isfinite(number):
         raise ValueMismatchError(f"{_shown(value)} is not finite as a {kind}")
-    if abs(number) > _FLOATS[kind]:
+    if abs(number) > FLOAT_LIMITS[kind]:
         raise ValueMismatchError(f"{value} is beyond the range of {kind}")

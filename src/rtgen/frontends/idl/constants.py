@@ -11,6 +11,7 @@ from math import copysign, inf, isfinite
 from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Diagnostic, Related, Rule
+from rtgen.facts.primitives import INTEGER_RANGES
 from rtgen.frontends.idl import literals, tree
 from rtgen.frontends.idl.rules import constants as rules
 from rtgen.frontends.idl.rules import names as name_rules
@@ -20,7 +21,6 @@ from rtgen.frontends.idl.scopes import Entity, Kind
 from rtgen.frontends.idl.tables import MAX_DEPTH
 from rtgen.frontends.idl.unit import Unit
 from rtgen.model import (
-    INTEGER_RANGES,
     ConstantValue,
     EnumeratorName,
     FixedType,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rtgen.diagnostics import Diagnostic
+from rtgen.facts.primitives import INTEGER_RANGES
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.constants import Constants
 from rtgen.frontends.idl.rules import types as rules
@@ -12,7 +13,6 @@ from rtgen.frontends.idl.scopes import Entity, Kind
 from rtgen.frontends.idl.tables import MAX_DEPTH, Tables
 from rtgen.frontends.idl.unit import Unit
 from rtgen.model import (
-    INTEGER_RANGES,
     ArrayType,
     FixedType,
     MapType,

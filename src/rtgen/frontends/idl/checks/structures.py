@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rtgen.diagnostics import Related
+from rtgen.facts.primitives import INTEGER_RANGES
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.annotations import contradictions
 from rtgen.frontends.idl.checks.context import Context
@@ -11,7 +12,6 @@ from rtgen.frontends.idl.rules import repository as repository_rules
 from rtgen.frontends.idl.rules import types as rules
 from rtgen.frontends.idl.scopes import Entity
 from rtgen.model import (
-    INTEGER_RANGES,
     Bitset,
     Case,
     Declaration,
