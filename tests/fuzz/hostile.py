@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import shutil
 from collections.abc import Iterator, Mapping
 from contextlib import chdir
@@ -31,7 +30,6 @@ package = "fuzzed"
 skeletons = "src/fuzzednodes"
 target = "{target}"
 """
-_HASH = re.compile(r"\(sha256 [0-9a-f]{16}\)")
 
 Twins = Mapping[str, tuple[str, Content]]
 """Text and content of harmless files by their paths."""
@@ -105,8 +103,7 @@ class HostileTarget:
         shutil.rmtree(self._folder / "case", ignore_errors=True)
         root = self._folder / "case"
         root.mkdir()
-        codes, made = self._files(self._kind(number), texts, root)
-        return codes, {path: _HASH.sub("", text) for path, text in made.items()}
+        return self._files(self._kind(number), texts, root)
 
     def _files(self, kind: tuple[str, str], texts: Texts, root: Path) -> Made:
         language, target = kind

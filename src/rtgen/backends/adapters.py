@@ -36,7 +36,7 @@ def _artifacts(model: Model, options: Options) -> Iterator[Artifact]:
         component = model.find((adapter.name,))
         assert isinstance(component, Component)
         source = source_of(model, component)
-        header = header_comment(options.version, [(source.key, source.sha256)])
+        header = header_comment(options.version, [source.key])
         folder, origin = f"{options.folder}/adapters", (source.key,)
         if number == 0:
             text = f'{header}"""Adapters between data types."""\n'

@@ -10,7 +10,7 @@ marked with `# fmt: skip`.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -276,19 +276,19 @@ def _group(closing: str, items: list[list[_Part]], comprehension: bool) -> _Grou
 
 
 def header(
-    version: str, sources: Sequence[tuple[str, str]], owner: Owner = Owner.RTGEN
+    version: str, sources: Iterable[str], owner: Owner = Owner.RTGEN
 ) -> tuple[str, ...]:
     """The lines at the top of a generated file, without comment marks.
 
-    `sources` are (key, sha256) of the inputs. A user's file is not tied to their content.
+    `sources` are the keys of the inputs, each named once. Their digests stand in the manifest only,
+    so that a change of an input shows where it changes something.
     """
+    named = [comment_text(key) for key in dict.fromkeys(sources)]
     if owner is Owner.USER:
-        keys = ", ".join(comment_text(key) for key, _ in sources)
         return (
-            f"Created once by rtgen {version} from {keys}.",
+            f"Created once by rtgen {version} from {', '.join(named)}.",
             "Yours to edit: rtgen never touches it again.",
         )
-    named = [f"{comment_text(key)} (sha256 {digest[:16]})" for key, digest in sources]
     origin = (
         (f"from {named[0]}.",)
         if len(named) == 1
@@ -302,7 +302,7 @@ def header(
 
 
 def header_comment(
-    version: str, sources: Sequence[tuple[str, str]], owner: Owner = Owner.RTGEN
+    version: str, sources: Iterable[str], owner: Owner = Owner.RTGEN
 ) -> HashComment:
     """The header as a comment of Python and the like, with the newline at its end."""
     lines = header(version, sources, owner)

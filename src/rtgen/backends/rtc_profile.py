@@ -138,7 +138,7 @@ def profile_text(model: Model, component: Component, options: Options) -> str:
     """The profile of a component without errors, as XML text."""
     parameters = Parameters(model)
     source = source_of(model, component)
-    comment = header(options.version, [(source.key, source.sha256)])
+    comment = header(options.version, [source.key])
     return render(
         "rtc_profile/RTC.xml.j2",
         header=comment,

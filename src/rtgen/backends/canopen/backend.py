@@ -58,7 +58,7 @@ class _Devices:
     def _device(self, ports: DevicePorts) -> Iterator[Artifact]:
         device, module = ports.device, ports.module
         folder = f"{self._options.folder}/canopen/{folder_of(ports.kind)}"
-        sources = [(device.key, device.sha256)]
+        sources = [device.key]
         comment = header_comment(self._options.version, sources)
         lines = header(self._options.version, sources)
 

@@ -40,17 +40,14 @@ def network_files(
 def _artifacts(buses: Sequence[Bus], options: Options) -> Iterator[Artifact]:
     folder = f"{options.folder}/canopen/networks"
     keys = tuple(dict.fromkeys(bus.key for bus in buses))
-    sources = list(dict.fromkeys((bus.key, bus.sha256) for bus in buses))
-    comment = header_comment(options.version, sources)
+    comment = header_comment(options.version, keys)
     yield Artifact(f"{folder}/__init__.py", f'{comment}"""CANopen networks."""\n', keys)
     for bus in buses:
         name = bus.name
-        used = [(bus.key, bus.sha256)]
-        used += [(n.device.key, n.device.sha256) for n in bus.nodes]
-        used = list(dict.fromkeys(used))
-        origin = tuple(key for key, _ in used)
-        lines = header(options.version, used)
-        text = network_text(bus, header_comment(options.version, used))
+        devices = (node.device.key for node in bus.nodes)
+        origin = tuple(dict.fromkeys((bus.key, *devices)))
+        lines = header(options.version, origin)
+        text = network_text(bus, header_comment(options.version, origin))
         yield Artifact(f"{folder}/{name}.py", text, origin)
         for node in bus.nodes:
             dcf = eds_text(configured(bus, node), lines)

@@ -24,13 +24,12 @@ def shared_files(
         file = files.get(name)
         if file is None:
             continue  # the project has one of its own
-        lines = header(options.version, [(file.key, file.sha256)])
+        lines = header(options.version, [file.key])
         head = "".join(f"// {line}\n" for line in lines)
         text = idl_file(name).read_text(encoding="utf-8")
         yield Artifact(f"{folder}/{name}", f"{head}\n{text}", (file.key,))
     if networks:
-        sources = [(bus.key, bus.sha256) for bus in model.buses]
-        comment = header_comment(options.version, sources)
-        text = manager_text(model, names, options, comment, networks)
         origin = tuple(bus.key for bus in model.buses)
+        comment = header_comment(options.version, origin)
+        text = manager_text(model, names, options, comment, networks)
         yield Artifact(f"{folder}/manager.py", text, origin)

@@ -105,7 +105,7 @@ def _package(component: Component, source: SourceFile, options: Options) -> str:
 
 
 def _header(options: Options, sources: Sequence[SourceFile]) -> str:
-    return header_comment(options.version, [(s.key, s.sha256) for s in sources])
+    return header_comment(options.version, (source.key for source in sources))
 
 
 def _entry(component: Component, options: Options) -> _Entry:

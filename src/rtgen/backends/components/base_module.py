@@ -108,7 +108,7 @@ class _BaseModule:
         of_runtime, local, runtime_base = self._runtime_base()
         text = render(
             "components/base.py.j2",
-            header=header_comment(self._options.version, [(source.key, source.sha256)]),
+            header=header_comment(self._options.version, [source.key]),
             docstring=docstring(title, 0),
             class_docstring=docstring(component.doc, 4, title),
             runtime_imports=[import_from("rtgen.runtime", runtime), *of_runtime],

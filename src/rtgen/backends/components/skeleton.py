@@ -81,9 +81,7 @@ def skeleton_module(
     package = f"{options.package}.components.{module_name(component.name[-1])}"
     text = render(
         "components/skeleton.py.j2",
-        header=header_comment(
-            options.version, [(source.key, source.sha256)], Owner.USER
-        ),
+        header=header_comment(options.version, [source.key], Owner.USER),
         docstring=docstring(heading(component), 0),
         standard_imports=imports.lines(standard=True),
         imports=sorted(

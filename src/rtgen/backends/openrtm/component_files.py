@@ -19,7 +19,7 @@ def component_files(plan: ComponentPlan) -> Iterator[Artifact]:
     component, options, source = plan.component, plan.unit.options, plan.source
     parameters = Parameters(plan.unit.model)
     values = {
-        "header": header_comment(options.version, [(source.key, source.sha256)]),
+        "header": header_comment(options.version, [source.key]),
         "name": plan.name,
         "category": component.category,
         "execution": component.execution,

@@ -93,7 +93,7 @@ class _ComponentModule:
         places = [f"{outside}/{options.skeleton_path}", outside]
         text = render(
             "openrtm/component.py.j2",
-            header=header_comment(options.version, [(source.key, source.sha256)]),
+            header=header_comment(options.version, [source.key]),
             docstring=docstring(heading(component), 0),
             class_docstring=docstring(component.doc, 4, heading(component)),
             places=_tuple(map(string_literal, places)),

@@ -56,8 +56,7 @@ def _package(unit: Unit, modules: Iterable[Artifact]) -> Artifact:
 
 
 def _header(unit: Unit, sources: Iterable[SourceFile]) -> str:
-    pairs = dict.fromkeys((file.key, file.sha256) for file in sources)
-    return header_comment(unit.options.version, list(pairs))
+    return header_comment(unit.options.version, (file.key for file in sources))
 
 
 class _Module:

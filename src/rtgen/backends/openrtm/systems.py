@@ -185,10 +185,10 @@ class _Writer:
         return Artifact(f"{self._folder}/{name}", text, (self._system.key,))
 
     def _header(self) -> tuple[str, ...]:
-        return header(self._version, [(self._system.key, self._system.sha256)])
+        return header(self._version, [self._system.key])
 
     def _header_comment(self) -> HashComment:
-        return header_comment(self._version, [(self._system.key, self._system.sha256)])
+        return header_comment(self._version, [self._system.key])
 
     # Connections.
 

@@ -46,7 +46,6 @@ class WireIdl:
             path = f"{plan.folder}/idl/{file.stem}.idl"
             yield Artifact(path, self.text(file), keys)
         source = plan.source
-        pairs = [(source.key, source.sha256)]
         version = self._unit.options.version
         values = {
             "name": plan.name,
@@ -54,8 +53,8 @@ class WireIdl:
             "stock": [file.stem for file in plan.idl_files if file.stock],
         }
         for name, head in (
-            ("idlcompile.sh", header_comment(version, pairs)),
-            ("idlcompile.bat", header(version, pairs)),
+            ("idlcompile.sh", header_comment(version, [source.key])),
+            ("idlcompile.bat", header(version, [source.key])),
         ):
             text = render(f"openrtm/{name}.j2", header=head, **values)
             yield Artifact(f"{plan.folder}/{name}", text, (source.key,))
@@ -92,9 +91,9 @@ class WireIdl:
     def text(self, file: IdlFile) -> str:
         """The text of a file, with the files included that it needs."""
         sources = [f for f in self._unit.model.files if f.name in file.files]
-        pairs = dict.fromkeys((source.key, source.sha256) for source in sources)
+        keys = [source.key for source in sources]
         head = "".join(
-            f"// {line}\n" for line in header(self._unit.options.version, list(pairs))
+            f"// {line}\n" for line in header(self._unit.options.version, keys)
         )
         macro = f"RTGEN_{file.stem.upper()}_IDL"
         includes = "".join(

@@ -174,9 +174,9 @@ class _Tree:
     ) -> Artifact:
         wanted = {component.file for component in components}
         sources = [file for file in self.model.files if file.name in wanted]
-        keys = [(file.key, file.sha256) for file in sources]
+        keys = tuple(file.key for file in sources)
         return Artifact(
             path,
             header_comment(self.options.version, keys) + text,
-            tuple(key for key, _ in keys),
+            keys,
         )

@@ -183,7 +183,7 @@ class _Writer:
         self._options = replace(
             _options(options, package.package, anys=anys), external={FILE: "...."}
         )
-        self._sources = [(s.key, s.sha256) for s in package.sources]
+        self._sources = [source.key for source in package.sources]
         self._header = header_comment(options.version, self._sources)
 
     def artifacts(self, packages: Sequence[TecsPackage]) -> Iterator[Artifact]:
@@ -307,11 +307,10 @@ def _component(
 def _entry_points(
     entries: dict[str, str], options: Options, sources: Sequence[SourceFile]
 ) -> Artifact:
-    listed = [(s.key, s.sha256) for s in sources]
+    origin = tuple(source.key for source in sources)
     text = render(
         "tecs/entry_points.txt.j2",
-        header=header_comment(options.version, listed),
+        header=header_comment(options.version, origin),
         entries=sorted(entries.items()),
     )
-    origin = tuple(source.key for source in sources)
     return Artifact(f"{ROOT}/entry_points.txt", text, origin)

@@ -11,8 +11,8 @@ from rtgen.backends.tecs.plan import RtcJoin, TecsPackage
 from rtgen.layouts.signature_digest import DIGITS, SPELLINGS, signature_digest
 
 
-def _sources(package: TecsPackage) -> list[tuple[str, str]]:
-    return [(source.key, source.sha256) for source in package.sources]
+def _sources(package: TecsPackage) -> list[str]:
+    return [source.key for source in package.sources]
 
 
 def communication_conf(package: TecsPackage, join: RtcJoin, version: str) -> str:

@@ -176,8 +176,7 @@ def communication_artifacts(
 ) -> tuple[Artifact, ...]:
     """`OpaqueRpc.idl` and `opaque_rpc_communication.py`."""
     origin = tuple(source.key for source in sources)
-    listed = [(source.key, source.sha256) for source in sources]
-    header = header_comment(version, listed)
+    header = header_comment(version, origin)
     component = model.find((COMPONENT,))
     assert isinstance(component, Component)
     attributes = attributes_of(component)

@@ -140,8 +140,7 @@ class _Writer:
         ]
 
     def _header(self, files: list[SourceFile]) -> str:
-        sources = dict.fromkeys((file.key, file.sha256) for file in files)
-        return header_comment(self._options.version, list(sources))
+        return header_comment(self._options.version, (file.key for file in files))
 
     def _artifact(self, path: str, text: str, files: list[SourceFile]) -> Artifact:
         return Artifact(path, text, tuple(dict.fromkeys(file.key for file in files)))
