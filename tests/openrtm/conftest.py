@@ -18,8 +18,8 @@ import pytest
 from openrtm_lab import Lab
 
 from rtgen.cli import run
-from rtgen.runtime.callbacks import log
 from rtgen.runtime.corba.name_server import NameServer
+from rtgen.runtime.failures import log
 
 ROOT = Path(__file__).resolve().parents[2]
 

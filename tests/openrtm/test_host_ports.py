@@ -279,8 +279,7 @@ def test_a_connection_that_is_gone(relay: Relay, lab: Lab) -> None:
 
 
 def test_a_port_with_a_bus_behind_it_is_never_unconnected(relay: Relay) -> None:
-    from rtgen.runtime.connectors import DataConnector
-    from rtgen.runtime.data_ports import InPort
+    from rtgen.runtime.data_ports import DataConnector, InPort
 
     port = relay.behaviour.data_out
     bus = InPort("bus", types().Sample)
@@ -291,8 +290,7 @@ def test_a_port_with_a_bus_behind_it_is_never_unconnected(relay: Relay) -> None:
 
 
 def test_samples_of_a_bus_and_of_openrtm_meet_in_an_in_port(relay: Relay) -> None:
-    from rtgen.runtime.connectors import DataConnector
-    from rtgen.runtime.data_ports import OutPort
+    from rtgen.runtime.data_ports import DataConnector, OutPort
 
     bus = OutPort("bus", types().Sample)
     port, guard = relay.behaviour.data, relay.behaviour._clock.guard

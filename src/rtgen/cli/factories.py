@@ -13,7 +13,7 @@ from types import ModuleType
 from rtgen.diagnostics import ToolError
 from rtgen.project import Project
 from rtgen.runtime import Component
-from rtgen.runtime.callbacks import ends_run
+from rtgen.runtime.failures import ends_run
 from rtgen.runtime.watchdog import calling
 
 GROUP = "rtgen.components"

@@ -24,7 +24,7 @@ from rtgen.cli.factories import FactoryImportError
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.project import shown
 from rtgen.runtime import BlockedError, Failure, ObservableError, ReturnValueError
-from rtgen.runtime.callbacks import described, ends_run
+from rtgen.runtime.failures import described, ends_run
 from rtgen.runtime.places import is_rtgens, is_users
 from rtgen.runtime.watchdog import Call, calls_under_way
 from rtgen.system_rules import BLOCKED, IMPORT, NOTICE, RAISED

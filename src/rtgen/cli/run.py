@@ -33,7 +33,7 @@ from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.measures import Measure
 from rtgen.model import System
 from rtgen.project import load
-from rtgen.runtime.callbacks import ends_run
+from rtgen.runtime.failures import ends_run
 from rtgen.runtime.recording import JsonLinesRecorder
 from rtgen.runtime.watchdog import Watchdog
 from rtgen.system_checks import check_properties

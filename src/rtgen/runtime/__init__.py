@@ -5,7 +5,6 @@ from rtgen.runtime.buffers import (
     EmptyPolicy,
     FullPolicy,
 )
-from rtgen.runtime.callbacks import Failure
 from rtgen.runtime.clocks import (
     SECOND,
     Clock,
@@ -18,8 +17,8 @@ from rtgen.runtime.configuration import (
     DEFAULT_SET,
     ConfigurationSets,
 )
-from rtgen.runtime.connectors import DataConnector
 from rtgen.runtime.data_ports import (
+    DataConnector,
     InPort,
     OutPort,
 )
@@ -56,6 +55,7 @@ from rtgen.runtime.execution_context import (
     ExecutionContext,
     Participant,
 )
+from rtgen.runtime.failures import Failure
 from rtgen.runtime.profiles import (
     ComponentProfile,
     ParameterProfile,

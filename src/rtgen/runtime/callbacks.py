@@ -1,67 +1,27 @@
-"""Calling a component's own code: what counts as success, and how a failure is reported.
-
-The rule for users is in `docs/runtime.md`, section Failures.
-"""
+"""Calling a component's callbacks: what counts as success."""
 
 from __future__ import annotations
 
-import logging
-import sys
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
-from rtgen.runtime.clocks import SECOND
 from rtgen.runtime.errors import ReturnValueError
+from rtgen.runtime.failures import described
 from rtgen.runtime.return_codes import RTC_ERROR, RTC_OK, ReturnCode_t
 
-if TYPE_CHECKING:
-    from rtgen.runtime.component import Component
-
-log = logging.getLogger("rtgen.runtime")
-
-ON_ERROR = "on_error"
 _CODES = frozenset(map(int, ReturnCode_t))
 
 
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """A call of a component's own code that failed, at `time` [ns since the start].
+class CallbackOwner(Protocol):
+    """What is needed of a component to call its callbacks."""
 
-    `error` is the exception, a ReturnValueError for a callback that returned no ReturnCode_t, and
-    None for a callback that returned a ReturnCode_t other than RTC_OK. `repeated`: the callback
-    failed in the same way the last time it failed.
-    """
+    _last_code: ReturnCode_t
 
-    instance: str
-    callback: str
-    time: int
-    reason: str
-    error: BaseException | None = None
-    repeated: bool = False
-
-    def __str__(self) -> str:
-        what = self.reason if self.error is None else described(self.error)
-        return f"{self.instance}.{self.callback} at {self.time / SECOND:.3f} s: {what}"
+    def _failed(
+        self, callback: str, what: str, error: BaseException | None = None
+    ) -> None: ...
 
 
-def log_failure(failure: Failure) -> None:
-    """Reports a failure to the logger `rtgen.runtime`: the traceback once, not for each tick."""
-    if failure.error is not None and ends_run(failure.error):
-        log.info("%s", failure)  # The run raises it.
-        return
-    is_transition = failure.callback.startswith("on_") and failure.callback != ON_ERROR
-    if failure.repeated and not is_transition:
-        log.debug("%s", failure)
-    elif failure.error is None or failure.repeated:
-        log.warning("%s", failure)
-    elif isinstance(failure.error, ReturnValueError) and failure.error.code:
-        code = failure.error.code
-        log.error("%s (%s, line %d)", failure, code.co_filename, code.co_firstlineno)
-    else:
-        log.error("%s", failure, exc_info=failure.error)
-
-
-def succeeds(component: Component, callback: str, *arguments: int) -> bool:
+def succeeds(component: CallbackOwner, callback: str, *arguments: int) -> bool:
     """Calls it; False if it returned anything but RTC_OK, or raised. The failure is reported."""
     try:
         code = getattr(component, callback)(*arguments)
@@ -79,31 +39,15 @@ def is_ok(code: object) -> bool:
     return code is RTC_OK or (type(code) is int and code == RTC_OK)
 
 
-def ends_run(error: BaseException) -> bool:
-    """Whether an exception ends the run: KeyboardInterrupt, and the debugger's `quit`."""
-    debugger = sys.modules.get("bdb")
-    return isinstance(error, KeyboardInterrupt) or (
-        debugger is not None and isinstance(error, debugger.BdbQuit)
-    )
-
-
-def described(error: BaseException) -> str:
-    """`Kind: message`, or the kind alone."""
-    kind = type(error).__name__
-    try:
-        text = str(error)
-    except Exception:
-        text = "(its message cannot be shown: __str__ failed)"
-    return f"{kind}: {text}" if text else kind
-
-
-def note_exception(component: Component, callback: str, error: BaseException) -> None:
+def note_exception(
+    component: CallbackOwner, callback: str, error: BaseException
+) -> None:
     """Reports that a callback raised."""
     _keep_answer(component, callback, RTC_ERROR)
     component._failed(callback, f"{callback}: {described(error)}", error)
 
 
-def note_answer(component: Component, callback: str, code: object) -> None:
+def note_answer(component: CallbackOwner, callback: str, code: object) -> None:
     """Reports that a callback returned something else than RTC_OK."""
     _keep_answer(component, callback, code)
     if isinstance(code, ReturnCode_t) or (type(code) is int and code in _CODES):
@@ -114,7 +58,7 @@ def note_answer(component: Component, callback: str, code: object) -> None:
     component._failed(callback, f"{callback}: returned {code!r}", error)
 
 
-def _keep_answer(component: Component, callback: str, code: object) -> None:
+def _keep_answer(component: CallbackOwner, callback: str, code: object) -> None:
     # on_aborting follows upon another failure, which is the one to be told.
     if callback != "on_aborting":
         component._last_code = code if isinstance(code, ReturnCode_t) else RTC_ERROR

@@ -5,14 +5,11 @@ from __future__ import annotations
 import threading
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
 
 from rtgen.runtime.guards import SINGLE_THREAD, Guard
-
-if TYPE_CHECKING:
-    from rtgen.runtime.simulated_network import SimulatedNetwork
+from rtgen.runtime.instants import Instants
+from rtgen.runtime.simulated_network import SimulatedNetwork
 
 SECOND = 1_000_000_000
 """Nanoseconds in a second."""
@@ -44,16 +41,6 @@ class Clock(ABC):
         """A new guard for a port of a system on this clock."""
 
 
-class Instants(Protocol):
-    """What lets things happen in simulated time: the scheduler."""
-
-    def at(self, instant: int, action: Callable[[], None]) -> None:
-        """Calls an action once, before the ticks of that instant; at once if it has passed."""
-
-    def behind_ticks(self, action: Callable[[], None]) -> None:
-        """Calls an action once, at this instant, after its ticks."""
-
-
 class SimulatedClock(Clock):
     """Time that stands still until the scheduler moves it on, from 0."""
 
@@ -65,8 +52,6 @@ class SimulatedClock(Clock):
     @cached_property
     def network(self) -> SimulatedNetwork:
         """See `Clock`; made when it is first asked for."""
-        from rtgen.runtime.simulated_network import SimulatedNetwork
-
         return SimulatedNetwork(self)
 
     def now(self) -> int:

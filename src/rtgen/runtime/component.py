@@ -8,19 +8,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
-from rtgen.runtime.callbacks import (
-    Failure,
-    described,
-    ends_run,
-    log,
-    log_failure,
-    succeeds,
-)
+from rtgen.runtime.callbacks import succeeds
 from rtgen.runtime.clocks import SECOND, Clock, SimulatedClock
 from rtgen.runtime.configuration import ConfigurationSets
+from rtgen.runtime.context_operations import ExecutionContextOperations
 from rtgen.runtime.data_ports import InPort, OutPort
 from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.errors import DuplicatePortError
+from rtgen.runtime.failures import Failure, described, ends_run, log, log_failure
 from rtgen.runtime.life_cycle import TRANSITIONS, Request
 from rtgen.runtime.profiles import ComponentProfile
 from rtgen.runtime.return_codes import (
@@ -35,7 +30,6 @@ from rtgen.runtime.service_ports import Consumer, Provider
 from rtgen.runtime.services import Servant
 
 if TYPE_CHECKING:
-    from rtgen.runtime.execution_context import ExecutionContext
     from rtgen.runtime.simulated_network import SimulatedNetwork
 
 T = TypeVar("T", bound=DataType)
@@ -100,7 +94,7 @@ class Component:
         self._awaited = ""
         self._condition = ""
         self._active_contexts = 0
-        self._contexts: dict[int, ExecutionContext] = {}
+        self._contexts: dict[int, ExecutionContextOperations] = {}
         self._turn = threading.RLock()
 
     def __repr__(self) -> str:
@@ -275,11 +269,11 @@ class Component:
             return RTC_ERROR
         return self.finalize()
 
-    def is_alive(self, context: ExecutionContext | None = None) -> bool:
+    def is_alive(self, context: ExecutionContextOperations | None = None) -> bool:
         """Whether it is initialized and not finalized; with a context, whether it takes part."""
         return self._alive and (context is None or context in self._contexts.values())
 
-    def attach_context(self, context: ExecutionContext) -> int:
+    def attach_context(self, context: ExecutionContextOperations) -> int:
         """Notes a context, for `ExecutionContext.add_component`; returns its handle, the `ec_id`.
 
         Own contexts count from 0, foreign ones from 1000.
@@ -295,22 +289,22 @@ class Component:
         known = self._contexts.pop(handle, None) is not None
         return RTC_OK if known else ReturnCode_t.BAD_PARAMETER
 
-    def get_context(self, handle: int) -> ExecutionContext | None:
+    def get_context(self, handle: int) -> ExecutionContextOperations | None:
         """The context of a handle, None if there is none."""
         return self._contexts.get(handle)
 
-    def get_context_handle(self, context: ExecutionContext) -> int:
+    def get_context_handle(self, context: ExecutionContextOperations) -> int:
         """The handle of a context, -1 if the component does not take part in it."""
         handles = (
             handle for handle, known in self._contexts.items() if known is context
         )
         return next(handles, -1)
 
-    def get_owned_contexts(self) -> list[ExecutionContext]:
+    def get_owned_contexts(self) -> list[ExecutionContextOperations]:
         """The contexts that belong to the component."""
         return [context for context in self._contexts.values() if context.owner is self]
 
-    def get_participating_contexts(self) -> list[ExecutionContext]:
+    def get_participating_contexts(self) -> list[ExecutionContextOperations]:
         """The contexts of others that the component takes part in."""
         return [
             context for context in self._contexts.values() if context.owner is not self

@@ -7,10 +7,11 @@ from collections import deque
 from collections.abc import Callable
 from typing import Protocol
 
-from rtgen.runtime.callbacks import is_ok, log, note_answer, note_exception, succeeds
+from rtgen.runtime.callbacks import is_ok, note_answer, note_exception, succeeds
 from rtgen.runtime.clocks import period_of
 from rtgen.runtime.component import Component
 from rtgen.runtime.errors import RateError
+from rtgen.runtime.failures import log
 from rtgen.runtime.life_cycle import GATED, TRANSITIONS, Request
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
@@ -476,7 +477,8 @@ class ExecutionContext:
             for context in participant.component._contexts.values()
         }
         for context in [self, *contexts.values()]:
-            context._choose_cycle()
+            if isinstance(context, ExecutionContext):
+                context._choose_cycle()
 
     def _choose_cycle(self) -> None:
         sole = self._participants[0] if len(self._participants) == 1 else None

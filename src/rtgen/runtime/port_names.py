@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from rtgen.runtime.component import Component
 from rtgen.runtime.errors import ConnectError, PolarityError, UnknownPortError
-from rtgen.runtime.service_connectors import ServicePort
+from rtgen.runtime.service_ports import ServicePort
 
 
 def cannot_join(

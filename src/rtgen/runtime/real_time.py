@@ -11,9 +11,9 @@ from rtgen.runtime import watchdog
 from rtgen.runtime.clocks import SECOND, RealClock, period_of
 from rtgen.runtime.component import Component
 from rtgen.runtime.connector_properties import Subscription
-from rtgen.runtime.connectors import Publisher
 from rtgen.runtime.errors import BlockedError
 from rtgen.runtime.execution_context import ExecutionContext, Participant
+from rtgen.runtime.publisher import Publisher
 from rtgen.runtime.scheduling import Action
 from rtgen.runtime.watchdog import (
     Call,

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from rtgen.runtime.component import Component
-from rtgen.runtime.connectors import Publisher
 from rtgen.runtime.execution_context import Driver
+from rtgen.runtime.publisher import Publisher
 
 Action = Callable[[], None]
 

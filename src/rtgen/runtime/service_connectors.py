@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rtgen.runtime.component import Component
 from rtgen.runtime.connector_properties import IGNORED
 from rtgen.runtime.descriptors import difference, lineage
 from rtgen.runtime.errors import (
@@ -15,33 +14,12 @@ from rtgen.runtime.errors import (
     PolarityError,
     PortTypeError,
 )
-from rtgen.runtime.service_ports import Carrier, Consumer, Provider
+from rtgen.runtime.service_ports import Carrier, Consumer, Provider, ServicePort
 from rtgen.runtime.transports import Transport
 
 Pair = tuple[Consumer[Any], Provider[Any]]
 
 _STRICTNESS = "port.connection.strictness"
-
-
-class ServicePort:
-    """The interfaces of one service port of a component, of both polarities."""
-
-    def __init__(self, component: Component, name: str) -> None:
-        self.name = f"{component.instance_name}.{name}"
-        self.instance = component.instance_name
-        self.port = name
-        self.providers = [
-            p for (port, _), p in component.providers.items() if port == name
-        ]
-        self.consumers = [
-            c for (port, _), c in component.consumers.items() if port == name
-        ]
-
-    def __bool__(self) -> bool:
-        return bool(self.providers or self.consumers)
-
-    def __str__(self) -> str:
-        return self.name
 
 
 class ServiceConnector:

@@ -6,14 +6,26 @@ call runs in the caller's thread, beside the provider's own ticks.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 from rtgen.runtime.services import ObjectNotExist, Servant, Skeleton
 
-if TYPE_CHECKING:
-    from rtgen.runtime.component import Component
-
 S = TypeVar("S", bound=Servant)
+
+
+class PortOwner(Protocol):
+    """What service ports need of their component."""
+
+    instance_name: str
+    providers: dict[tuple[str, str], Provider[Any]]
+    consumers: dict[tuple[str, str], Consumer[Any]]
+
+    @property
+    def is_active(self) -> bool: ...
+
+    def is_alive(self) -> bool: ...
+
+    def _servant_failed(self, operation: str, error: BaseException) -> None: ...
 
 
 class Carrier(Protocol):
@@ -46,7 +58,7 @@ class Provider(Generic[S]):
     )
 
     def __init__(
-        self, port: str, instance: str, interface: type[S], owner: Component
+        self, port: str, instance: str, interface: type[S], owner: PortOwner
     ) -> None:
         self.port = port
         self.instance = instance
@@ -157,6 +169,27 @@ class Consumer(Generic[S]):
     def object(self) -> S:
         """The typed stub. Its operations raise ObjectNotExist without an ACTIVE provider."""
         return self._stub
+
+
+class ServicePort:
+    """The interfaces of one service port of a component, of both polarities."""
+
+    def __init__(self, component: PortOwner, name: str) -> None:
+        self.name = f"{component.instance_name}.{name}"
+        self.instance = component.instance_name
+        self.port = name
+        self.providers = [
+            p for (port, _), p in component.providers.items() if port == name
+        ]
+        self.consumers = [
+            c for (port, _), c in component.consumers.items() if port == name
+        ]
+
+    def __bool__(self) -> bool:
+        return bool(self.providers or self.consumers)
+
+    def __str__(self) -> str:
+        return self.name
 
 
 def _snapshot(value: object) -> Any:

@@ -13,7 +13,7 @@ import socket
 from collections.abc import Callable
 from typing import TypeAlias, TypeVar
 
-from rtgen.runtime.clocks import SimulatedClock
+from rtgen.runtime.instants import SimulatedTime
 
 _CHUNK = 65536
 
@@ -131,8 +131,8 @@ class SimulatedNetwork:
     An address is any text: `127.0.0.1:8931`, or the name of a device.
     """
 
-    def __init__(self, clock: SimulatedClock | None = None) -> None:
-        self.clock = clock or SimulatedClock()
+    def __init__(self, clock: SimulatedTime) -> None:
+        self.clock = clock
         self._listeners: dict[str, Listener] = {}
         self._devices: dict[tuple[type[object], str], object] = {}
 

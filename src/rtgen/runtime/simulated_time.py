@@ -10,8 +10,8 @@ from typing import Any
 from rtgen.runtime.clocks import SimulatedClock, period_of
 from rtgen.runtime.component import Component
 from rtgen.runtime.connector_properties import Subscription
-from rtgen.runtime.connectors import Publisher
 from rtgen.runtime.execution_context import ExecutionContext
+from rtgen.runtime.publisher import Publisher
 from rtgen.runtime.scheduling import Action
 
 # What comes first at one instant; within a band, what was added first.

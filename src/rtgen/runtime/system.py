@@ -8,12 +8,10 @@ from functools import partial
 from types import TracebackType
 from typing import Any, cast
 
-from rtgen.runtime.callbacks import Failure, described, ends_run, log_failure
 from rtgen.runtime.clocks import SECOND, Clock, RealClock, SimulatedClock
 from rtgen.runtime.component import Component
 from rtgen.runtime.configuration import DEFAULT_SET
-from rtgen.runtime.connectors import DataConnector
-from rtgen.runtime.data_ports import OutPort
+from rtgen.runtime.data_ports import DataConnector, OutPort
 from rtgen.runtime.errors import (
     DuplicateConnectionError,
     DuplicateInstanceError,
@@ -25,6 +23,7 @@ from rtgen.runtime.errors import (
     UnknownObservableError,
 )
 from rtgen.runtime.execution_context import ExecutionContext, Participant
+from rtgen.runtime.failures import Failure, described, ends_run, log_failure
 from rtgen.runtime.port_names import cannot_join, kinds, port_names, unknown_port
 from rtgen.runtime.real_time import RealTimeScheduler
 from rtgen.runtime.records import (
@@ -45,7 +44,8 @@ from rtgen.runtime.return_codes import (
     ReturnCode_t,
 )
 from rtgen.runtime.scheduling import Scheduler
-from rtgen.runtime.service_connectors import ServiceConnector, ServicePort
+from rtgen.runtime.service_connectors import ServiceConnector
+from rtgen.runtime.service_ports import ServicePort
 from rtgen.runtime.simulated_time import SimulatedScheduler
 from rtgen.runtime.transports import RemoteConnector, RemotePort, Transport
 from rtgen.runtime.watchdog import calling

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
-if TYPE_CHECKING:
-    from rtgen.runtime.component import Component
-    from rtgen.runtime.service_connectors import ServicePort
-    from rtgen.runtime.service_ports import Carrier, Provider
+from rtgen.runtime.component import Component
+from rtgen.runtime.service_ports import Carrier, Provider, ServicePort
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 from types import CodeType, FrameType
 from typing import ParamSpec, TypeVar
 
-from rtgen.runtime.callbacks import log, succeeds
+from rtgen.runtime.callbacks import succeeds
 from rtgen.runtime.execution_context import Participant
+from rtgen.runtime.failures import log
 from rtgen.runtime.places import is_debugger, shown, users_frame
 
 PATIENCE = 2.0

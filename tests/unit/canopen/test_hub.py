@@ -24,6 +24,7 @@ from stations import Recorder
 from rtgen.cli import run
 from rtgen.runtime import RealClock
 from rtgen.runtime.canopen.arbitration import transmission_time
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import Frame
 from rtgen.runtime.canopen.hub import (
     Carried,
@@ -33,7 +34,7 @@ from rtgen.runtime.canopen.hub import (
     Port,
     SocketcandPort,
 )
-from rtgen.runtime.canopen.link import Link, LinkError
+from rtgen.runtime.canopen.link import Link
 from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.real_link import RealLink
 

@@ -13,8 +13,8 @@ from refrobots.rtc import Time, TimedLong
 from rtgen.runtime import Component
 from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import Write
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.link import LinkError
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
 from rtgen.runtime.canopen.proxied_node import QUEUE
 from rtgen.runtime.canopen.sdo import SdoAbort

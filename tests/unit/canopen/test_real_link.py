@@ -13,8 +13,9 @@ import pytest
 from stations import Recorder
 
 from rtgen.runtime import RealClock
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.link import Link, LinkError
+from rtgen.runtime.canopen.link import Link
 from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.python_can import bus_address
 from rtgen.runtime.canopen.real_link import RealLink

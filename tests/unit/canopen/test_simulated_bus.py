@@ -9,8 +9,8 @@ from stations import Recorder
 
 from rtgen.runtime import RTC_OK, Component, ReturnCode_t, SimulatedClock, System
 from rtgen.runtime.canopen.arbitration import transmission_time
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.link import LinkError
 from rtgen.runtime.canopen.links import open_link, simulated_bus
 from rtgen.runtime.canopen.simulated_bus import SimulatedCanBus
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from rtgen.runtime.clocks import SimulatedClock
 from rtgen.runtime.opaque_rpc import (
     E_BOVR,
     E_OBJ,
@@ -47,7 +48,7 @@ class Service:
 
 @pytest.fixture
 def network() -> SimulatedNetwork:
-    return SimulatedNetwork()
+    return SimulatedNetwork(SimulatedClock())
 
 
 @pytest.fixture

@@ -28,7 +28,7 @@ class Echo:
 
 @pytest.fixture
 def network() -> SimulatedNetwork:
-    return SimulatedNetwork()
+    return SimulatedNetwork(SimulatedClock())
 
 
 def test_the_answer_is_there_when_send_returns(network: SimulatedNetwork) -> None:

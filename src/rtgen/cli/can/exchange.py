@@ -9,8 +9,8 @@ from typing import Protocol
 from rtgen.cli.can.live import send
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import SECOND, Frame
-from rtgen.runtime.canopen.link import LinkError
 from rtgen.runtime.canopen.python_can import OpenBus, frame_of
 from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.sdo_client import SdoClient

@@ -10,20 +10,20 @@ from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any, Final
 
-from rtgen.runtime.callbacks import log
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import CobId, Frame
 from rtgen.runtime.canopen.heartbeat import HeartbeatEvent, HeartbeatNews
 from rtgen.runtime.canopen.hooks import DeviceHooks, Incoming, Outgoing
-from rtgen.runtime.canopen.link import Link, LinkError
+from rtgen.runtime.canopen.link import Link
 from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, Transition
 from rtgen.runtime.canopen.node import USER_SOFTWARE, DeviceNode
 from rtgen.runtime.canopen.node_events import NodeEvents
 from rtgen.runtime.canopen.pdo_transmission import RTR, RTR_SYNC
 from rtgen.runtime.component import Component
-from rtgen.runtime.connectors import DataConnector
-from rtgen.runtime.data_ports import InPort, OutPort
+from rtgen.runtime.data_ports import DataConnector, InPort, OutPort
+from rtgen.runtime.failures import log
 from rtgen.runtime.life_cycle import Request
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,

@@ -9,16 +9,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from rtgen.runtime.canopen.frames import Frame
-
-if TYPE_CHECKING:
-    from rtgen.runtime.canopen.sdo_channel import SdoChannel
-
-
-class LinkError(OSError):
-    """The bus cannot be used: it could not be opened, is off, or its other end has gone."""
+from rtgen.runtime.canopen.sdo_channel import SdoChannel
 
 
 class Station(Protocol):

@@ -5,7 +5,8 @@ from __future__ import annotations
 import threading
 from typing import TYPE_CHECKING
 
-from rtgen.runtime.canopen.link import Link, LinkError
+from rtgen.runtime.canopen.errors import LinkError
+from rtgen.runtime.canopen.link import Link
 from rtgen.runtime.canopen.simulated_bus import SimulatedCanBus
 from rtgen.runtime.clocks import Clock
 from rtgen.runtime.component import Component

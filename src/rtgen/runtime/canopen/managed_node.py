@@ -14,6 +14,7 @@ from typing import Final, Protocol
 from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import NodeDescription
 from rtgen.runtime.canopen.emergency import Emergency
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import MILLISECOND, Frame
 from rtgen.runtime.canopen.guarding import NodeGuard
 from rtgen.runtime.canopen.heartbeat import (
@@ -21,7 +22,6 @@ from rtgen.runtime.canopen.heartbeat import (
     HeartbeatEvent,
     HeartbeatNews,
 )
-from rtgen.runtime.canopen.link import LinkError
 from rtgen.runtime.canopen.lss import UNCONFIGURED
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
 from rtgen.runtime.canopen.node_setup import SetUp, SetUpError, number_text, set_up

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from typing import Any, ClassVar, Final, Protocol
 
-from rtgen.runtime.canopen.link import LinkError
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.managed_node import NodeReport
 from rtgen.runtime.canopen.manager_station import ManagerStation

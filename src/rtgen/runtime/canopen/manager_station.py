@@ -9,6 +9,7 @@ from typing import Final
 
 from rtgen.runtime.canopen.description import Network
 from rtgen.runtime.canopen.emergency import decode_emergency
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import (
     EMERGENCY,
     ERROR_CONTROL,
@@ -17,7 +18,7 @@ from rtgen.runtime.canopen.frames import (
     Frame,
 )
 from rtgen.runtime.canopen.heartbeat import HeartbeatProducer
-from rtgen.runtime.canopen.link import Link, LinkError, no_guarding
+from rtgen.runtime.canopen.link import Link, no_guarding
 from rtgen.runtime.canopen.lss_master import Assigned, LssError, LssMaster, assign
 from rtgen.runtime.canopen.managed_node import ManagedNode, NodePhase, NodeReport
 from rtgen.runtime.canopen.nmt import (

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Mapping
 from typing import Final, TypeAlias
 
-from rtgen.runtime.callbacks import log
 from rtgen.runtime.canopen import sdo, values
 from rtgen.runtime.canopen.description import (
     DeviceDescription,
@@ -24,6 +23,7 @@ from rtgen.runtime.canopen.node_setup import IDENTITY, same
 from rtgen.runtime.canopen.proxied_node import ProxiedNode
 from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.sdo_channel import ATTEMPTS, Outcome
+from rtgen.runtime.failures import log
 
 Steps: TypeAlias = Generator[str, None, None]
 

@@ -10,16 +10,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
-from rtgen.runtime.callbacks import log
 from rtgen.runtime.canopen import sdo, values
 from rtgen.runtime.canopen.description import (
     ObjectNumber,
     ObjectValue,
 )
 from rtgen.runtime.canopen.emergency import DEFAULT_STOPS, EmergencyPolicy
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import MILLISECOND
 from rtgen.runtime.canopen.hooks import ProxyHooks, Sender
-from rtgen.runtime.canopen.link import Link, LinkError
+from rtgen.runtime.canopen.link import Link
 from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState
 from rtgen.runtime.canopen.node_control import NodeControl, NodeError, Steps, reason_of
@@ -37,7 +37,8 @@ from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.sdo_channel import Outcome, SdoChannel
 from rtgen.runtime.canopen.state_mirror import StateMirror
 from rtgen.runtime.component import Component
-from rtgen.runtime.execution_context import ExecutionContext
+from rtgen.runtime.context_operations import ExecutionContextOperations
+from rtgen.runtime.failures import log
 from rtgen.runtime.life_cycle import Request
 from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
 
@@ -489,5 +490,5 @@ class CanopenProxy(ProxyHooks, Component):
             connection.link.detach(connection.node)
 
 
-def _activate(context: ExecutionContext, proxy: CanopenProxy) -> None:
+def _activate(context: ExecutionContextOperations, proxy: CanopenProxy) -> None:
     context.activate_component(proxy)

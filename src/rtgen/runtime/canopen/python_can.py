@@ -12,8 +12,8 @@ import socket
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias
 
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import MAX_DATA, Frame
-from rtgen.runtime.canopen.link import LinkError
 
 if TYPE_CHECKING:
     import can

@@ -10,11 +10,12 @@ from contextlib import AbstractContextManager
 from queue import SimpleQueue
 from typing import Final
 
-from rtgen.runtime.callbacks import log
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import SECOND, Frame
-from rtgen.runtime.canopen.link import LinkError, Station
+from rtgen.runtime.canopen.link import Station
 from rtgen.runtime.canopen.python_can import BusAddress, OpenBus, frame_of, open_bus
 from rtgen.runtime.canopen.shared_link import Seat, SharedLink
+from rtgen.runtime.failures import log
 
 _QUEUE: Final = 4096
 """Frames that may wait for the bus."""

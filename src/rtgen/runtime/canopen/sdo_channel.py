@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
-from typing import Final, TypeAlias
+from typing import Final, Protocol, TypeAlias
 
 from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import SDO_RESPONSE, Frame
-from rtgen.runtime.canopen.link import Link, LinkError
 from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.sdo_client import SdoClient
 
@@ -32,6 +33,24 @@ class _Transfer:
     attempts: int
 
 
+class SdoLink(Protocol):
+    """What an SDO channel needs of its `Link`."""
+
+    @property
+    def lock(self) -> AbstractContextManager[object]: ...
+
+    @property
+    def up(self) -> bool: ...
+
+    def now(self) -> int: ...
+
+    def refresh(self, station: SdoChannel, /) -> None: ...
+
+    def send(self, frames: Iterable[Frame], sender: SdoChannel, /) -> None: ...
+
+    def wait(self, until: Callable[[], bool], timeout: int, /) -> bool: ...
+
+
 class SdoChannel:
     """Reads and writes variables of one node, one transfer at a time, in the order of asking.
 
@@ -41,7 +60,7 @@ class SdoChannel:
     drained late answers: only for transfers that may be carried out twice.
     """
 
-    def __init__(self, link: Link, node_id: int, timeout: int = sdo.TIMEOUT) -> None:
+    def __init__(self, link: SdoLink, node_id: int, timeout: int = sdo.TIMEOUT) -> None:
         self.node_id = node_id
         self._link = link
         self._timeout = timeout

@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from typing import Any
 
 from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.hooks import ProxyHooks
-from rtgen.runtime.canopen.link import LinkError
 from rtgen.runtime.canopen.pdo import unscaled
 
 

@@ -6,8 +6,9 @@ from abc import abstractmethod
 from collections.abc import Iterable, Iterator
 from heapq import heappop, heappush
 
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import MILLISECOND, Frame
-from rtgen.runtime.canopen.link import Link, LinkError, NmtMaster, Station
+from rtgen.runtime.canopen.link import Link, NmtMaster, Station
 from rtgen.runtime.canopen.sdo_channel import SdoChannel
 
 

@@ -7,10 +7,11 @@ from contextlib import AbstractContextManager, nullcontext
 from typing import Final, TypeAlias
 
 from rtgen.runtime.canopen.arbitration import Arbiter, transmission_time
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import MILLISECOND, Frame
-from rtgen.runtime.canopen.link import LinkError, Station
+from rtgen.runtime.canopen.link import Station
 from rtgen.runtime.canopen.shared_link import Seat, SharedLink
-from rtgen.runtime.clocks import Instants, SimulatedClock
+from rtgen.runtime.instants import Instants, SimulatedTime
 
 Disturbance: TypeAlias = Callable[[Frame, int], Iterable[tuple[int, Frame]]]
 """What becomes of a frame that the bus has carried: frames, each with a delay in ns.
@@ -32,7 +33,7 @@ class SimulatedCanBus(SharedLink):
     A frame arrives when it has ended. A run depends on nothing but its inputs.
     """
 
-    def __init__(self, clock: SimulatedClock, channel: str, bit_rate: int = 0) -> None:
+    def __init__(self, clock: SimulatedTime, channel: str, bit_rate: int = 0) -> None:
         super().__init__(f"the simulated bus {channel}")
         if clock.instants is None:
             raise LinkError(f"{self.bus}: no system runs on its clock")

@@ -17,8 +17,9 @@ from can.broadcastmanager import (
     RestartableCyclicTaskABC,
 )
 
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.link import Link, LinkError
+from rtgen.runtime.canopen.link import Link
 from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.python_can import frame_of, message_of
 from rtgen.runtime.clocks import SECOND, Clock

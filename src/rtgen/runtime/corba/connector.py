@@ -19,8 +19,8 @@ from rtgen.runtime.errors import (
     PortTypeError,
     TransportError,
 )
-from rtgen.runtime.service_connectors import ServicePort, end, read_properties
-from rtgen.runtime.service_ports import Consumer
+from rtgen.runtime.service_connectors import end, read_properties
+from rtgen.runtime.service_ports import Consumer, ServicePort
 from rtgen.runtime.services import CommunicationFailure, ObjectNotExist, ServiceError
 from rtgen.runtime.transports import RemotePort
 

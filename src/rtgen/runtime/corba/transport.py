@@ -17,8 +17,7 @@ from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.objects import Objects
 from rtgen.runtime.corba.orb import LOOPBACK, Orb
 from rtgen.runtime.errors import TransportError
-from rtgen.runtime.service_connectors import ServicePort
-from rtgen.runtime.service_ports import Carrier, Provider
+from rtgen.runtime.service_ports import Carrier, Provider, ServicePort
 from rtgen.runtime.transports import RemotePort
 
 log = logging.getLogger("rtgen.runtime")

@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from typing import Final, Literal, Protocol, TypeAlias
 
-from rtgen.runtime.callbacks import described, ends_run
+from rtgen.runtime.failures import described, ends_run
 from rtgen.runtime.opaque_rpc.codecs import Codec, More
 from rtgen.runtime.opaque_rpc.digest import DIGEST, digest_handler
 from rtgen.runtime.opaque_rpc.errors import (

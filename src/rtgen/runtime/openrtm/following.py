@@ -6,9 +6,9 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from rtgen.runtime.callbacks import log
 from rtgen.runtime.component import Component
 from rtgen.runtime.execution_context import Participant
+from rtgen.runtime.failures import log
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
     ERROR_STATE,

@@ -9,10 +9,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
 
-from rtgen.runtime.callbacks import log
 from rtgen.runtime.component import FIRST_FOREIGN_HANDLE, Component
 from rtgen.runtime.errors import ConfigurationError
 from rtgen.runtime.execution_context import Participant
+from rtgen.runtime.failures import log
 from rtgen.runtime.life_cycle import Request
 from rtgen.runtime.openrtm.contexts import HostContext, MachineClock
 from rtgen.runtime.openrtm.following import Follower

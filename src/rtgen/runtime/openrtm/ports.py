@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from rtgen.runtime.buffers import BufferSettings, EmptyPolicy, RingBuffer
-from rtgen.runtime.callbacks import log
 from rtgen.runtime.data_ports import InPort, OutPort
+from rtgen.runtime.failures import log
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 
 _OK = 0

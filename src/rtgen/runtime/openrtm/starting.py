@@ -10,7 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from rtgen.runtime.callbacks import log
+from rtgen.runtime.failures import log
 
 _INSTANCE = "--instance_name="
 _LEVELS = (

@@ -1,0 +1,73 @@
+"""What is reported when a component's own code fails, and how.
+
+The rule for users is in `docs/runtime.md`, section Failures.
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+from dataclasses import dataclass
+
+from rtgen.runtime.clocks import SECOND
+from rtgen.runtime.errors import ReturnValueError
+
+log = logging.getLogger("rtgen.runtime")
+
+ON_ERROR = "on_error"
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """A call of a component's own code that failed, at `time` [ns since the start].
+
+    `error` is the exception, a ReturnValueError for a callback that returned no ReturnCode_t, and
+    None for a callback that returned a ReturnCode_t other than RTC_OK. `repeated`: the callback
+    failed in the same way the last time it failed.
+    """
+
+    instance: str
+    callback: str
+    time: int
+    reason: str
+    error: BaseException | None = None
+    repeated: bool = False
+
+    def __str__(self) -> str:
+        what = self.reason if self.error is None else described(self.error)
+        return f"{self.instance}.{self.callback} at {self.time / SECOND:.3f} s: {what}"
+
+
+def log_failure(failure: Failure) -> None:
+    """Reports a failure to the logger `rtgen.runtime`: the traceback once, not for each tick."""
+    if failure.error is not None and ends_run(failure.error):
+        log.info("%s", failure)  # The run raises it.
+        return
+    is_transition = failure.callback.startswith("on_") and failure.callback != ON_ERROR
+    if failure.repeated and not is_transition:
+        log.debug("%s", failure)
+    elif failure.error is None or failure.repeated:
+        log.warning("%s", failure)
+    elif isinstance(failure.error, ReturnValueError) and failure.error.code:
+        code = failure.error.code
+        log.error("%s (%s, line %d)", failure, code.co_filename, code.co_firstlineno)
+    else:
+        log.error("%s", failure, exc_info=failure.error)
+
+
+def ends_run(error: BaseException) -> bool:
+    """Whether an exception ends the run: KeyboardInterrupt, and the debugger's `quit`."""
+    debugger = sys.modules.get("bdb")
+    return isinstance(error, KeyboardInterrupt) or (
+        debugger is not None and isinstance(error, debugger.BdbQuit)
+    )
+
+
+def described(error: BaseException) -> str:
+    """`Kind: message`, or the kind alone."""
+    kind = type(error).__name__
+    try:
+        text = str(error)
+    except Exception:
+        text = "(its message cannot be shown: __str__ failed)"
+    return f"{kind}: {text}" if text else kind

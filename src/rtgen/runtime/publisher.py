@@ -1,0 +1,104 @@
+"""The sending half of connections of subscription type `new` and `periodic`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+from rtgen.runtime.buffers import RingBuffer
+from rtgen.runtime.connector_properties import ConnectorSettings, PushPolicy
+from rtgen.runtime.descriptors import DataType
+from rtgen.runtime.guards import Guard
+from rtgen.runtime.return_codes import PORT_OK
+
+T = TypeVar("T", bound=DataType)
+
+
+def _do_nothing() -> None:
+    return None
+
+
+class Publisher(Generic[T]):
+    """The sending half of a `new` or `periodic` connection: an own buffer and a push policy.
+
+    `signal` is called after each write; whoever runs the publisher sets it. A sample that the
+    reader's buffer refuses stays in hand and is offered again at the next turn.
+    """
+
+    def __init__(
+        self, settings: ConnectorSettings, target: RingBuffer[T], guard: Guard
+    ) -> None:
+        self.subscription = settings.subscription
+        self.rate = settings.push_rate
+        self.waiting: RingBuffer[T] = RingBuffer(settings.outport_buffer, guard)
+        self.dropped = 0
+        self.signal: Callable[[], None] = _do_nothing
+        self._policy = settings.push_policy
+        self._skip_count = settings.skip_count
+        self._skipped = 0
+        self._target = target
+        self._in_hand: T | None = None
+
+    @property
+    def idle(self) -> bool:
+        """Whether nothing waits to be delivered."""
+        return self._in_hand is None and not self.waiting.samples
+
+    def publish(self) -> None:
+        """Delivers what the policy picks of the waiting samples."""
+        if self._policy is PushPolicy.NEW:
+            self._drop_all_but_newest()
+        while self._pick() and self._deliver() and self._policy is not PushPolicy.FIFO:
+            continue
+
+    def wait(self) -> None:
+        """Waits until there is something to do, or the connection is cut."""
+        guard = self.waiting.guard if self._in_hand is None else self._target.guard
+        with guard:
+            guard.wait_for(self._can_go_on)
+
+    @property
+    def closed(self) -> bool:
+        """Whether the connection is cut."""
+        return self.waiting.closed
+
+    @property
+    def in_hand(self) -> int:
+        """How many samples were taken from the buffer and not delivered: 0 or 1."""
+        return self._in_hand is not None
+
+    def _can_go_on(self) -> bool:
+        if self.waiting.closed or self._target.closed:
+            return True
+        if self._in_hand is None:
+            return bool(self.waiting.samples)
+        return len(self._target.samples) < self._target.settings.length
+
+    def _drop_all_but_newest(self) -> None:
+        with self.waiting.guard:
+            if self._in_hand is not None and self.waiting.samples:
+                self._in_hand = None
+                self.dropped += 1
+            while len(self.waiting.samples) > 1:
+                self.waiting.take()
+                self.dropped += 1
+
+    def _pick(self) -> bool:
+        with self.waiting.guard:
+            while self._in_hand is None and self.waiting.samples:
+                sample = self.waiting.take()
+                if self._policy is PushPolicy.SKIP and self._skipped < self._skip_count:
+                    self._skipped += 1
+                    self.dropped += 1
+                else:
+                    self._skipped = 0
+                    self._in_hand = sample
+            self.waiting.guard.notify_all()
+        return self._in_hand is not None
+
+    def _deliver(self) -> bool:
+        sample = self._in_hand
+        if sample is None or self._target.write(sample) is not PORT_OK:
+            return False
+        self._in_hand = None
+        return True
