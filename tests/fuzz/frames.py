@@ -17,7 +17,7 @@ from refrobots.canopen.ftmd.objects import DESCRIPTION as FTMD
 from refrobots.canopen.motor_core_unit.objects import DESCRIPTION as MOTOR
 from refrobots.canopen.networks.rh3_beego import NETWORK
 from rtgen.cli.can.decoding import Decoder
-from rtgen.cli.can.known import KnownBus, known_bus
+from rtgen.cli.can.node_index import NodeIndex, read_node_index
 from rtgen.runtime import System
 from rtgen.runtime.canopen.frames import MILLISECOND, Frame
 from rtgen.runtime.canopen.links import simulated_bus
@@ -208,8 +208,8 @@ class _Listener:
 
 
 @cache
-def _known() -> KnownBus:
-    return known_bus(ROOT / "specs/canopen/rh3_beego.toml", [])
+def _known() -> NodeIndex:
+    return read_node_index(ROOT / "specs/canopen/rh3_beego.toml", [])
 
 
 def _hold(frames: Iterable[Frame]) -> None:

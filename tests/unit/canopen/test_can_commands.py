@@ -25,8 +25,8 @@ from device_bench import DEVICE, NODE_ID, number_of
 
 from rtgen.cli import run
 from rtgen.cli.can import lss_scan
-from rtgen.cli.can.frame_texts import frame_of_text
-from rtgen.cli.can.known import known_bus
+from rtgen.cli.can.frame_parsing import frame_of_text
+from rtgen.cli.can.node_index import read_node_index
 from rtgen.cli.common import Refusal
 from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.lss import LssAddress
@@ -37,7 +37,7 @@ from rtgen.runtime.clocks import RealClock
 
 LINKED = str(SPECS / "pdo_linking.toml")
 FOURX = str(SPECS / "fourx.toml")
-FOUR = known_bus(SPECS / "fourx.toml", [])
+FOUR = read_node_index(SPECS / "fourx.toml", [])
 PAIR = {1: "motor_core_unit", 2: "f_palette"}
 DRIVE = ["--eds", f"1={SPECS / 'epos_drive.eds'}"]
 
@@ -434,7 +434,7 @@ def test_plot_live_and_refusals(
     assert "the suffix is one of" in shown(capfd.readouterr().err)
     missing = ["plot", "palette.Angle", "--bus", LINKED, "-o", target]
     assert command("plot", *missing) == 2
-    monkeypatch.setattr("rtgen.cli.can.series.find_spec", lambda name: None)
+    monkeypatch.setattr("rtgen.cli.can.time_series.find_spec", lambda name: None)
     assert command("plot", *base, "-o", str(tmp_path / "p.svg")) == 3
     assert "rtgen[plot]" in shown(capfd.readouterr().err)
 
@@ -464,6 +464,6 @@ def test_a_command_without_its_extra(
 
 
 def test_the_commands_of_nmt_are_all_known() -> None:
-    from rtgen.cli.can.frame_texts import _COMMANDS
+    from rtgen.cli.can.frame_parsing import _COMMANDS
 
     assert set(_COMMANDS.values()) == set(NmtCommand)

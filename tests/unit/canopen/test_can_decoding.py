@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from sdo_line import LOST, ONCE, Values, line
 
 from rtgen.cli.can.decoding import Decoded, Decoder
-from rtgen.cli.can.known import KnownBus, known_bus, number_of
-from rtgen.cli.can.sdo_following import MAX_VALUE, SdoFollower
+from rtgen.cli.can.node_index import NodeIndex, number_of, read_node_index
+from rtgen.cli.can.sdo_decoding import MAX_VALUE, SdoFollower
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import InputError
 from rtgen.runtime.canopen.frames import Frame, rpdo, tpdo
@@ -19,7 +19,7 @@ from rtgen.runtime.canopen.nmt import NmtCommand, command_frame
 from rtgen.runtime.canopen.sync import time_frame
 
 SPECS = Path(__file__).parents[3] / "specs" / "canopen"
-LINKED = known_bus(SPECS / "pdo_linking.toml", [])
+LINKED = read_node_index(SPECS / "pdo_linking.toml", [])
 
 EDS = """[FileInfo]
 FileName=odd.eds
@@ -45,16 +45,16 @@ def entry(section: str, name: str, code: int, default: str = "", more: str = "")
 
 
 @pytest.fixture
-def linked() -> KnownBus:
+def linked() -> NodeIndex:
     return LINKED
 
 
 @pytest.fixture(scope="module")
-def fourx() -> KnownBus:
-    return known_bus(SPECS / "fourx.toml", [])
+def fourx() -> NodeIndex:
+    return read_node_index(SPECS / "fourx.toml", [])
 
 
-def decoded(known: KnownBus, can_id: int, data: str = "") -> Decoded:
+def decoded(known: NodeIndex, can_id: int, data: str = "") -> Decoded:
     return Decoder(known).decode(Frame(can_id, bytes.fromhex(data)))
 
 
@@ -101,11 +101,11 @@ def decoded(known: KnownBus, can_id: int, data: str = "") -> Decoded:
         (0x7E4, "99", "lss no message: 99"),
     ],
 )
-def test_services(linked: KnownBus, can_id: int, data: str, told: str) -> None:
+def test_services(linked: NodeIndex, can_id: int, data: str, told: str) -> None:
     assert str(decoded(linked, can_id, data)) == told
 
 
-def test_codes_and_nodes_for_machines(linked: KnownBus) -> None:
+def test_codes_and_nodes_for_machines(linked: NodeIndex) -> None:
     emergency = decoded(linked, 0x081, "1082110000000000").to_json()
     assert (emergency["kind"], emergency["node"], emergency["code"]) == (
         "emcy",
@@ -119,14 +119,14 @@ def test_codes_and_nodes_for_machines(linked: KnownBus) -> None:
     assert told.text == "2023-11-14T22:13:20.123Z"
 
 
-def test_remote_frames(linked: KnownBus) -> None:
+def test_remote_frames(linked: NodeIndex) -> None:
     decoder = Decoder(linked)
     assert str(decoder.decode(Frame(0x181, remote=True))) == "motor tpdo1 request"
     assert str(decoder.decode(Frame(0x701, remote=True))) == "motor guarding request"
     assert str(decoder.decode(Frame(0x12345, extended=True))) == "frame no data"
 
 
-def test_a_link_tells_both_ends(linked: KnownBus) -> None:
+def test_a_link_tells_both_ends(linked: NodeIndex) -> None:
     told = decoded(linked, 0x482, "18fcffff")
     assert str(told) == "palette tpdo4 -> motor.rpdo2 Angle_reference=-1000"
     assert told.to_json()["values"] == [
@@ -134,7 +134,7 @@ def test_a_link_tells_both_ends(linked: KnownBus) -> None:
     ]
 
 
-def test_factors_and_units_of_the_bus_file(fourx: KnownBus) -> None:
+def test_factors_and_units_of_the_bus_file(fourx: NodeIndex) -> None:
     told = decoded(fourx, tpdo(2, 3), "e8030000" "18fcffff")
     assert told.name == "rear_left"
     assert (
@@ -149,7 +149,7 @@ def test_factors_and_units_of_the_bus_file(fourx: KnownBus) -> None:
     }
 
 
-def test_lengths(linked: KnownBus) -> None:
+def test_lengths(linked: NodeIndex) -> None:
     short = decoded(linked, rpdo(1, 1), "0f00")
     assert short.text.endswith("15 (enable operation) (too short: 2 of 3 octets)")
     assert [field.value for field in short.fields] == [15]
@@ -165,7 +165,7 @@ def write(decoder: Decoder, index: int, subindex: int, value: int, size: int) ->
     decoder.decode(Frame(0x581, b"\x60" + head + bytes(4)))
 
 
-def test_a_mapping_that_changes_is_followed(linked: KnownBus) -> None:
+def test_a_mapping_that_changes_is_followed(linked: NodeIndex) -> None:
     decoder = Decoder(linked)
     before = decoder.decode(Frame(0x181, b"\1\2\3")).text
     write(decoder, 0x1800, 1, 0x80000181, 4)
@@ -184,7 +184,7 @@ def test_a_mapping_that_changes_is_followed(linked: KnownBus) -> None:
     assert decoder.decode(Frame(0x333, b"\1\2")).name == "node 51"
 
 
-def test_a_refused_write_changes_nothing(linked: KnownBus) -> None:
+def test_a_refused_write_changes_nothing(linked: NodeIndex) -> None:
     decoder = Decoder(linked)
     decoder.decode(Frame(0x601, bytes.fromhex("2300180181010080")))
     told = decoder.decode(Frame(0x581, bytes.fromhex("8000180122000008")))
@@ -215,7 +215,7 @@ def test_fields_of_any_width(tmp_path: Path) -> None:
         text += entry(f"{index:04X}", name, code)
     path = tmp_path / "odd.eds"
     path.write_text(text)
-    decoder = Decoder(known_bus(None, [(9, path)]))
+    decoder = Decoder(read_node_index(None, [(9, path)]))
     bits = 1 | 0b10000 << 1 | 0xFFFFFE << 6 | int.from_bytes(b"ok", "little") << 30
     told = decoder.decode(Frame(0x189, bits.to_bytes(8, "little")))
     assert told.name == "odd"
@@ -244,14 +244,14 @@ def test_fields_of_any_width(tmp_path: Path) -> None:
         (0x0001, ""),
     ],
 )
-def test_the_state_of_a_drive(fourx: KnownBus, statusword: int, told: str) -> None:
+def test_the_state_of_a_drive(fourx: NodeIndex, statusword: int, told: str) -> None:
     data = statusword.to_bytes(2, "little") + b"\3"
     field, _ = Decoder(fourx).decode(Frame(0x181, data)).fields
     assert field.words == told
     assert field.to_json().get("words", "") == told
 
 
-def test_the_command_to_a_drive(fourx: KnownBus) -> None:
+def test_the_command_to_a_drive(fourx: NodeIndex) -> None:
     told = {
         0x80: "fault reset",
         0x00: "disable voltage",
@@ -326,7 +326,7 @@ def test_lost_segments_of_blocks_come_again(
     assert [v for v, _ in follow(wire.frames) if v is not None] == [value]
 
 
-def test_a_transfer_that_began_before(linked: KnownBus) -> None:
+def test_a_transfer_that_began_before(linked: NodeIndex) -> None:
     told = decoded(linked, 0x581, "0041414141414141")
     assert str(told) == "motor sdo answer of a transfer that began before"
     told = decoded(linked, 0x601, "6000000000000000")
@@ -347,7 +347,7 @@ def test_a_long_value_is_only_counted() -> None:
     assert (step.value, step.detail) == (None, f"{segments * 7} octets")
 
 
-def test_segments_in_words(linked: KnownBus) -> None:
+def test_segments_in_words(linked: NodeIndex) -> None:
     decoder = Decoder(linked)
     messages = [
         (0x601, "4008100000000000"),
@@ -372,7 +372,7 @@ def test_segments_in_words(linked: KnownBus) -> None:
 # Nodes and objects by name
 
 
-def test_nodes_and_objects_by_name(linked: KnownBus) -> None:
+def test_nodes_and_objects_by_name(linked: NodeIndex) -> None:
     assert linked.node("palette") == 2
     assert linked.node("0x7F") == 127
     motor = linked.nodes[1]
@@ -394,7 +394,7 @@ def test_nodes_and_objects_by_name(linked: KnownBus) -> None:
         ("Nonsense", "no object 'Nonsense'"),
     ],
 )
-def test_unknown_names_have_hints(linked: KnownBus, text: str, hint: str) -> None:
+def test_unknown_names_have_hints(linked: NodeIndex, text: str, hint: str) -> None:
     with pytest.raises(Refusal) as caught:
         linked.find(text)
     assert hint in caught.value.message
@@ -402,18 +402,20 @@ def test_unknown_names_have_hints(linked: KnownBus, text: str, hint: str) -> Non
 
 def test_descriptions_of_single_nodes(tmp_path: Path) -> None:
     drive = SPECS / "epos_drive.eds"
-    known = known_bus(None, [(1, drive), (2, drive), (3, SPECS / "f_palette.eds")])
+    known = read_node_index(
+        None, [(1, drive), (2, drive), (3, SPECS / "f_palette.eds")]
+    )
     assert [n.name for n in known.nodes.values()] == [
         "epos_drive_1",
         "epos_drive_2",
         "f_palette",
     ]
     with pytest.raises(Refusal, match="whose is it"):
-        known_bus(None, [(None, drive)])
+        read_node_index(None, [(None, drive)])
     with pytest.raises(InputError):
-        known_bus(None, [(1, tmp_path / "missing.eds")])
+        read_node_index(None, [(1, tmp_path / "missing.eds")])
     with pytest.raises(InputError):
-        known_bus(tmp_path / "missing.toml", [])
+        read_node_index(tmp_path / "missing.toml", [])
 
 
 def test_numbers() -> None:

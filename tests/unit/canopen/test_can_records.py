@@ -27,9 +27,9 @@ from can_commands import (
 from rich.console import Console as Terminal
 
 from rtgen.cli import run
-from rtgen.cli.can.known import KnownBus, known_bus
+from rtgen.cli.can.frame_printing import MessageDecoder, Wanted
 from rtgen.cli.can.live_table import show
-from rtgen.cli.can.printing import MessageDecoder, Wanted
+from rtgen.cli.can.node_index import NodeIndex, read_node_index
 
 SPECS = Path(__file__).parents[3] / "specs" / "canopen"
 LINKED = str(SPECS / "pdo_linking.toml")
@@ -143,7 +143,7 @@ def test_the_rhythm_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert slept[:2] == [0.02, 0.02]
 
 
-def shown_table(known: KnownBus, *frames: str) -> str:
+def shown_table(known: NodeIndex, *frames: str) -> str:
     screen = Terminal(
         file=io.StringIO(), width=120, height=40, force_terminal=True, color_system=None
     )
@@ -154,7 +154,7 @@ def shown_table(known: KnownBus, *frames: str) -> str:
 
 
 def test_the_table_has_a_row_for_each_identifier() -> None:
-    known = known_bus(Path(LINKED), [])
+    known = read_node_index(Path(LINKED), [])
     shown = shown_table(known, *TRAFFIC[:4], "181#380203", "482#00000000")
     last = shown[shown.rindex("virtual: 6 frames") :]
     rows = {

@@ -1,4 +1,4 @@
-"""What the commands of `rtgen can` share."""
+"""Helpers shared by the commands of `rtgen can`."""
 
 from __future__ import annotations
 
@@ -17,5 +17,5 @@ def require_python_can() -> None:
 
 
 def counted(number: int, what: str) -> str:
-    """A number of things: "1 frame", "2 frames"."""
+    """A count with its noun, such as "1 frame" or "2 frames"."""
     return f"{number} {what}" if number == 1 else f"{number} {what}s"

@@ -1,15 +1,15 @@
-"""Frames of a CANopen bus in words and values (CiA 301, CiA 305), by what is known of its nodes."""
+"""Decodes CANopen frames (CiA 301, CiA 305) into text and values."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from dataclasses import dataclass, replace
 
-from rtgen.cli.can.known import KnownBus, KnownNode, Number
-from rtgen.cli.can.known_values import Field, field_of, iso_time, sdo_value
-from rtgen.cli.can.lss_words import lss_words
+from rtgen.cli.can.lss_text import lss_text
+from rtgen.cli.can.node_index import DescribedNode, NodeIndex, Number
+from rtgen.cli.can.object_values import Field, field_of, iso_time, sdo_value
 from rtgen.cli.can.pdo_fields import Route, object_of, routes
-from rtgen.cli.can.sdo_following import SdoFollower, SdoStep
+from rtgen.cli.can.sdo_decoding import SdoFollower, SdoStep
 from rtgen.cli.rpc.values import Json
 from rtgen.model.canopen import INVALID, PdoDirection
 from rtgen.runtime.canopen.emergency import Emergency, ErrorRegister
@@ -32,7 +32,7 @@ from rtgen.runtime.canopen.sync import decode_time, sync_counter
 
 _FAILSAFE = 0x001
 _SDO = 8
-"""Octets of every SDO message."""
+"""Length of every SDO message in octets."""
 _COB_ID_SYNC, _COB_ID_TIME, _COB_ID_EMCY = (0x1005, 0), (0x1012, 0), (0x1014, 0)
 _PREDEFINED_PDOS = range(0x180, 0x580)
 _ID_MASK = 0x7F
@@ -54,12 +54,13 @@ _STATES = {
 
 @dataclass(frozen=True, slots=True)
 class Decoded:
-    """A frame in words.
+    """A decoded frame.
 
-    `kind` is nmt, failsafe, sync, time, emcy, heartbeat, guarding, tpdo1.., rpdo1.., sdo, lss,
-    or frame for what nobody knows. `node` is the node-id that it is about (0: all nodes), None for
-    what concerns none; `name` is how that node is called. `code` is an error or abort code.
-    `taken` are the values as the nodes have them that take a PDO by a link.
+    `kind` is nmt, failsafe, sync, time, emcy, heartbeat, guarding, tpdo1.., rpdo1.., sdo, lss, or
+    frame for an unknown identifier. `node` is the node-id that the frame concerns (0: all nodes;
+    None: no node in particular), `name` the display name of that node. `code` is an emergency
+    error code or an SDO abort code. `fields` are the values as the sender maps them, `taken`
+    those as each receiver of a linked PDO maps them.
     """
 
     kind: str
@@ -75,26 +76,26 @@ class Decoded:
         return " ".join(word for word in words if word)
 
     def to_json(self) -> dict[str, Json]:
-        """What there is, by the names of the attributes; the fields as `values`."""
-        told: dict[str, Json] = {"kind": self.kind}
+        """A JSON object with the attributes that are set; `fields` become `values`."""
+        result: dict[str, Json] = {"kind": self.kind}
         if self.node is not None:
-            told |= {"node": self.node, "name": self.name}
-        told["text"] = self.text
+            result |= {"node": self.node, "name": self.name}
+        result["text"] = self.text
         if self.code is not None:
-            told["code"] = self.code
+            result["code"] = self.code
         if self.fields:
-            told["values"] = [field.to_json() for field in self.fields]
-        return told
+            result["values"] = [field.to_json() for field in self.fields]
+        return result
 
 
 class Decoder:
-    """Decodes frames one after another.
+    """Decodes the frames of one bus in order of arrival.
 
-    It follows SDO transfers: what they show of a node's PDO parameters is how later frames are
-    understood. After a boot-up message the node is as it was described.
+    It follows SDO transfers, so that a change of a node's PDO parameters applies to later frames.
+    A boot-up message resets a node's parameters to those of its description.
     """
 
-    def __init__(self, known: KnownBus) -> None:
+    def __init__(self, known: NodeIndex) -> None:
         self.known = known
         self._followers: defaultdict[int, SdoFollower] = defaultdict(SdoFollower)
         self._parameters: dict[int, dict[Number, int]] = {}
@@ -107,7 +108,7 @@ class Decoder:
         self._wire()
 
     def decode(self, frame: Frame) -> Decoded:
-        """The frame in words."""
+        """Decode the next frame."""
         key = frame.can_id, frame.extended
         if key in self._routes:
             return self._pdo(self._routes[key], frame)
@@ -121,10 +122,10 @@ class Decoder:
             return _unknown(frame)
         return self._predefined(frame)
 
-    # Which identifier is what
+    # Identifiers
 
     def _wire(self) -> None:
-        """Works out the identifiers of the nodes' parameters."""
+        """Rebuild the tables from identifier to message, from the nodes' parameters."""
         found: defaultdict[tuple[int, bool], list[Route]] = defaultdict(list)
         self._emergencies = {}
         self._syncs, self._times = {(SYNC, False)}, {(TIME, False)}
@@ -138,22 +139,22 @@ class Decoder:
             ):
                 if number in parameters:
                     keys.add(_key(parameters[number]))
-            told = parameters.get(_COB_ID_EMCY, INVALID)
-            if not told & INVALID:
-                self._emergencies[_key(told)] = node.id
+            cob_id = parameters.get(_COB_ID_EMCY, INVALID)
+            if not cob_id & INVALID:
+                self._emergencies[_key(cob_id)] = node.id
         for sharing in found.values():
             sharing.sort(key=lambda r: r.direction is PdoDirection.RPDO)
         self._routes = dict(found)
 
     def _predefined(self, frame: Frame) -> Decoded:
-        """By the predefined connection set."""
+        """Decode a frame of the predefined connection set (CiA 301, 7.3.3)."""
         can_id = frame.can_id
         if can_id == NMT:
             return self._command(frame)
         if can_id == _FAILSAFE:
             return Decoded("failsafe", None, "", frame.data.hex(" "))
         if can_id in (LSS_REQUEST, LSS_RESPONSE):
-            text = lss_words(frame.data, request=can_id == LSS_REQUEST)
+            text = lss_text(frame.data, request=can_id == LSS_REQUEST)
             return Decoded("lss", None, "", text)
         base, node_id = can_id & ~_ID_MASK, can_id & _ID_MASK
         if not node_id:
@@ -181,7 +182,7 @@ class Decoder:
         name = self.known.name(node_id) if node_id else "all nodes"
         return Decoded(kind, node_id, name, text, fields, code)
 
-    # Services
+    # NMT, SYNC, TIME, EMCY and error control
 
     def _command(self, frame: Frame) -> Decoded:
         data = frame.data
@@ -247,7 +248,7 @@ class Decoder:
         route = sharing[0]
         producing = route.direction is PdoDirection.TPDO
         takers = sharing[1:] if producing else []
-        told = "".join(f"-> {r.node.name}.{r.pdo} " for r in takers)
+        receivers = "".join(f"-> {r.node.name}.{r.pdo} " for r in takers)
         kind, node_id = route.pdo, route.node.id
         if frame.remote:
             return self._about(kind, node_id, "request")
@@ -257,7 +258,7 @@ class Decoder:
             words.append(f"(too short: {len(frame.data)} of {route.octets} octets)")
         elif len(frame.data) > route.octets:
             words.append(f"(too long: {len(frame.data)} octets for {route.octets})")
-        text = told + " ".join(words)
+        text = receivers + " ".join(words)
         taken = tuple(f for taker in takers for f in taker.fields(frame.data))
         return replace(self._about(kind, node_id, text.rstrip(), fields), taken=taken)
 
@@ -285,8 +286,8 @@ class Decoder:
         self._learn(node, step)
         return self._about("sdo", node_id, " ".join(words), fields, step.abort)
 
-    def _learn(self, node: KnownNode | None, step: SdoStep) -> None:
-        """Takes note of a node's parameter that a transfer showed."""
+    def _learn(self, node: DescribedNode | None, step: SdoStep) -> None:
+        """Update a communication parameter of the node with a value that a transfer showed."""
         if node is None or step.number is None or not step.holds:
             return
         if not 0x1000 <= step.number[0] < 0x2000 or step.number not in node.objects:
@@ -300,8 +301,8 @@ class Decoder:
 
 
 def _key(cob_id: int) -> tuple[int, bool]:
-    told = CobId(cob_id & 0xFFFFFFFF)
-    return told.can_id, told.extended
+    word = CobId(cob_id & 0xFFFFFFFF)
+    return word.can_id, word.extended
 
 
 def _raw(frame: Frame) -> str:

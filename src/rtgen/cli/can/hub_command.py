@@ -1,4 +1,4 @@
-"""`rtgen can hub`."""
+"""The command `rtgen can hub`: a CAN bus for processes of this machine."""
 
 from __future__ import annotations
 
@@ -113,12 +113,12 @@ async def _serve(
     ptys: int,
     channel: str,
 ) -> None:
-    def tell(text: str) -> None:
-        # Who was cut off is a finding, which --quiet leaves.
+    def report(text: str) -> None:
+        # Diagnostics are printed with --quiet too.
         sys.stderr.write(f"rtgen can hub: {text}\n")
         sys.stderr.flush()
 
-    hub = Hub(settings, tell)
+    hub = Hub(settings, report)
     try:
         name, number = await hub.listen(host, port)
     except OSError as error:

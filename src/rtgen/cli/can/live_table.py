@@ -1,4 +1,4 @@
-"""The table that `rtgen can monitor` shows: a row for each identifier, as it is on the bus now."""
+"""The live table of `rtgen can monitor`: one row for each identifier, with its latest frame."""
 
 from __future__ import annotations
 
@@ -12,46 +12,46 @@ from rich.live import Live
 from rich.table import Table
 
 from rtgen.cli.can.decoding import Decoded
-from rtgen.cli.can.printing import MessageDecoder, Wanted, identifier
+from rtgen.cli.can.frame_printing import MessageDecoder, Wanted, identifier
 
 if TYPE_CHECKING:
     from can import Message
 
 _REFRESH = 0.2
-"""Seconds between two pictures."""
+"""Seconds between two updates of the screen."""
 _MAX_ROWS = 4096
-"""A table has no more rows; further identifiers are counted."""
+"""Maximum number of rows; frames of further identifiers are only counted."""
 
 
 class Row:
-    """What is known of one identifier."""
+    """Count, period and latest frame of one identifier."""
 
     def __init__(self) -> None:
         self.count = 0
         self.period: float | None = None
         self._last = 0.0
         self.message: Message
-        self.told: Decoded
+        self.decoded: Decoded
 
-    def take(self, message: Message, told: Decoded) -> None:
-        """Takes a frame of it."""
+    def take(self, message: Message, decoded: Decoded) -> None:
+        """Update the row with a frame."""
         if self.count:
             self.period = message.timestamp - self._last
         self._last = message.timestamp
         self.count += 1
-        self.message, self.told = message, told
+        self.message, self.decoded = message, decoded
 
 
 class Rows:
-    """The rows, by identifier."""
+    """The rows by identifier."""
 
     def __init__(self) -> None:
         self._rows: dict[tuple[int, bool], Row] = {}
         self.total = 0
         self.left_out = 0
 
-    def take(self, message: Message, told: Decoded) -> None:
-        """Takes a frame."""
+    def take(self, message: Message, decoded: Decoded) -> None:
+        """Update the row of a frame's identifier."""
         self.total += 1
         key = message.arbitration_id, message.is_extended_id
         row = self._rows.get(key)
@@ -60,10 +60,10 @@ class Rows:
                 self.left_out += 1
                 return
             row = self._rows[key] = Row()
-        row.take(message, told)
+        row.take(message, decoded)
 
     def table(self, title: str) -> Table:
-        """The rows as they are now, by identifier."""
+        """The current rows as a table, sorted by identifier."""
         left_out = f", {self.left_out} not shown" if self.left_out else ""
         table = Table(
             title=f"{title}: {self.total} frames{left_out}",
@@ -76,26 +76,26 @@ class Rows:
             table.add_column(name, justify="right", no_wrap=True)
         table.add_column("last", ratio=1, overflow="fold")
         for _, row in sorted(self._rows.items()):
-            told, period = row.told, row.period
+            decoded, period = row.decoded, row.period
             table.add_row(
                 identifier(row.message),
-                told.name,
-                told.kind,
+                decoded.name,
+                decoded.kind,
                 str(row.count),
                 "" if period is None else f"{1000 * period:.1f}",
-                told.text,
+                decoded.text,
             )
         return table
 
 
 def show(
-    coming: Iterator[Message | None],
+    received: Iterator[Message | None],
     decoder: MessageDecoder,
     wanted: Wanted,
     title: str,
     terminal: Terminal | None = None,
 ) -> None:
-    """Shows the table until no more frames come."""
+    """Show the table until the frames end."""
     rows = Rows()
     with Live(
         rows.table(title),
@@ -104,11 +104,11 @@ def show(
         vertical_overflow="ellipsis",
     ) as live:
         due = time.monotonic()
-        for message in coming:
+        for message in received:
             if message is not None:
-                told = decoder.decode(message)
-                if wanted(told):
-                    rows.take(message, told)
+                decoded = decoder.decode(message)
+                if wanted(decoded):
+                    rows.take(message, decoded)
             if time.monotonic() >= due:
                 live.update(rows.table(title), refresh=True)
                 due = time.monotonic() + _REFRESH

@@ -1,4 +1,4 @@
-"""Records of a bus: files that python-can reads and writes, by their suffix."""
+"""Reads and writes bus logs in python-can's formats, chosen by the suffix of the file."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     from can.io.generic import MessageWriter
 
 KINDS = {".log": "candump log", ".asc": "Vector ASC", ".blf": "Vector BLF"}
-"""Suffix to kind of record."""
+"""Suffix and name of each format."""
 
 
 def check_kind(path: Path) -> None:
-    """Raises Refusal for a suffix that is none of a record's."""
+    """Raise Refusal for a suffix that is no log format."""
     if path.suffix.lower() not in KINDS:
         known = ", ".join(f"{suffix} ({kind})" for suffix, kind in KINDS.items())
         raise Refusal(f"{path}: the suffix tells the kind of record: {known}")
@@ -28,7 +28,7 @@ def check_kind(path: Path) -> None:
 
 @contextmanager
 def writer(path: Path) -> Iterator[MessageWriter]:
-    """A record to be written, complete at the end. Raises Refusal, ToolError."""
+    """Open a log for writing; it is complete on leaving. Raises Refusal, ToolError."""
     require_python_can()
     check_kind(path)
     from can import Logger
@@ -42,7 +42,10 @@ def writer(path: Path) -> Iterator[MessageWriter]:
 
 
 def read(path: Path) -> Iterator[Message]:
-    """The messages of a record. Raises Refusal if it is none, ToolError if it cannot be read."""
+    """Read the messages of a log.
+
+    Raises Refusal for a malformed log, ToolError if it is unreadable.
+    """
     require_python_can()
     check_kind(path)
     return _read(path)

@@ -1,10 +1,10 @@
-"""Nodes without node-id, as LSS fastscan finds them (CiA 305)."""
+"""Finds nodes without a node-id by LSS fastscan (CiA 305)."""
 
 from __future__ import annotations
 
 import time
 
-from rtgen.cli.can.exchange import Exchange
+from rtgen.cli.can.bus_session import BusSession
 from rtgen.runtime.canopen import lss
 from rtgen.runtime.canopen.lss import LssAddress
 from rtgen.runtime.canopen.lss_master import (
@@ -18,19 +18,20 @@ from rtgen.runtime.canopen.lss_master import (
 
 _MAX_NODES = 127
 _TRIES = 3
-"""An answer that comes too late on a busy machine spoils a search, so one is not enough."""
+"""Attempts for each search: on a busy machine a late answer spoils one."""
 
 
-def unconfigured(exchange: Exchange) -> list[LssAddress]:
-    """The addresses of the nodes without node-id, which are left as they were. Raises ToolError.
+def unconfigured(session: BusSession) -> list[LssAddress]:
+    """Find all nodes without a node-id, which stay unconfigured. Raises ToolError.
 
-    A node that was found is in configuration state, so the next scan finds another. A late answer
-    makes a scan find an address that no node has: so each is confirmed by selecting it.
+    A node that was found stays in configuration state, so that the next scan finds another one. A
+    late answer can lead a scan to an address that no node has; each address is therefore
+    confirmed by selecting its node.
     """
     master = LssMaster()
     outcomes: list[list[LssAddress] | LssError] = []
-    exchange.send(master.submit(_all(), outcomes.append, time.monotonic_ns()))
-    exchange.run([master])
+    session.send(master.submit(_all(), outcomes.append, time.monotonic_ns()))
+    session.run([master])
     found = outcomes[0]
     assert not isinstance(found, LssError)
     return found

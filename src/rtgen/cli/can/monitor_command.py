@@ -1,4 +1,4 @@
-"""`rtgen can monitor`."""
+"""The command `rtgen can monitor`: shows the decoded frames of a bus."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import sys
 
 import click
 
-from rtgen.cli.can.live import frames, opened
+from rtgen.cli.can.frame_printing import MessageDecoder, Printer, Wanted
+from rtgen.cli.can.live_bus import frames, opened
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes, with_span
-from rtgen.cli.can.printing import MessageDecoder, Printer, Wanted
 from rtgen.cli.common import OK, Console, with_console, write_out
 
 
@@ -47,16 +47,16 @@ def monitor_(
     """
     known = described.known()
     wanted = Wanted(known, nodes, kinds)
-    with opened(access.on(known)) as bus, frames(bus, seconds, count) as coming:
+    with opened(access.on(known)) as bus, frames(bus, seconds, count) as received:
         if as_json or plain or not sys.stdout.isatty():
             printer = Printer(known, wanted, as_json=as_json, write=write_out)
-            for message in coming:
+            for message in received:
                 if message is not None:
                     printer.take(message)
         else:
             from rtgen.cli.can.live_table import show
 
-            show(coming, MessageDecoder(known), wanted, bus.bus.channel_info)
-    if coming.lost:
-        console.say(f"{coming.lost} frames came too fast and are missing")
+            show(received, MessageDecoder(known), wanted, bus.bus.channel_info)
+    if received.lost:
+        console.say(f"{received.lost} frames came too fast and are missing")
     return OK

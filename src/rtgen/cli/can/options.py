@@ -1,4 +1,4 @@
-"""Options that the commands of `rtgen can` share: which bus, and what is known of its nodes."""
+"""Options shared by the commands of `rtgen can`: which bus, and descriptions of its nodes."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from typing import Any, ParamSpec, TypeVar
 
 import click
 
-from rtgen.cli.can.known import KnownBus, known_bus
+from rtgen.cli.can.node_index import NodeIndex, read_node_index
 from rtgen.cli.common import FiniteRange, Refusal
 from rtgen.runtime.canopen.python_can import BusAddress, Option, option
 
@@ -18,12 +18,12 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 CHANNEL = "can0"
-"""The channel if none is told, as of components."""
+"""Default channel, the same as that of CANopen components."""
 
 
 @dataclass(frozen=True, slots=True)
 class BusAccess:
-    """A python-can bus as the options name it; `bitrate` in bit/s. None: python-can's own."""
+    """A python-can bus as the options name it; `bitrate` in bit/s. None: python-can's default."""
 
     interface: str | None = None
     channel: str | None = None
@@ -31,8 +31,8 @@ class BusAccess:
     further: dict[str, Option] = field(default_factory=dict)
 
     def address(self) -> BusAddress:
-        """The bus; what no option tells is python-can's configuration. Raises Refusal."""
-        told = dict(self.further)
+        """The address of the bus; falls back to python-can's configuration. Raises Refusal."""
+        arguments = dict(self.further)
         interface, channel, bitrate = self.interface, self.channel, self.bitrate
         if interface is None:
             from can import CanInterfaceNotImplementedError
@@ -49,13 +49,13 @@ class BusAccess:
             channel = channel or config.pop("channel", None)
             bitrate = bitrate or config.pop("bitrate", None)
             plain = {k: v for k, v in config.items() if isinstance(v, Option)}
-            told = plain | told
+            arguments = plain | arguments
         channel = CHANNEL if channel is None else str(channel)
-        options = tuple(sorted(told.items()))
+        options = tuple(sorted(arguments.items()))
         return BusAddress(interface, channel, bitrate or 0, options)
 
-    def on(self, known: KnownBus) -> BusAccess:
-        """With the bit rate of a bus file, if none is asked for."""
+    def on(self, known: NodeIndex) -> BusAccess:
+        """A copy with the bit rate of the bus file, unless an option sets one."""
         if self.bitrate is not None or known.bus is None:
             return self
         return replace(self, bitrate=1000 * known.bus.bit_rate)
@@ -101,14 +101,14 @@ def with_bus(function: Callable[P, R]) -> Callable[..., R]:
 
 @dataclass(frozen=True, slots=True)
 class Described:
-    """What the options tell of the nodes; read with `known`."""
+    """The files with descriptions of nodes; `known` reads them."""
 
     bus_file: Path | None = None
     descriptions: tuple[tuple[int | None, Path], ...] = ()
 
-    def known(self) -> KnownBus:
-        """What the files tell. Raises InputError."""
-        return known_bus(self.bus_file, self.descriptions)
+    def known(self) -> NodeIndex:
+        """Read the files. Raises InputError."""
+        return read_node_index(self.bus_file, self.descriptions)
 
 
 def with_nodes(function: Callable[P, R]) -> Callable[..., R]:

@@ -1,12 +1,12 @@
-"""PDOs by the mapping that a node has at present, and the values in their data."""
+"""PDOs by the mapping that is currently active in a node, and the values in their data."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from rtgen.cli.can.known import KnownNode, KnownObject, Number
-from rtgen.cli.can.known_values import Field, field_of
+from rtgen.cli.can.node_index import DescribedNode, DescribedObject, Number
+from rtgen.cli.can.object_values import Field, field_of
 from rtgen.model.canopen import (
     INVALID,
     PDOS,
@@ -21,35 +21,35 @@ from rtgen.runtime.canopen.frames import MAX_DATA, CobId
 from rtgen.runtime.canopen.values import ObjectValueError, from_bits
 
 _FIRST_OBJECT = 0x1000
-"""Lower indices are those of data types: gaps."""
+"""Lower indices are those of data types and stand for gaps (dummy mapping)."""
 _MAX_ENTRIES = 64
 _MULTIPLEXED = (0xFE, 0xFF)
-"""Numbers of mapped objects that stand for multiplexed PDOs, source and destination mode."""
+"""Numbers of mapped objects of multiplexed PDOs: source and destination addressing mode (MPDO)."""
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
-    """An object in a PDO: its first bit and how many there are."""
+class MappedObject:
+    """An object in a PDO: its first bit and its number of bits."""
 
-    thing: KnownObject
+    thing: DescribedObject
     first: int
     bits: int
 
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """A PDO of a node, with what it has of objects. `bits` is the length, gaps included."""
+    """A PDO of a node with its mapped objects. `bits` is its length, gaps included."""
 
-    node: KnownNode
+    node: DescribedNode
     direction: PdoDirection
     number: int
-    stretches: tuple[Stretch, ...]
+    mapped: tuple[MappedObject, ...]
     bits: int
     multiplexed: bool = False
 
     @property
     def pdo(self) -> str:
-        """`tpdo1`."""
+        """The name of the PDO, such as `tpdo1`."""
         return f"{self.direction}{self.number}"
 
     @property
@@ -58,20 +58,20 @@ class Route:
         return MAX_DATA if self.multiplexed else (self.bits + 7) // 8
 
     def fields(self, data: bytes) -> tuple[Field, ...]:
-        """The values in the data, those of objects that it has room for."""
+        """Decode the objects that the data are long enough for."""
         if self.multiplexed:
             return self._multiplexed(data)
         whole = int.from_bytes(data, "little")
         found = []
-        for stretch in self.stretches:
-            if stretch.first + stretch.bits > 8 * len(data):
+        for entry in self.mapped:
+            if entry.first + entry.bits > 8 * len(data):
                 break
-            raw = whole >> stretch.first & (1 << stretch.bits) - 1
-            found.append(self._field(stretch, raw))
+            raw = whole >> entry.first & (1 << entry.bits) - 1
+            found.append(self._field(entry, raw))
         return tuple(found)
 
-    def _field(self, stretch: Stretch, raw: int) -> Field:
-        thing, bits = stretch.thing, stretch.bits
+    def _field(self, entry: MappedObject, raw: int) -> Field:
+        thing, bits = entry.thing, entry.bits
         try:
             value = from_bits(thing.kind, raw, bits)
         except ObjectValueError:
@@ -79,23 +79,23 @@ class Route:
         return field_of(self.node, thing, value)
 
     def _multiplexed(self, data: bytes) -> tuple[Field, ...]:
-        """The one value of a multiplexed PDO: address, index, sub-index, 4 octets."""
+        """The single value of a multiplexed PDO: address, index, sub-index, 4 octets."""
         if len(data) != MAX_DATA:
             return ()
         number = data[1] | data[2] << 8, data[3]
         return (field_of(self.node, object_of(self.node, number), data[4:]),)
 
 
-def object_of(node: KnownNode | None, number: Number) -> KnownObject:
-    """The variable of a node; one without a name if it has none of that number."""
+def object_of(node: DescribedNode | None, number: Number) -> DescribedObject:
+    """The object of a node, or an unnamed one for an unknown number."""
     thing = node.objects.get(number) if node else None
-    return thing or KnownObject(number, "", "octets", Access.RW)
+    return thing or DescribedObject(number, "", "octets", Access.RW)
 
 
 def routes(
-    node: KnownNode, parameters: Mapping[Number, int]
+    node: DescribedNode, parameters: Mapping[Number, int]
 ) -> Iterator[tuple[tuple[int, bool], Route]]:
-    """The PDOs that a node's parameters make valid, by identifier and whether it has 29 bits."""
+    """The valid PDOs by CAN identifier and whether it has 29 bits, from the node's parameters."""
     for direction, base, mapping in (
         (PdoDirection.TPDO, TPDO_COMMUNICATION, TPDO_MAPPING),
         (PdoDirection.RPDO, RPDO_COMMUNICATION, RPDO_MAPPING),
@@ -111,7 +111,7 @@ def routes(
 
 
 def _route(
-    node: KnownNode,
+    node: DescribedNode,
     direction: PdoDirection,
     place: int,
     mapping: int,
@@ -120,11 +120,11 @@ def _route(
     count = parameters.get((mapping + place, 0), 0)
     if count in _MULTIPLEXED:
         return Route(node, direction, place + 1, (), 64, multiplexed=True)
-    stretches, bits = [], 0
+    mapped, bits = [], 0
     for subindex in range(1, min(count, _MAX_ENTRIES) + 1):
         entry = parameters.get((mapping + place, subindex), 0)
         number, length = (entry >> 16, entry >> 8 & 0xFF), entry & 0xFF
         if length and number[0] >= _FIRST_OBJECT:
-            stretches.append(Stretch(object_of(node, number), bits, length))
+            mapped.append(MappedObject(object_of(node, number), bits, length))
         bits += length
-    return Route(node, direction, place + 1, tuple(stretches), bits)
+    return Route(node, direction, place + 1, tuple(mapped), bits)

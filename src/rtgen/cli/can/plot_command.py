@@ -1,4 +1,4 @@
-"""`rtgen can plot`."""
+"""The command `rtgen can plot`: draws values of objects over time."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import click
 
 from rtgen.cli.can import logs
-from rtgen.cli.can.known import KnownBus
-from rtgen.cli.can.live import frames, opened
+from rtgen.cli.can.frame_printing import MessageDecoder
+from rtgen.cli.can.live_bus import frames, opened
+from rtgen.cli.can.node_index import NodeIndex
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes, with_span
-from rtgen.cli.can.printing import MessageDecoder
-from rtgen.cli.can.series import Series, check_output, draw, write_csv
+from rtgen.cli.can.time_series import Series, check_output, draw, write_csv
 from rtgen.cli.common import NO, OK, Console, with_console
 
 if TYPE_CHECKING:
@@ -66,8 +66,8 @@ def plot_(
     if record is not None:
         _collect(logs.read(record), decoder, found)
     else:
-        with opened(access.on(known)) as bus, frames(bus, seconds, count) as coming:
-            _collect(coming, decoder, found)
+        with opened(access.on(known)) as bus, frames(bus, seconds, count) as received:
+            _collect(received, decoder, found)
     for path in outputs:
         if path.suffix.lower() == ".csv":
             write_csv(path, list(found.values()))
@@ -80,7 +80,7 @@ def plot_(
 
 
 def _series(
-    known: KnownBus, objects: tuple[str, ...]
+    known: NodeIndex, objects: tuple[str, ...]
 ) -> dict[tuple[str, tuple[int, int]], Series]:
     found = {}
     for text in objects:
@@ -91,17 +91,17 @@ def _series(
 
 
 def _collect(
-    coming: Iterator[Message | None],
+    received: Iterator[Message | None],
     decoder: MessageDecoder,
     found: dict[tuple[str, tuple[int, int]], Series],
 ) -> None:
     start = None
-    for message in coming:
+    for message in received:
         if message is None:
             continue
         start = message.timestamp if start is None else start
-        told = decoder.decode(message)
-        for field in (*told.fields, *told.taken):
+        decoded = decoder.decode(message)
+        for field in (*decoded.fields, *decoded.taken):
             series = found.get((field.node, field.thing.number))
             value = field.physical
             if series is not None and isinstance(value, (int, float)):

@@ -1,4 +1,4 @@
-"""`rtgen can record`."""
+"""The command `rtgen can record`: writes the frames of a bus to a log."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from rtgen.cli.can.common import counted
-from rtgen.cli.can.live import frames, opened
+from rtgen.cli.can.live_bus import frames, opened
 from rtgen.cli.can.logs import check_kind, writer
 from rtgen.cli.can.options import BusAccess, with_bus, with_span
 from rtgen.cli.common import OK, Console, with_console
@@ -35,13 +35,15 @@ def record_(
     with (
         opened(access) as bus,
         writer(file) as record,
-        frames(bus, seconds, count) as coming,
+        frames(bus, seconds, count) as received,
     ):
         console.say(f"recording {bus.bus.channel_info} to {file}")
-        for message in coming:
+        for message in received:
             if message is not None:
                 record(message)
                 found += 1
-    missing = f"; {coming.lost} came too fast and are missing" if coming.lost else ""
+    missing = (
+        f"; {received.lost} came too fast and are missing" if received.lost else ""
+    )
     console.say(f"{counted(found, 'frame')} in {file}{missing}")
     return OK

@@ -1,4 +1,4 @@
-"""`rtgen can replay`."""
+"""The command `rtgen can replay`: sends the frames of a log, or prints them decoded."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ import click
 
 from rtgen.cli.can import logs
 from rtgen.cli.can.common import counted
-from rtgen.cli.can.live import can_carry, drained, opened, send, until_interrupted
+from rtgen.cli.can.frame_printing import Printer, Wanted
+from rtgen.cli.can.live_bus import can_carry, drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
-from rtgen.cli.can.printing import Printer, Wanted
 from rtgen.cli.common import OK, Console, FiniteRange, with_console, write_out
 from rtgen.runtime.canopen.python_can import frame_of
 
@@ -96,7 +96,7 @@ def replay_(
 def _in_time(
     found: Iterator[Message], speed: float, *, at_once: bool
 ) -> Iterator[Message]:
-    """The messages, each when it is due."""
+    """The messages, each yielded when it is due."""
     from can import MessageSync
 
     if at_once:
@@ -105,7 +105,7 @@ def _in_time(
 
 
 def _faster(found: Iterator[Message], speed: float) -> Iterator[Message]:
-    """The messages with times that are so many times closer to each other."""
+    """Divide the time stamps by `speed`."""
     for message in found:
         made = copy.copy(message)
         made.timestamp = message.timestamp / speed

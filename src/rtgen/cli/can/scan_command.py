@@ -1,4 +1,4 @@
-"""`rtgen can scan`."""
+"""The command `rtgen can scan`: finds the nodes of a bus and compares them with a bus file."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import click
 
-from rtgen.cli.can.exchange import Exchange
-from rtgen.cli.can.known import KnownBus
-from rtgen.cli.can.live import opened
+from rtgen.cli.can.bus_session import BusSession
+from rtgen.cli.can.live_bus import opened
 from rtgen.cli.can.lss_scan import unconfigured
+from rtgen.cli.can.node_index import NodeIndex
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.scanning import Found, scanned
 from rtgen.cli.common import NO, OK, Console, FiniteRange, with_console, write_out
@@ -18,8 +18,8 @@ from rtgen.runtime.canopen.lss import LssAddress
 
 
 @dataclass(slots=True)
-class _Line:
-    """What is told of one node-id."""
+class _Row:
+    """The output line of one node-id."""
 
     node: int
     name: str
@@ -62,17 +62,17 @@ def scan_(
     with opened(access.on(known)) as bus:
         found, strangers = scanned(bus, seconds), list[LssAddress]()
         if not no_lss:
-            strangers = unconfigured(Exchange(bus))
+            strangers = unconfigured(BusSession(bus))
     lines = [
         _line(known, found.get(node_id), node_id) for node_id in _ids(known, found)
     ]
     wrong = any(line.verdict not in ("", "as described") for line in lines)
     if as_json:
-        told = {
+        document = {
             "nodes": [_json(line) for line in lines],
             "unconfigured": [address._asdict() for address in strangers],
         }
-        write_out(f"{json.dumps(told)}\n")
+        write_out(f"{json.dumps(document)}\n")
     else:
         _print(lines, strangers)
         console.say(
@@ -83,15 +83,15 @@ def scan_(
     return NO if wrong and known.nodes else OK
 
 
-def _ids(known: KnownBus, found: dict[int, Found]) -> list[int]:
+def _ids(known: NodeIndex, found: dict[int, Found]) -> list[int]:
     return sorted({*known.nodes, *found})
 
 
-def _line(known: KnownBus, found: Found | None, node_id: int) -> _Line:
+def _line(known: NodeIndex, found: Found | None, node_id: int) -> _Row:
     name = known.name(node_id)
     if found is None:
-        return _Line(node_id, name, "", "", "missing")
-    return _Line(
+        return _Row(node_id, name, "", "", "missing")
+    return _Row(
         node_id,
         name,
         found.state_text,
@@ -101,8 +101,8 @@ def _line(known: KnownBus, found: Found | None, node_id: int) -> _Line:
     )
 
 
-def _verdict(known: KnownBus, found: Found, node_id: int) -> str:
-    """How the node agrees with its description."""
+def _verdict(known: NodeIndex, found: Found, node_id: int) -> str:
+    """How the node differs from its description; empty if there is nothing to compare with."""
     node = known.nodes.get(node_id)
     if node is None:
         if not known.nodes or node_id == known.manager:
@@ -111,29 +111,29 @@ def _verdict(known: KnownBus, found: Found, node_id: int) -> str:
     if found.identity[0] is None:
         return "no identity"
     parts = ("device type", "vendor", "product", "revision")
-    for part, wanted, told in zip(parts, node.identity, found.identity, strict=False):
-        if part == "revision" and wanted is not None and told is not None:
-            # The same major revision behaves alike (CiA 301, 7.5.2.21).
-            wanted, told = wanted >> 16, told >> 16
-        if wanted is not None and told is not None and wanted != told:
-            return f"{part} 0x{told:X}, described is 0x{wanted:X}"
+    for part, wanted, actual in zip(parts, node.identity, found.identity, strict=False):
+        if part == "revision" and wanted is not None and actual is not None:
+            # Devices of the same major revision behave the same (CiA 301, 7.5.2.21).
+            wanted, actual = wanted >> 16, actual >> 16
+        if wanted is not None and actual is not None and wanted != actual:
+            return f"{part} 0x{actual:X}, described is 0x{wanted:X}"
     return "as described"
 
 
-def _json(line: _Line) -> dict[str, object]:
+def _json(line: _Row) -> dict[str, object]:
     parts = ("device_type", "vendor", "product", "revision", "serial")
-    told: dict[str, object] = {"node": line.node, "name": line.name}
+    result: dict[str, object] = {"node": line.node, "name": line.name}
     if line.state:
-        told["state"] = line.state
-    told |= dict(zip(parts, line.identity, strict=False))
+        result["state"] = line.state
+    result |= dict(zip(parts, line.identity, strict=False))
     if line.device:
-        told["device"] = line.device
+        result["device"] = line.device
     if line.verdict:
-        told["verdict"] = line.verdict
-    return told
+        result["verdict"] = line.verdict
+    return result
 
 
-def _print(lines: list[_Line], strangers: list[LssAddress]) -> None:
+def _print(lines: list[_Row], strangers: list[LssAddress]) -> None:
     if not lines and not strangers:
         return
     rows = [("id", "node", "state", "device", "")]

@@ -1,11 +1,11 @@
-"""Which nodes are on a bus, and what they are: by their heartbeats and their SDO servers."""
+"""Scans a bus for nodes, by their heartbeats and by SDO requests for their identity."""
 
 from __future__ import annotations
 
 import time
 from dataclasses import dataclass
 
-from rtgen.cli.can.exchange import Exchange
+from rtgen.cli.can.bus_session import BusSession
 from rtgen.runtime.canopen.frames import (
     ERROR_CONTROL,
     MAX_NODE_ID,
@@ -22,13 +22,13 @@ _DEVICE_TYPE = (0x1000, 0)
 _IDENTITY = tuple((0x1018, part) for part in (1, 2, 3, 4))
 _NAME = (0x1008, 0)
 _AT_ONCE = 8
-"""How many nodes are asked at the same time: a burst of 127 requests fills many a queue."""
+"""Number of parallel requests: a burst of 127 would overflow many a queue."""
 _PROFILES = {401: "I/O device", 402: "drive", 404: "measuring device", 406: "encoder"}
 
 
 @dataclass(slots=True)
 class Found:
-    """A node that was heard of; `identity` is device type, vendor, product, revision, serial."""
+    """A node on the bus; `identity` is device type, vendor, product, revision and serial number."""
 
     state: NmtState | None = None
     identity: tuple[int | None, ...] = (None,) * 5
@@ -36,12 +36,12 @@ class Found:
 
     @property
     def state_text(self) -> str:
-        """Its NMT state in words, empty if it has no heartbeat."""
+        """Its NMT state in words, empty without a heartbeat."""
         return "" if self.state is None else self.state.name.lower().replace("_", "-")
 
     @property
     def device_text(self) -> str:
-        """Its name, and what its device type says."""
+        """Its name, with the profile of its device type."""
         kind = self.identity[0]
         profile = 0 if kind is None else kind & 0xFFFF
         words = [self.name] if self.name else []
@@ -54,7 +54,7 @@ class Found:
 
 
 class _Nodes:
-    """Takes note of who is heard."""
+    """Records the nodes whose frames are received."""
 
     def __init__(self) -> None:
         self.found: dict[int, Found] = {}
@@ -69,7 +69,7 @@ class _Nodes:
         if not node_id:
             return
         if frame.can_id == SDO_RESPONSE + node_id:
-            # It may have taken longer than it was waited for.
+            # A response counts even if it came after its time-out.
             self.node(node_id)
         if frame.can_id == ERROR_CONTROL + node_id and len(frame.data) == 1:
             self._beat(node_id, frame)
@@ -85,37 +85,37 @@ class _Nodes:
 
 
 def scanned(bus: OpenBus, seconds: float) -> dict[int, Found]:
-    """The nodes that answer or beat, by id; those that do not are waited for so long at most.
+    """The nodes that answer or send heartbeats, by id; waits up to `seconds` for the others.
 
-    Raises ToolError if the bus is gone.
+    Raises ToolError if the bus is lost.
     """
     nodes = _Nodes()
-    exchange = Exchange(bus, nodes)
+    session = BusSession(bus, nodes)
     begin = time.monotonic()
     rounds = -(-MAX_NODE_ID // _AT_ONCE)
     timeout = max(round(seconds * SECOND / rounds / 2), 1_000_000)
     ids = list(range(1, MAX_NODE_ID + 1))
     for first in range(0, len(ids), _AT_ONCE):
-        _asked(exchange, ids[first : first + _AT_ONCE], _DEVICE_TYPE, timeout)
+        _asked(session, ids[first : first + _AT_ONCE], _DEVICE_TYPE, timeout)
     for node_id, found in list(nodes.found.items()):
-        octets = _one(exchange, node_id, _DEVICE_TYPE, seconds)
+        octets = _one(session, node_id, _DEVICE_TYPE, seconds)
         if octets is None:
             continue
-        parts = [_number(_one(exchange, node_id, n, seconds)) for n in _IDENTITY]
+        parts = [_number(_one(session, node_id, n, seconds)) for n in _IDENTITY]
         found.identity = (_number(octets), *parts)
-        found.name = _printable(_one(exchange, node_id, _NAME, seconds) or b"")
-    exchange.listen(seconds - (time.monotonic() - begin))
+        found.name = _printable(_one(session, node_id, _NAME, seconds) or b"")
+    session.listen(seconds - (time.monotonic() - begin))
     return dict(sorted(nodes.found.items()))
 
 
 def _asked(
-    exchange: Exchange, ids: list[int], number: tuple[int, int], timeout: int
+    session: BusSession, ids: list[int], number: tuple[int, int], timeout: int
 ) -> dict[int, bytes | None]:
-    """An object of several nodes; None of those that are silent, empty if they refuse."""
+    """Read an object of several nodes: None for a node that is silent, empty if it aborts."""
     clients = {node_id: SdoClient(node_id, timeout=timeout) for node_id in ids}
     for client in clients.values():
-        exchange.send(client.upload(*number, time.monotonic_ns()))
-    exchange.run(list(clients.values()))
+        session.send(client.upload(*number, time.monotonic_ns()))
+    session.run(list(clients.values()))
     return {node_id: _result(client) for node_id, client in clients.items()}
 
 
@@ -127,10 +127,10 @@ def _result(client: SdoClient) -> bytes | None:
 
 
 def _one(
-    exchange: Exchange, node_id: int, number: tuple[int, int], seconds: float
+    session: BusSession, node_id: int, number: tuple[int, int], seconds: float
 ) -> bytes | None:
     timeout = round(min(seconds, 0.5) * SECOND)
-    return _asked(exchange, [node_id], number, timeout)[node_id]
+    return _asked(session, [node_id], number, timeout)[node_id]
 
 
 def _number(octets: bytes | None) -> int | None:

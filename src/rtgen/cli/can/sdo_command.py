@@ -1,4 +1,4 @@
-"""`rtgen can sdo`."""
+"""The command `rtgen can sdo`: reads or writes an object of a node."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import get_args
 
 import click
 
-from rtgen.cli.can.exchange import Exchange, SilentError
-from rtgen.cli.can.known import KnownBus, KnownObject, number_of
-from rtgen.cli.can.known_values import Field, sdo_value
-from rtgen.cli.can.live import opened
+from rtgen.cli.can.bus_session import BusSession, SilentError
+from rtgen.cli.can.live_bus import opened
+from rtgen.cli.can.node_index import DescribedObject, NodeIndex, number_of
+from rtgen.cli.can.object_values import Field, sdo_value
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.value_parsing import parsed_value
 from rtgen.cli.common import (
@@ -33,23 +33,23 @@ from rtgen.runtime.canopen.frames import ERROR_CONTROL, SDO_REQUEST, SECOND, Fra
 from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.values import ObjectValueError, encode
 
-_LOOK = 0.3
-"""Seconds that the bus is watched for a manager, if nobody tells how often it beats."""
-_LONGEST_LOOK = 2.0
+_WATCH = 0.3
+"""Seconds to watch for a manager if no bus file gives its heartbeat period."""
+_LONGEST_WATCH = 2.0
 _MINUS = "\N{MINUS SIGN}"
 _NEGATIVE = re.compile(r"-\.?\d")
 _BLOCKS: tuple[Kind, ...] = ("octets", "string", "wstring")
-"""Kinds of values that may be long, and so are read by blocks."""
+"""Kinds of values that may be long, and are read by block transfer."""
 
 
 class _Aborted(click.ClickException):
-    """The node refuses."""
+    """The node has aborted the transfer."""
 
     exit_code = NO
 
 
 class _Command(click.Command):
-    """A command one of whose arguments may be a negative number, which looks like an option."""
+    """A command that accepts negative numbers as arguments, although they look like options."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         marked = [f"{_MINUS}{a[1:]}" if _NEGATIVE.match(a) else a for a in args]
@@ -126,17 +126,17 @@ def sdo_(
         octets = _octets(thing, value, file)
     called = f"{known.name(node_id)} {thing}"
     with opened(access.on(known)) as bus:
-        watch = _Watch(known, node_id)
-        exchange = Exchange(bus, watch)
+        watch = _OtherClientWatch(known, node_id)
+        session = BusSession(bus, watch)
         if not no_look:
-            _look(console, watch, exchange)
+            _warn_of_other_client(console, watch, session)
         try:
             if octets is not None:
-                exchange.download(
+                session.download(
                     node_id, *thing.number, octets, timeout=round(timeout * SECOND)
                 )
                 return OK
-            got = exchange.upload(
+            got = session.upload(
                 node_id,
                 *thing.number,
                 timeout=round(timeout * SECOND),
@@ -155,8 +155,8 @@ def sdo_(
         return OK
     field = Field(known.name(node_id), thing, sdo_value(thing, got))
     if as_json:
-        told = {"node": node_id, "node_name": field.node, **field.to_json()}
-        write_out(f"{json.dumps(told)}\n")
+        parsed = {"node": node_id, "node_name": field.node, **field.to_json()}
+        write_out(f"{json.dumps(parsed)}\n")
     else:
         text = field.value if isinstance(field.value, str) else field.text
         write_out(f"{text}\n")
@@ -164,15 +164,15 @@ def sdo_(
 
 
 def _object(
-    known: KnownBus, node_id: int, name: str, kind: Kind | None, *, raw: bool
-) -> KnownObject:
-    """The variable; of a node that nobody has told of, one of the kind that is asked for."""
+    known: NodeIndex, node_id: int, name: str, kind: Kind | None, *, raw: bool
+) -> DescribedObject:
+    """The object; for a node without a description, an unnamed one of the requested kind."""
     node = known.nodes.get(node_id)
     if node is not None:
         try:
             thing = node.object(name)
         except Refusal:
-            # Devices have objects that their descriptions leave out.
+            # Devices have objects that their descriptions omit.
             if kind is None or number_of(name) is None:
                 raise
         else:
@@ -183,19 +183,19 @@ def _object(
             f"{known.name(node_id)} is not described, so {name!r} is not known: give --bus or "
             "--eds, or write the number, such as 6401:1"
         )
-    return KnownObject(number, "", kind or "octets", Access.RW)
+    return DescribedObject(number, "", kind or "octets", Access.RW)
 
 
-def _as(thing: KnownObject, kind: Kind | None, *, raw: bool) -> KnownObject:
-    """The variable as another kind of value, or without its factor and the unit of that."""
+def _as(thing: DescribedObject, kind: Kind | None, *, raw: bool) -> DescribedObject:
+    """The object with another kind, or without factor and its unit."""
     if kind is None and not raw:
         return thing
     unit = "" if thing.factor is not None else thing.unit
     return replace(thing, kind=kind or thing.kind, factor=None, unit=unit)
 
 
-def _octets(thing: KnownObject, value: str | None, file: Path | None) -> bytes:
-    """What is to be written. Raises Refusal, ToolError."""
+def _octets(thing: DescribedObject, value: str | None, file: Path | None) -> bytes:
+    """The octets to write. Raises Refusal, ToolError."""
     if (value is None) == (file is None):
         raise click.UsageError("`write` takes a value, or --file")
     if file is not None:
@@ -204,9 +204,9 @@ def _octets(thing: KnownObject, value: str | None, file: Path | None) -> bytes:
         except OSError as error:
             raise ToolError(f"cannot read {file}: {error.strerror}") from error
     assert value is not None
-    told = parsed_value(thing, value)
+    parsed = parsed_value(thing, value)
     try:
-        return encode(thing.kind, told)
+        return encode(thing.kind, parsed)
     except ObjectValueError as error:
         raise Refusal(f"{thing}: {error}") from error
 
@@ -218,14 +218,14 @@ def _write(file: Path, octets: bytes) -> None:
         raise ToolError(f"cannot write {file}: {error.strerror}") from error
 
 
-class _Watch:
-    """Sees whether somebody else is the SDO client of a node."""
+class _OtherClientWatch:
+    """Detects another SDO client of the node."""
 
-    def __init__(self, known: KnownBus, node_id: int) -> None:
+    def __init__(self, known: NodeIndex, node_id: int) -> None:
         self._manager = ERROR_CONTROL + known.manager
         self._requests = SDO_REQUEST + node_id
         period = known.bus.heartbeat if known.bus else 0.0
-        self.seconds = min(2.5 * period, _LONGEST_LOOK) or _LOOK
+        self.seconds = min(2.5 * period, _LONGEST_WATCH) or _WATCH
         self._name = known.name(node_id)
         self._by = f"the manager (node {known.manager})"
         self.found = ""
@@ -239,9 +239,11 @@ class _Watch:
             self.found = f"somebody else reads and writes objects of {self._name}"
 
 
-def _look(console: Console, watch: _Watch, exchange: Exchange) -> None:
-    """Warns if the node has an SDO client already."""
-    exchange.listen(watch.seconds, lambda: bool(watch.found))
+def _warn_of_other_client(
+    console: Console, watch: _OtherClientWatch, session: BusSession
+) -> None:
+    """Warn if the node already has an SDO client."""
+    session.listen(watch.seconds, lambda: bool(watch.found))
     if watch.found:
         hint = "use the SDO port of its proxy, or the manager"
         console.findings([SUPERVISED.at(None, watch.found, hint=hint)])

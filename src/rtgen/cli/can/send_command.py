@@ -1,4 +1,4 @@
-"""`rtgen can send`."""
+"""The command `rtgen can send`: sends frames or a sequence of frames."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from pathlib import Path
 import click
 
 from rtgen.cli.can.common import counted
-from rtgen.cli.can.frame_texts import FORMS, frame_of_text
-from rtgen.cli.can.live import drained, opened, send, until_interrupted
+from rtgen.cli.can.frame_parsing import FORMS, frame_of_text
+from rtgen.cli.can.live_bus import drained, opened, send, until_interrupted
 from rtgen.cli.can.options import BusAccess, Described, with_bus, with_nodes
 from rtgen.cli.can.sequences import Step, read_sequence
 from rtgen.cli.common import OK, Console, FiniteRange, with_console
@@ -79,7 +79,7 @@ def send_(
 
 
 def _run(bus: OpenBus, steps: Sequence[Step], start: float) -> None:
-    """Sends each frame when it is due."""
+    """Send each frame when it is due."""
     for step in steps:
         pause = start + step.at - time.monotonic()
         if pause > 0:

@@ -1,4 +1,4 @@
-"""Sequences of frames: a small text file with a frame, and when it is due, in each line."""
+"""Reads sequences of frames: a text file with a frame and its time in each line."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from rtgen.cli.can.frame_texts import frame_of_text
-from rtgen.cli.can.known import KnownBus
+from rtgen.cli.can.frame_parsing import frame_of_text
+from rtgen.cli.can.node_index import NodeIndex
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen.frames import Frame
@@ -18,17 +18,17 @@ _LINE = re.compile(r"(?:(?P<plus>\+?)(?P<time>\d+(?:\.\d*)?)\s+)?(?P<frame>.+)")
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A frame that is due so many seconds after the start."""
+    """A frame that is due `at` seconds after the start."""
 
     at: float
     frame: Frame
 
 
-def read_sequence(path: Path, known: KnownBus) -> list[Step]:
-    """The steps of a file. Raises Refusal with the line, ToolError if it cannot be read.
+def read_sequence(path: Path, known: NodeIndex) -> list[Step]:
+    """Read the steps of a file. Raises Refusal with the line, ToolError if it is unreadable.
 
-    A line is `[TIME] FRAME`: the time in seconds since the start, or, with `+`, since the line
-    before; without a time the frame follows at once. Lines that begin with `#` are comments.
+    A line is `[TIME] FRAME`: the time in seconds since the start or, with `+`, since the line
+    before; without a time the frame follows immediately. Lines that begin with `#` are comments.
     """
     try:
         text = path.read_text("utf-8")
@@ -42,7 +42,7 @@ def read_sequence(path: Path, known: KnownBus) -> list[Step]:
     return steps
 
 
-def _steps(path: Path, text: str, known: KnownBus) -> Iterator[Step]:
+def _steps(path: Path, text: str, known: NodeIndex) -> Iterator[Step]:
     at = 0.0
     for number, line in enumerate(text.splitlines(), 1):
         written = line.strip()

@@ -1,4 +1,4 @@
-"""`rtgen can timing`."""
+"""The command `rtgen can timing`: bus load and worst-case response times."""
 
 from __future__ import annotations
 
@@ -64,20 +64,20 @@ def timing_(
     found = messages(bus, rates)
     timings = list(response_times(found, bus.bit_rate))
     if as_json:
-        told = {
+        document = {
             "bus": bus.name,
             "bit_rate": bus.bit_rate,
             "load": load(found, bus.bit_rate),
             "messages": [_json(timing) for timing in timings],
         }
-        write_out(f"{json.dumps(told)}\n")
+        write_out(f"{json.dumps(document)}\n")
     else:
         write_out(timing_text(bus, (), rates).lstrip("\n"))
     return NO if any(t.response is None or _is_late(t) for t in timings) else OK
 
 
 def _is_late(timing: Timing) -> bool:
-    """Whether a message can still wait when the next one of it is due."""
+    """Whether a message can still be queued when its next instance is due."""
     return timing.response is not None and timing.response > timing.message.period
 
 

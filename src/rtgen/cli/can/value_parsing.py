@@ -1,10 +1,10 @@
-"""Values of objects as they are written on the command line and in sequences."""
+"""Parses values of objects on the command line and in sequences."""
 
 from __future__ import annotations
 
 from datetime import UTC, datetime
 
-from rtgen.cli.can.known import KnownObject
+from rtgen.cli.can.node_index import DescribedObject
 from rtgen.cli.common import Refusal
 from rtgen.runtime.canopen.description import Kind, ObjectValue
 from rtgen.runtime.canopen.frames import SECOND
@@ -13,8 +13,8 @@ from rtgen.runtime.canopen.values import ObjectValueError, limits
 _BOOLEANS = {"true": True, "1": True, "false": False, "0": False}
 
 
-def parsed_value(thing: KnownObject, text: str) -> ObjectValue:
-    """The value of a text, for an object; physical where it has a factor. Raises Refusal."""
+def parsed_value(thing: DescribedObject, text: str) -> ObjectValue:
+    """Parse a value of an object, physical if it has a factor. Raises Refusal."""
     factor = thing.factor
     try:
         value = _number(text, factor) if factor else _parsed(thing.kind, text)
@@ -25,8 +25,8 @@ def parsed_value(thing: KnownObject, text: str) -> ObjectValue:
         if isinstance(error, ObjectValueError):
             raise Refusal(f"{thing}: {error}") from error
         hint = "" if thing.name else ", or tell its --type"
-        told = f"{text!r} is no {_called(thing.kind)}{hint}"
-        raise Refusal(f"{thing}: {told}") from error
+        problem = f"{text!r} is no {_called(thing.kind)}{hint}"
+        raise Refusal(f"{thing}: {problem}") from error
 
 
 def _number(text: str, factor: float) -> float:
@@ -47,15 +47,15 @@ def _parsed(kind: Kind, text: str) -> ObjectValue:
             return bytes.fromhex(text)
         case "time_of_day":
             moment = datetime.fromisoformat(text)
-            told = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
-            return round(told.timestamp() * 1000) * (SECOND // 1000)
+            moment_in_utc = moment if moment.tzinfo else moment.replace(tzinfo=UTC)
+            return round(moment_in_utc.timestamp() * 1000) * (SECOND // 1000)
         case "time_difference":
             return round(float(text) * 1000) * (SECOND // 1000)
     return text
 
 
 def _integer(text: str) -> int:
-    """The number, also with zeros before it."""
+    """Parse an integer; leading zeros are allowed."""
     try:
         return int(text, 0)
     except ValueError:
@@ -63,7 +63,7 @@ def _integer(text: str) -> int:
 
 
 def _called(kind: Kind) -> str:
-    """What a value of a kind is called in a message."""
+    """The name of a kind of values in a message."""
     if limits(kind) is not None:
         return f"integer ({kind})"
     return {

@@ -1,4 +1,4 @@
-"""How often the components of a system write to the proxies of a bus."""
+"""Rates at which the components of a system write to the proxies of a bus."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from rtgen.model.canopen import PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts
 
 _RATE = 1000.0
-"""The rate in Hz of a context whose system file has none, as `rtgen run` takes it."""
+"""Default rate in Hz of an execution context, as `rtgen run` uses."""
 
 
 def writings(bus: Bus, system: System) -> dict[tuple[str, int], Writing]:
-    """For RPDOs that components of the system write to, by node and number.
+    """Write rates of the RPDOs that components of the system feed, by node and PDO number.
 
-    A writer counts as one sample a tick of its context, or of its connector if that is periodic.
-    Samples wait for the tick of the proxy.
+    A writer counts as one sample for each tick of its context, or of its connector if that is
+    periodic. Samples wait for the next tick of the proxy.
     """
     components = {c.instance: c for c in system.components}
     found: dict[tuple[str, int], Writing] = {}
@@ -63,7 +63,7 @@ def _in_ports(node: BusNode) -> dict[int, set[str]]:
 
 
 def _rate(connection: Connection, components: Mapping[str, SystemComponent]) -> float:
-    """In Hz; 0 for a connection whose writer is not in the system."""
+    """The rate of a connection in Hz; 0 if its writer is not part of the system."""
     writer = components.get(connection.source.instance)
     if writer is None:
         return 0.0

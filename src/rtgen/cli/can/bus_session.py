@@ -1,4 +1,4 @@
-"""Protocol machines at work on an open bus, until they are done."""
+"""Runs protocol machines (SDO client, LSS master) on an open bus until they have finished."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from typing import Protocol
 
-from rtgen.cli.can.live import send
+from rtgen.cli.can.live_bus import send
 from rtgen.diagnostics import ToolError
 from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.errors import LinkError
@@ -16,9 +16,9 @@ from rtgen.runtime.canopen.sdo import SdoAbort
 from rtgen.runtime.canopen.sdo_client import SdoClient
 
 _LONGEST = 0.1
-"""Seconds that the bus is waited for at a time, so that Ctrl-C comes through."""
+"""Longest wait for a frame in seconds, so that Ctrl-C is noticed."""
 BLOCK_FROM = 64
-"""Octets from which a value is written by block transfer, if the node has that."""
+"""Length in octets from which a value is written by block transfer, if the node supports it."""
 
 
 class Machine(Protocol):
@@ -26,39 +26,39 @@ class Machine(Protocol):
 
     @property
     def busy(self) -> bool:
-        """Whether it is at work."""
+        """Whether the machine has work in progress."""
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` is to be called."""
+        """When `poll` has to be called next, in ns."""
 
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
-        """Takes a frame; gives what is to be sent."""
+        """Process a received frame; return the frames to send."""
 
     def poll(self, now: int) -> Iterable[Frame]:
-        """Does what is due; gives what is to be sent."""
+        """Process what is due at `now`; return the frames to send."""
 
 
 class SilentError(Exception):
-    """A node has not answered."""
+    """A node has not answered in time."""
 
 
-class Exchange:
-    """Lets machines work on a bus; `heard` is called with every frame that comes."""
+class BusSession:
+    """Runs protocol machines on a bus; `on_frame` is called with every received frame."""
 
     def __init__(
-        self, bus: OpenBus, heard: Callable[[Frame], object] = lambda frame: None
+        self, bus: OpenBus, on_frame: Callable[[Frame], object] = lambda frame: None
     ) -> None:
         self._bus = bus
-        self._heard = heard
+        self._on_frame = on_frame
 
     def send(self, frames: Iterable[Frame]) -> None:
-        """Sends frames. Raises ToolError if the bus is gone."""
+        """Send frames. Raises ToolError if the bus is lost."""
         for frame in frames:
             send(self._bus, frame)
 
     def run(self, machines: Sequence[Machine]) -> None:
-        """Works until none of the machines is busy. Raises ToolError if the bus is gone."""
+        """Run until no machine is busy. Raises ToolError if the bus is lost."""
         while busy := [machine for machine in machines if machine.busy]:
             deadlines = [m.deadline for m in busy if m.deadline is not None]
             now = time.monotonic_ns()
@@ -66,7 +66,10 @@ class Exchange:
             self._once(busy, (due - now) / SECOND)
 
     def listen(self, seconds: float, until: Callable[[], bool] = lambda: False) -> None:
-        """Takes frames for a while, or until something holds. Raises ToolError."""
+        """Receive frames for some seconds, or until `until()` holds.
+
+        Raises ToolError if the bus is lost.
+        """
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0 and not until():
             self._once((), left)
@@ -85,15 +88,16 @@ class Exchange:
             raise ToolError(f"the bus is gone: {error}") from error
         frame = None if message is None else frame_of(message)
         if frame is not None:
-            self._heard(frame)
+            self._on_frame(frame)
         return frame
 
     def upload(
         self, node_id: int, index: int, subindex: int, *, timeout: int, block: bool
     ) -> bytes:
-        """The octets of a variable. Raises SdoAbort, SilentError and ToolError.
+        """Read an object by SDO upload. Raises SdoAbort, SilentError and ToolError.
 
-        `timeout` is for each answer, in ns. A node without block transfer is asked again without.
+        `timeout` is for each response, in ns. A server without block transfer is asked again by
+        segments.
         """
         try:
             client = SdoClient(node_id, timeout=timeout)
@@ -109,10 +113,10 @@ class Exchange:
     def download(
         self, node_id: int, index: int, subindex: int, value: bytes, *, timeout: int
     ) -> None:
-        """Writes a variable. Raises SdoAbort, SilentError and ToolError.
+        """Write an object by SDO download. Raises SdoAbort, SilentError and ToolError.
 
-        `timeout` is for each answer, in ns. A node that knows no block transfer has taken nothing
-        of it, so the long value is written by segments then.
+        `timeout` is for each response, in ns. Long values go by block transfer; a server that
+        rejects it has stored nothing yet, so the value is sent again by segments.
         """
         for block in (True, False) if len(value) >= BLOCK_FROM else (False,):
             client = SdoClient(node_id, timeout=timeout)
@@ -139,7 +143,7 @@ class Exchange:
 
 
 class _Answered:
-    """An SDO client, and whether its server has said anything."""
+    """An SDO client that records whether its server has answered at all."""
 
     def __init__(self, client: SdoClient) -> None:
         self._client = client

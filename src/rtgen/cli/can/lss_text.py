@@ -1,4 +1,4 @@
-"""Layer setting services in words (CiA 305)."""
+"""Text for the messages of layer setting services (CiA 305)."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ _ANSWERS: Final = {
 }
 
 
-def lss_words(data: bytes, *, request: bool) -> str:
-    """What a message of the master (`request`), or of a slave, says."""
+def lss_text(data: bytes, *, request: bool) -> str:
+    """The meaning of a message of the LSS master (`request`) or of a slave."""
     if len(data) != lss.MESSAGE:
         return f"no message: {data.hex(' ') or 'no data'}"
     try:

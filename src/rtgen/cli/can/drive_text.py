@@ -1,4 +1,4 @@
-"""Status and commands of drives in words (CiA 402: objects 6041h and 6040h of each axis)."""
+"""Text for the statusword and controlword of drives (CiA 402: 6041h and 6040h of each axis)."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Final
 
 PROFILE: Final = 402
-"""The low word of a drive's device type."""
+"""Device profile number: the low word of a drive's device type (1000h)."""
 
 _AXIS: Final = 0x800
-"""From the objects of one axis to those of the next."""
+"""Distance between the indices of two axes."""
 _STATES: Final = (
     (0x4F, 0x00, "not ready to switch on"),
     (0x4F, 0x40, "switch on disabled"),
@@ -32,7 +32,7 @@ _COMMANDS: Final = (
 
 
 def drive_words(index: int) -> Callable[[int], str] | None:
-    """What tells in words the value of an object of a drive; None if it is a mere number."""
+    """The function that puts values of this object into words; None for any other object."""
     if not 0x6000 <= index < 0xA000:
         return None
     place = 0x6000 + (index - 0x6000) % _AXIS
@@ -40,7 +40,7 @@ def drive_words(index: int) -> Callable[[int], str] | None:
 
 
 def state_words(statusword: int) -> str:
-    """The state of a drive, and the bits that matter to people."""
+    """The state of the drive's state machine, with the bits "warning" and "target reached"."""
     words = [_named(_STATES, statusword)]
     words += ["warning"] * bool(statusword & 1 << 7)
     words += ["target reached"] * bool(statusword & 1 << 10)
@@ -48,7 +48,7 @@ def state_words(statusword: int) -> str:
 
 
 def command_words(controlword: int) -> str:
-    """The command to a drive, and whether it is to halt."""
+    """The command in a controlword, with the bit "halt"."""
     words = [_named(_COMMANDS, controlword), "halt" if controlword & 1 << 8 else ""]
     return ", ".join(filter(None, words))
 

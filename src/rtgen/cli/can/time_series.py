@@ -1,4 +1,4 @@
-"""Values over time: as CSV, and as a picture."""
+"""Time series of object values, written as CSV or drawn as diagrams."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from rtgen.cli.recording import PICTURES, save_picture
 from rtgen.diagnostics import ToolError
 
 _WIDTH, _HEIGHT = 9.0, 2.6
-"""Inches of a picture, and of each of its diagrams."""
+"""Width of a picture and height of each of its diagrams, in inches."""
 
 
 class Series:
-    """The values of an object: times in seconds since the first frame."""
+    """The values of an object, with times in seconds since the first frame."""
 
     def __init__(self, label: str, unit: str) -> None:
         self.label = label
@@ -26,17 +26,17 @@ class Series:
 
     @property
     def title(self) -> str:
-        """The label with the unit."""
+        """The label with its unit."""
         return f"{self.label} [{self.unit}]" if self.unit else self.label
 
     def add(self, time: float, value: int | float) -> None:
-        """Takes a value."""
+        """Append a value."""
         self.times.append(time)
         self.values.append(value)
 
 
 def check_output(path: Path) -> None:
-    """Raises Refusal for a suffix that means nothing, ToolError if matplotlib is missing."""
+    """Raise Refusal for an unknown suffix, ToolError if matplotlib is missing."""
     suffix = path.suffix.lower()
     if suffix == ".csv":
         return
@@ -50,7 +50,7 @@ def check_output(path: Path) -> None:
 
 
 def write_csv(path: Path, found: Sequence[Series]) -> None:
-    """A line for each value, by time: the columns of other series are empty. Raises ToolError."""
+    """Write a row for each value and a column for each series. Raises ToolError."""
     rows = sorted(
         (time, column, value)
         for column, series in enumerate(found)
@@ -69,7 +69,7 @@ def write_csv(path: Path, found: Sequence[Series]) -> None:
 
 
 def draw(path: Path, found: Sequence[Series]) -> None:
-    """A diagram for each unit, one below the other, with one time axis. Raises ToolError."""
+    """Draw one diagram for each unit, above a common time axis. Raises ToolError."""
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
@@ -80,7 +80,7 @@ def draw(path: Path, found: Sequence[Series]) -> None:
         for unit, (axes,) in zip(units, rows, strict=True):
             for series in found:
                 if series.unit == unit:
-                    # A value holds until the next one comes.
+                    # A value holds until the next sample.
                     axes.step(
                         series.times, series.values, where="post", label=series.label
                     )

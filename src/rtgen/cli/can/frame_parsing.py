@@ -1,4 +1,4 @@
-"""Frames as people write them: `181#0102`, `nmt start left`, `left.rpdo1 Controlword=6`."""
+"""Parses frames as users write them: `181#0102`, `nmt start left`, `left.rpdo1 Controlword=6`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-from rtgen.cli.can.known import KnownBus, KnownNode
+from rtgen.cli.can.node_index import DescribedNode, NodeIndex
 from rtgen.cli.can.pdo_fields import Route, routes
 from rtgen.cli.can.value_parsing import parsed_value
 from rtgen.cli.common import Refusal
@@ -27,8 +27,8 @@ _COMMANDS = {
 }
 
 
-def frame_of_text(text: str, known: KnownBus) -> Frame:
-    """The frame of a text. Raises Refusal."""
+def frame_of_text(text: str, known: NodeIndex) -> Frame:
+    """Parse one frame. Raises Refusal."""
     words = text.split()
     head = words[0] if words else ""
     if "#" in head and len(words) == 1:
@@ -69,14 +69,14 @@ def _sync(words: list[str]) -> Frame:
         raise Refusal(f"{words[0]!r} is no counter of SYNC (0 to 255)") from error
 
 
-def _command(name: str, node: str, known: KnownBus) -> Frame:
+def _command(name: str, node: str, known: NodeIndex) -> Frame:
     command = _COMMANDS.get(name.lower())
     if command is None:
         raise Refusal(f"{name!r} is no NMT command: {', '.join(_COMMANDS)}")
     return command_frame(command, 0 if node == "all" else known.node(node))
 
 
-def _pdo(head: str, assignments: list[str], known: KnownBus) -> Frame:
+def _pdo(head: str, assignments: list[str], known: NodeIndex) -> Frame:
     name, _, pdo = head.rpartition(".")
     node = known.nodes.get(known.node(name))
     if node is None:
@@ -90,25 +90,25 @@ def _pdo(head: str, assignments: list[str], known: KnownBus) -> Frame:
     return Frame(can_id, data, extended=extended)
 
 
-def _packed(node: KnownNode, route: Route, assignments: Iterable[str]) -> bytes:
-    """The data of a PDO; bits that nobody assigns are 0."""
-    stretches = {s.thing.name.lower(): s for s in route.stretches}
+def _packed(node: DescribedNode, route: Route, assignments: Iterable[str]) -> bytes:
+    """The data of a PDO; objects without an assignment are 0."""
+    mapped = {s.thing.name.lower(): s for s in route.mapped}
     whole = 0
     for text in assignments:
         name, equals, value = text.partition("=")
         if not equals:
             raise Refusal(f"{text!r} is no OBJECT=VALUE")
-        stretch = stretches.get(name.lower())
-        if stretch is None:
-            close = get_close_matches(name.lower(), stretches, n=1)
-            names = ", ".join(s.thing.name for s in route.stretches)
-            hint = f"did you mean {stretches[close[0]].thing.name}?" if close else ""
-            told = hint or f"it has {names}"
-            raise Refusal(f"{node.name}.{route.pdo} has no {name!r}; {told}")
-        thing = stretch.thing
+        entry = mapped.get(name.lower())
+        if entry is None:
+            close = get_close_matches(name.lower(), mapped, n=1)
+            names = ", ".join(s.thing.name for s in route.mapped)
+            hint = f"did you mean {mapped[close[0]].thing.name}?" if close else ""
+            detail = hint or f"it has {names}"
+            raise Refusal(f"{node.name}.{route.pdo} has no {name!r}; {detail}")
+        thing = entry.thing
         try:
-            raw = to_bits(thing.kind, parsed_value(thing, value), stretch.bits)
+            raw = to_bits(thing.kind, parsed_value(thing, value), entry.bits)
         except ObjectValueError as error:
             raise Refusal(f"{thing.name}: {error}") from error
-        whole |= raw << stretch.first
+        whole |= raw << entry.first
     return whole.to_bytes(route.octets, "little")

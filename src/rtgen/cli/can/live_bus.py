@@ -1,4 +1,4 @@
-"""Frames of a python-can bus, as long as a command wants them."""
+"""Opens a python-can bus and delivers its frames while a command runs."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ if TYPE_CHECKING:
     from can import BusABC, Message
 
 TICK: Final = 0.2
-"""Seconds after which an iteration goes on without a frame."""
+"""Seconds after which the iteration yields None if no frame comes."""
 
 _NOTIFIER: Final = 0.05
-"""Seconds that the notifier waits for a frame, and so that it takes to stop."""
+"""Seconds that the notifier waits for a frame; stopping it takes as long."""
 _MAX_WAITING: Final = 1 << 18
-"""Frames that may wait for the command."""
+"""Capacity of the queue between the notifier and the command, in frames."""
 _LINGER: Final = 0.05
-"""Seconds that the last frame has to leave."""
+"""Seconds that the last frame sent has to leave the interface."""
 _ATTEMPTS: Final = 100
 _PAUSE: Final = 0.01
-"""Seconds between two attempts to send what the interface has no room for."""
+"""Seconds between two attempts to send while the interface's queue is full."""
 
 
 @contextmanager
 def opened(access: BusAccess) -> Iterator[OpenBus]:
-    """The bus, closed at the end. Raises ToolError if it cannot be used."""
+    """Open the bus and close it at the end. Raises ToolError if it cannot be opened."""
     require_python_can()
     try:
         bus = open_bus(access.address())
@@ -51,23 +51,23 @@ def opened(access: BusAccess) -> Iterator[OpenBus]:
 
 
 class _Receiving:
-    """A bus as python-can's notifier takes it, which ends when the bus does."""
+    """Adapts a bus to python-can's Notifier, which then stops when the bus does."""
 
     def __init__(self, bus: OpenBus) -> None:
         self.recv = bus.receive
         self.channel_info = bus.bus.channel_info
 
     def fileno(self) -> int:
-        """The notifier has a thread."""
+        """Not available: the notifier falls back to a thread."""
         raise NotImplementedError
 
 
-class Coming:
-    """Frames that come from a bus, as an iterator that gives None now and then.
+class FrameIterator:
+    """Iterator over received frames, which yields None at least every `TICK` seconds.
 
-    A python-can notifier takes them in a thread; `lost` counts those that came while too many
-    waited. It ends when the time is over, at the count of frames, or at Ctrl-C, which does not
-    interrupt the one who iterates. Raises ToolError if the bus is gone.
+    A python-can notifier fills its queue from a thread; `lost` counts frames that found the queue
+    full. The iterator ends after `seconds` or `count` frames, or at Ctrl-C, which does not
+    interrupt its consumer. Raises ToolError if the bus is lost.
     """
 
     def __init__(
@@ -80,14 +80,14 @@ class Coming:
         self.lost = 0
 
     def __call__(self, message: Message) -> None:
-        """Takes a frame: called by the notifier."""
+        """Queue a frame (called by the notifier)."""
         try:
             self._waiting.put_nowait(message)
         except queue.Full:
             self.lost += 1
 
     def on_error(self, error: Exception) -> None:
-        """The bus has failed: called by the notifier."""
+        """Queue an error of the bus (called by the notifier)."""
         if not self._waiting.full():
             self._waiting.put_nowait(error)
         time.sleep(_NOTIFIER)
@@ -115,25 +115,25 @@ class Coming:
 @contextmanager
 def frames(
     bus: OpenBus, seconds: float | None = None, count: int | None = None
-) -> Iterator[Coming]:
-    """The frames of a bus, for so long or so many."""
+) -> Iterator[FrameIterator]:
+    """The frames of a bus, for some seconds or a number of frames."""
     from can import Notifier
 
     with _noted_signals() as ended:
-        coming = Coming(seconds, count, ended)
+        received = FrameIterator(seconds, count, ended)
         receiving = cast("BusABC", _Receiving(bus))
-        notifier = Notifier(receiving, [coming], timeout=_NOTIFIER)
+        notifier = Notifier(receiving, [received], timeout=_NOTIFIER)
         try:
-            yield coming
+            yield received
         finally:
             notifier.stop()
 
 
 @contextmanager
 def drained(bus: OpenBus) -> Iterator[None]:
-    """Takes what comes, and drops it: a peer must not wait for one who only sends.
+    """Receive and drop all frames: some peers block while nobody reads from them.
 
-    At the end what was sent is on its way.
+    On leaving, waits until the last frame sent has left the interface.
     """
     from can import Notifier
 
@@ -146,19 +146,19 @@ def drained(bus: OpenBus) -> Iterator[None]:
 
 
 class _Drain:
-    """Drops frames."""
+    """A listener that drops all frames."""
 
     def __call__(self, message: Message) -> None:
-        """Drops a frame."""
+        """Drop a frame."""
 
     def on_error(self, error: Exception) -> None:
-        """The bus has failed: the one who sends notices."""
+        """Ignore an error of the bus, which the sender notices itself."""
         time.sleep(_NOTIFIER)
 
 
 @contextmanager
 def _noted_signals() -> Iterator[threading.Event]:
-    """An event that Ctrl-C and SIGTERM set; the second one interrupts as ever."""
+    """An event set by Ctrl-C or SIGTERM; a second signal raises KeyboardInterrupt."""
     ended = threading.Event()
 
     def note(number: int, frame: FrameType | None) -> None:
@@ -172,7 +172,7 @@ def _noted_signals() -> Iterator[threading.Event]:
 
 @contextmanager
 def until_interrupted() -> Iterator[None]:
-    """Ends the block at Ctrl-C, and at SIGTERM, as if it were over."""
+    """Leave the block normally at Ctrl-C or SIGTERM."""
     with suppress(KeyboardInterrupt), terminable():
         yield
 
@@ -183,7 +183,7 @@ def can_carry(bus: OpenBus, frame: Frame) -> bool:
 
 
 def send(bus: OpenBus, frame: Frame) -> None:
-    """Sends a frame; waits if the interface has no room. Raises ToolError if it cannot be sent."""
+    """Send a frame, waiting while the interface's queue is full. Raises ToolError if it fails."""
     if not can_carry(bus, frame):
         raise ToolError("python-can's interface socketcand sends no remote frames")
     for _ in range(_ATTEMPTS):

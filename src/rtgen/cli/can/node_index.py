@@ -1,4 +1,4 @@
-"""What is known of the nodes on a bus: from a bus file, or from descriptions of single nodes."""
+"""Index of the nodes and objects on a bus, from a bus file or from EDS and DCF files."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import cast
 
-from rtgen.cli.can.drive_words import PROFILE, drive_words
+from rtgen.cli.can.drive_text import PROFILE, drive_words
 from rtgen.cli.common import Refusal
 from rtgen.diagnostics import Diagnostic, InputError, Severity, has_errors
 from rtgen.model.can_bus import Bus
@@ -25,17 +25,18 @@ from rtgen.typemap.canopen_names import field_names
 from rtgen.typemap.canopen_values import kind
 
 Number = tuple[int, int]
-"""Index and sub-index."""
+"""Index and sub-index of an object."""
 
 MANAGER = 127
-"""The node-id of a manager, unless a bus file says otherwise."""
+"""Default node-id of the manager, if no bus file sets it."""
 
 
 @dataclass(frozen=True, slots=True)
-class KnownObject:
-    """A variable of a node. `factor` (physical value = factor * value) is None where not told.
+class DescribedObject:
+    """An object of a node.
 
-    `words` tells in words what a value means, where it is more than a number.
+    Physical value = `factor` * value; `factor` is None if the description has none. `words`
+    formats values that are more than a number, such as a statusword.
     """
 
     number: Number
@@ -53,21 +54,21 @@ class KnownObject:
 
 
 @dataclass(frozen=True, kw_only=True)
-class KnownNode:
-    """A node: its id, its name in texts, its description, and its variables by number."""
+class DescribedNode:
+    """A node: its id, display name, description, and objects by number."""
 
     id: int
     name: str
     device: Device
-    objects: Mapping[Number, KnownObject] = field(repr=False)
+    objects: Mapping[Number, DescribedObject] = field(repr=False)
 
     @cached_property
-    def by_name(self) -> dict[str, KnownObject]:
-        """The variables by their identifiers in lower case."""
+    def by_name(self) -> dict[str, DescribedObject]:
+        """The objects by identifier, in lower case."""
         return {thing.name.lower(): thing for thing in self.objects.values()}
 
-    def object(self, text: str) -> KnownObject:
-        """The variable of a name, or of a number such as `6401:1`. Raises Refusal."""
+    def object(self, text: str) -> DescribedObject:
+        """Find an object by name, or by a number such as `6401:1`. Raises Refusal."""
         named = self.by_name.get(text.lower())
         if named is not None:
             return named
@@ -85,7 +86,7 @@ class KnownNode:
 
     @property
     def identity(self) -> tuple[int | None, ...]:
-        """Device type, vendor, product and revision as its description has them."""
+        """Device type, vendor, product and revision, as described (1000h, 1018h)."""
         numbers = ((0x1000, 0), (0x1018, 1), (0x1018, 2), (0x1018, 3))
         found = (self.device.find(*number) for number in numbers)
         values = (None if v is None else v.current for v in found)
@@ -93,7 +94,7 @@ class KnownNode:
 
     @property
     def parameters(self) -> dict[Number, int]:
-        """The numbers in its communication profile area, as they are configured."""
+        """The integers in the communication profile area (1000h to 1FFFh), as configured."""
         found = {}
         for variable in self.device.variables:
             value = resolved(variable.current, self.id)
@@ -103,26 +104,26 @@ class KnownNode:
 
 
 @dataclass(frozen=True, kw_only=True)
-class KnownBus:
-    """The nodes by id, and the bus file if there is one."""
+class NodeIndex:
+    """The nodes by id, with the bus file if there is one."""
 
-    nodes: Mapping[int, KnownNode]
+    nodes: Mapping[int, DescribedNode]
     bus: Bus | None = None
 
     @property
     def manager(self) -> int:
-        """The manager's node-id."""
+        """The node-id of the manager."""
         return self.bus.manager if self.bus else MANAGER
 
     def name(self, node_id: int) -> str:
-        """How a node is called in texts."""
+        """The display name of a node."""
         node = self.nodes.get(node_id)
         if node is not None:
             return node.name
         return "manager" if self.bus and node_id == self.manager else f"node {node_id}"
 
     def node(self, text: str) -> int:
-        """The id of a node by its name or number. Raises Refusal."""
+        """Find a node-id by name or number. Raises Refusal."""
         for node in self.nodes.values():
             if text == node.name:
                 return node.id
@@ -140,8 +141,8 @@ class KnownBus:
             raise Refusal(f"node-id {node_id}: it is 1 to 127")
         return node_id
 
-    def find(self, text: str) -> list[tuple[KnownNode, KnownObject]]:
-        """The variables that `NODE.OBJECT` or `OBJECT` names, of every node that has it.
+    def find(self, text: str) -> list[tuple[DescribedNode, DescribedObject]]:
+        """Find the objects that `NODE.OBJECT` names, or `OBJECT` in all nodes that have it.
 
         Raises Refusal if there is none.
         """
@@ -164,7 +165,7 @@ class KnownBus:
 
 
 def number_of(text: str) -> Number | None:
-    """Index and sub-index of `6401:1`, `0x6401:01` or `1000`; None for other texts."""
+    """Parse `6401:1`, `0x6401:01` or `1000` into index and sub-index; None for any other text."""
     index, _, subindex = text.lower().removeprefix("0x").partition(":")
     try:
         number = int(index, 16), int(subindex or "0", 16)
@@ -174,19 +175,20 @@ def number_of(text: str) -> Number | None:
 
 
 def written(number: Number) -> str:
-    """`6401:1` of a number."""
+    """Format index and sub-index as `6401:1`."""
     return f"{number[0]:04X}:{number[1]:X}"
 
 
-def known_bus(
+def read_node_index(
     bus_file: Path | None, descriptions: Sequence[tuple[int | None, Path]]
-) -> KnownBus:
-    """What a bus file and descriptions of nodes tell; raises InputError for their errors.
+) -> NodeIndex:
+    """Read a bus file and descriptions of single nodes. Raises InputError with their errors.
 
-    A description without a node-id is a DCF that has one. It comes before the bus file's.
+    A description without a node-id must be a DCF that contains one. Descriptions take precedence
+    over the bus file.
     """
     found: list[Diagnostic] = []
-    nodes: dict[int, KnownNode] = {}
+    nodes: dict[int, DescribedNode] = {}
     bus = None
     _check_suffixes(bus_file, descriptions)
     if bus_file is not None:
@@ -197,7 +199,7 @@ def known_bus(
         bus = result.bus
         for node in bus.nodes if bus else ():
             made = node.kind
-            nodes[node.id] = known_node(
+            nodes[node.id] = describe_node(
                 node.id,
                 node.name,
                 node.device,
@@ -213,14 +215,14 @@ def known_bus(
     if has_errors(found):
         raise InputError(d for d in found if d.severity is Severity.ERROR)
     for node_id, name, device in _named(described):
-        nodes[node_id] = known_node(node_id, name, device)
-    return KnownBus(nodes=dict(sorted(nodes.items())), bus=bus)
+        nodes[node_id] = describe_node(node_id, name, device)
+    return NodeIndex(nodes=dict(sorted(nodes.items())), bus=bus)
 
 
 def _check_suffixes(
     bus_file: Path | None, descriptions: Sequence[tuple[int | None, Path]]
 ) -> None:
-    """Raises Refusal where one kind of file stands in the place of the other."""
+    """Raise Refusal if a bus file and a description have been swapped."""
     if bus_file is not None and bus_file.suffix.lower() in (".eds", ".dcf"):
         raise Refusal(f"--bus {bus_file}: that describes one node: --eds NODE-ID=FILE")
     for _, path in descriptions:
@@ -228,22 +230,22 @@ def _check_suffixes(
             raise Refusal(f"--eds {path}: that looks like a bus file: --bus FILE")
 
 
-def known_node(
+def describe_node(
     node_id: int,
     name: str,
     device: Device,
     *,
     units: Mapping[Number, str] | None = None,
     factors: Mapping[Number, float] | None = None,
-) -> KnownNode:
-    """A node of a device, read for its id; units and factors come before the file's own."""
+) -> DescribedNode:
+    """Index a device with its node-id; `units` and `factors` override those of the description."""
     names = field_names(device.variables)
     units, factors = units or {}, factors or {}
     objects = {}
     is_drive = _profile(device) == PROFILE
     for v in device.variables:
         number = v.index, v.subindex
-        objects[number] = KnownObject(
+        objects[number] = DescribedObject(
             number=number,
             name=names[number],
             kind="octets" if v.domain else cast("Kind", kind(v.data_type)),
@@ -254,19 +256,19 @@ def known_node(
             high=_limit(v.high, node_id),
             words=drive_words(v.index) if is_drive and not v.subindex else None,
         )
-    return KnownNode(id=node_id, name=name, device=device, objects=objects)
+    return DescribedNode(id=node_id, name=name, device=device, objects=objects)
 
 
 def _profile(device: Device) -> int:
-    """The device profile that it follows, 0 if none is told."""
+    """The device profile number in the device type (1000h), 0 without one."""
     kind = device.find(0x1000)
     current = None if kind is None else kind.current
     return current & 0xFFFF if isinstance(current, int) else 0
 
 
 def _limit(value: Value | None, node_id: int) -> int | float | None:
-    told = resolved(value, node_id)
-    return told if isinstance(told, (int, float)) else None
+    limit = resolved(value, node_id)
+    return limit if isinstance(limit, (int, float)) else None
 
 
 def _described(
@@ -282,12 +284,12 @@ def _described(
 
 
 def _named(devices: Iterable[Device]) -> Iterable[tuple[int, str, Device]]:
-    """Devices with their ids and names; a name that two would have bears the id."""
-    told = []
+    """Devices with ids and names; the id is appended to a name that is not unique."""
+    described = []
     for device in devices:
         assert device.node_id is not None
         name = device.commissioning.node_name if device.commissioning else ""
-        told.append((device.node_id, name or Path(device.file).stem, device))
-    counts = Counter(name for _, name, _ in told)
-    for node_id, name, device in told:
+        described.append((device.node_id, name or Path(device.file).stem, device))
+    counts = Counter(name for _, name, _ in described)
+    for node_id, name, device in described:
         yield node_id, name if counts[name] == 1 else f"{name}_{node_id}", device

@@ -1,4 +1,4 @@
-"""Decoded frames as they are printed: a line of text or of JSON for each."""
+"""Prints decoded frames, as one line of text or of JSON each."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from rtgen.cli.can.decoding import Decoded, Decoder
-from rtgen.cli.can.known import KnownBus
+from rtgen.cli.can.node_index import NodeIndex
 from rtgen.cli.common import Refusal
 from rtgen.cli.rpc.values import Json
 from rtgen.runtime.canopen.python_can import frame_of
@@ -20,19 +20,19 @@ KINDS = (
     "nmt", "heartbeat", "guarding", "emcy", "sync", "time", "tpdo", "rpdo", "sdo", "lss",
     "failsafe", "frame", "error frame", "no classical frame",
 )  # fmt: skip
-"""The kinds of frames; PDOs have their number behind."""
+"""The kinds of frames; those of PDOs are followed by a number."""
 
 Write: TypeAlias = Callable[[str], object]
 
 
 class MessageDecoder:
-    """Decodes python-can messages, of which some are not CANopen's frames."""
+    """Decodes python-can messages, which may be error frames or CAN FD frames too."""
 
-    def __init__(self, known: KnownBus) -> None:
+    def __init__(self, known: NodeIndex) -> None:
         self._decoder = Decoder(known)
 
     def decode(self, message: Message) -> Decoded:
-        """The message in words."""
+        """Decode the next message."""
         if message.is_error_frame:
             return Decoded("error frame", None, "", "")
         frame = frame_of(message)
@@ -42,10 +42,10 @@ class MessageDecoder:
 
 
 class Wanted:
-    """Which frames are of interest: those of some nodes, and of some kinds; by default all."""
+    """A filter of frames by nodes and kinds; matches all frames by default."""
 
     def __init__(
-        self, known: KnownBus, nodes: tuple[str, ...], kinds: tuple[str, ...]
+        self, known: NodeIndex, nodes: tuple[str, ...], kinds: tuple[str, ...]
     ) -> None:
         self._nodes = frozenset(known.node(text) for text in nodes)
         self._kinds = tuple(kind.lower() for kind in kinds)
@@ -57,11 +57,11 @@ class Wanted:
                     f"no frame is of kind {kind!r}; kinds are {', '.join(KINDS)}"
                 )
 
-    def __call__(self, told: Decoded) -> bool:
-        """Whether a frame is; a command to all nodes is one to each of them."""
-        if self._nodes and told.node != 0 and told.node not in self._nodes:
+    def __call__(self, decoded: Decoded) -> bool:
+        """Whether a frame matches; a command to all nodes matches each of them."""
+        if self._nodes and decoded.node != 0 and decoded.node not in self._nodes:
             return False
-        return not self._kinds or told.kind.startswith(self._kinds)
+        return not self._kinds or decoded.kind.startswith(self._kinds)
 
 
 def identifier(message: Message) -> str:
@@ -71,14 +71,13 @@ def identifier(message: Message) -> str:
 
 
 class Printer:
-    """Prints frames as they come: lines of text, or of JSON.
+    """Prints frames as they arrive, as lines of text or of JSON.
 
-    Times in text are in seconds since the first frame, those in JSON as the bus or the record has
-    them.
+    Text has times in seconds since the first frame, JSON the time stamps of the bus or the log.
     """
 
     def __init__(
-        self, known: KnownBus, wanted: Wanted, *, as_json: bool, write: Write
+        self, known: NodeIndex, wanted: Wanted, *, as_json: bool, write: Write
     ) -> None:
         self._decoder = MessageDecoder(known)
         self._wanted = wanted
@@ -87,21 +86,23 @@ class Printer:
         self._start: float | None = None
 
     def take(self, message: Message) -> None:
-        """Prints a frame, if it is wanted."""
+        """Print a frame if it matches the filter."""
         if self._start is None:
             self._start = message.timestamp
-        told = self._decoder.decode(message)
-        if self._wanted(told):
-            self._write(f"{self._line(message, told)}\n")
+        decoded = self._decoder.decode(message)
+        if self._wanted(decoded):
+            self._write(f"{self._line(message, decoded)}\n")
 
-    def _text_line(self, message: Message, told: Decoded) -> str:
+    def _text_line(self, message: Message, decoded: Decoded) -> str:
         assert self._start is not None
         moment = message.timestamp - self._start
         data = "remote" if message.is_remote_frame else message.data.hex(" ")
-        return f"{moment:11.6f}  {identifier(message):>8}  {data:<23}  {told}".rstrip()
+        return (
+            f"{moment:11.6f}  {identifier(message):>8}  {data:<23}  {decoded}".rstrip()
+        )
 
 
-def _json_line(message: Message, told: Decoded) -> str:
+def _json_line(message: Message, decoded: Decoded) -> str:
     frame: dict[str, Json] = {
         "time": round(message.timestamp, 6),
         "id": identifier(message),
@@ -110,4 +111,4 @@ def _json_line(message: Message, told: Decoded) -> str:
         frame["remote"] = True
     else:
         frame["data"] = message.data.hex()
-    return json.dumps(frame | told.to_json())
+    return json.dumps(frame | decoded.to_json())

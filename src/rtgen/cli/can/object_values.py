@@ -1,4 +1,4 @@
-"""Values of objects in words and in JSON: with factor and unit, by their kind."""
+"""Values of objects as text and as JSON, with factor and unit."""
 
 from __future__ import annotations
 
@@ -6,32 +6,32 @@ import json
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from rtgen.cli.can.known import KnownNode, KnownObject, written
+from rtgen.cli.can.node_index import DescribedNode, DescribedObject, written
 from rtgen.cli.rpc.values import Json
 from rtgen.runtime.canopen.description import Kind, ObjectValue
 from rtgen.runtime.canopen.frames import SECOND
 from rtgen.runtime.canopen.values import ObjectValueError, decode, size
 
 _SHOWN = 24
-"""Octets of a value that are shown in a text."""
+"""Octets of a value that are shown in text."""
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A value of an object of a node; `node` is empty if nobody has told of the node."""
+    """The value of an object of a node; `node` is empty for a node that is not described."""
 
     node: str
-    thing: KnownObject
+    thing: DescribedObject
     value: ObjectValue
 
     @property
     def name(self) -> str:
-        """The object's name, else its number."""
+        """The object's name, or its number without one."""
         return self.thing.name or written(self.thing.number)
 
     @property
     def physical(self) -> ObjectValue:
-        """The value times the factor; without one, the value."""
+        """The value times the factor, or the value itself without a factor."""
         factor, value = self.thing.factor, self.value
         if factor is None or isinstance(value, (bool, str, bytes)):
             return value
@@ -39,7 +39,7 @@ class Field:
 
     @property
     def text(self) -> str:
-        """The value with its unit, for people."""
+        """The physical value with its unit, for people."""
         thing, value = self.thing, self.physical
         text = _text(thing.kind, value)
         if thing.kind == "u32" and thing.number[0] < 0x2000 and isinstance(value, int):
@@ -50,7 +50,7 @@ class Field:
 
     @property
     def words(self) -> str:
-        """What the value means, where it is more than a number."""
+        """The meaning of the value, for objects such as a statusword; otherwise empty."""
         if self.thing.words is None or not isinstance(self.value, int):
             return ""
         return self.thing.words(self.value)
@@ -59,30 +59,33 @@ class Field:
         return f"{self.name}={self.text}"
 
     def to_json(self) -> dict[str, Json]:
-        """Object, name, value and unit; the value on the bus as `raw` if there is a factor."""
-        told: dict[str, Json] = {
+        """Object, name, physical value and unit; with a factor also `raw`, the value on the bus."""
+        result: dict[str, Json] = {
             "object": written(self.thing.number),
             "name": self.thing.name,
             "value": json_value(self.thing.kind, self.physical),
         }
         if self.thing.factor is not None:
-            told["raw"] = json_value(self.thing.kind, self.value)
+            result["raw"] = json_value(self.thing.kind, self.value)
         if self.thing.unit:
-            told["unit"] = self.thing.unit
+            result["unit"] = self.thing.unit
         if self.words:
-            told["words"] = self.words
-        return told
+            result["words"] = self.words
+        return result
 
 
-def field_of(node: KnownNode | None, thing: KnownObject, value: ObjectValue) -> Field:
-    """A value of a variable of a node."""
+def field_of(
+    node: DescribedNode | None, thing: DescribedObject, value: ObjectValue
+) -> Field:
+    """The value of an object as a field of its node."""
     return Field(node.name if node else "", thing, value)
 
 
-def sdo_value(thing: KnownObject, octets: bytes) -> ObjectValue:
-    """The value in octets of a transfer; the octets themselves if they are none.
+def sdo_value(thing: DescribedObject, octets: bytes) -> ObjectValue:
+    """Decode the octets of an SDO transfer; octets that do not fit the kind are returned
+    unchanged.
 
-    An expedited message that does not tell its length has 4 octets.
+    An expedited message without a size indication carries 4 octets, which may be too many.
     """
     wanted = size(thing.kind)
     if wanted is not None and wanted < len(octets) == 4:
@@ -100,8 +103,8 @@ def _text(kind: Kind, value: ObjectValue) -> str:
         return f"{shown} ... ({len(value)} octets)" if more > 0 else shown or "(empty)"
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
-    told = json_value(kind, value)
-    return told if isinstance(told, str) else json.dumps(told)
+    converted = json_value(kind, value)
+    return converted if isinstance(converted, str) else json.dumps(converted)
 
 
 def json_value(kind: Kind, value: ObjectValue) -> Json:
@@ -116,11 +119,11 @@ def json_value(kind: Kind, value: ObjectValue) -> Json:
 
 
 def iso_time(time: int) -> str:
-    """A time in ns of UTC since 1970, to the millisecond."""
+    """A time in ns of UTC since 1970 as ISO 8601, to the millisecond."""
     moment = datetime.fromtimestamp(time // SECOND, UTC)
     return f"{moment:%Y-%m-%dT%H:%M:%S}.{time % SECOND // 1_000_000:03}Z"
 
 
 def _rounded(value: float) -> float:
-    """Without the noise of a factor such as 0.001 in the last digits."""
+    """Round away the binary noise of a factor such as 0.001."""
     return float(f"{value:.15g}")
