@@ -96,7 +96,7 @@ def serve_scalars(folder: Path) -> None:
 def serve_rtgen(folder: Path) -> None:
     from rtgen.runtime.opaque_rpc import TcpServer
 
-    module = generated(folder, "empty_server")
+    module = generated(folder, "empty.empty_server")
 
     class Board(module.EmptyTarget):  # type: ignore[misc,name-defined]
         def nothing(self) -> int:
@@ -180,7 +180,7 @@ def ordinary_call(port: str) -> Call:
 def rtgen_call(port: str, folder: Path) -> Call:
     from rtgen.runtime.opaque_rpc import TcpChannel
 
-    module = generated(folder, "empty_marshaller")
+    module = generated(folder, "empty.empty_marshaller")
     proxy = module.EmptyProxy(TcpChannel(HOST, int(port), TIMEOUT))
     assert proxy.nothing() == 0
     return proxy.nothing  # type: ignore[no-any-return]
@@ -204,7 +204,7 @@ def grpc_call(port: str) -> Call:
 def generated(folder: Path, module: str) -> Any:
     """A module that rtgen made of the CDL text."""
     sys.path.insert(0, str(folder / "generated"))
-    return importlib.import_module(f"tecs.empty.{module}")
+    return importlib.import_module(f"bench.tecs.{module}")
 
 
 def omniorb(folder: Path) -> Any:

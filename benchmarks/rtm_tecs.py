@@ -80,12 +80,10 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         rpc.prepare(folder)
-        marshallers = rpc.generated(folder, "empty_marshaller")
-        interface = rpc.generated(folder, "_idl.empty").Empty
-        clients = rpc.generated(folder, "EmptyClient")
-        communication = __import__(
-            "tecs.opaque_rpc_communication"
-        ).opaque_rpc_communication
+        marshallers = rpc.generated(folder, "empty.empty_marshaller")
+        interface = rpc.generated(folder, "empty._idl.empty").Empty
+        clients = rpc.generated(folder, "empty.components.empty_client")
+        communication = rpc.generated(folder, "opaque_rpc_communication")
 
         class Servant(interface):  # type: ignore[misc, valid-type]
             def nothing(self) -> int:
@@ -95,7 +93,7 @@ def main() -> int:
             f"{'us for a call':<26}{'mean':>10}{'spread':>10}{'least':>10}{'most':>10}"
         )
         ends = [(("Client0", "empty"), ("Server0", "empty"))]
-        client, server = clients.EmptyClient("Client0"), provider(interface)
+        client, server = clients.EmptyClientBase("Client0"), provider(interface)
         server.empty.set_servant(Servant())
         with active(client, server, joined=ends):
             rtm = show("RTM to RTM, one process", client.empty.object.nothing)
@@ -107,7 +105,7 @@ def main() -> int:
             print(f"RTM to RTM between processes: left out, {error}")
         with rpc.server("rtgen", folder) as port:
             show("proxy to TECS", rpc.rtgen_call(port, folder))
-            client = clients.EmptyClient("Client0")
+            client = clients.EmptyClientBase("Client0")
             marshaller = marshallers.EmptyMarshaller("Marshaller0")
             link = communication.OpaqueRpcCommunication("Communication0")
             link.configuration_sets.set("port", port)

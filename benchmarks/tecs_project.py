@@ -66,7 +66,7 @@ def importing(folder: Path) -> float:
     """The processor time in seconds that importing one marshaller takes, the runtime apart."""
     code = (
         "import time, rtgen.runtime, rtgen.runtime.opaque_rpc; t = time.process_time();"
-        "import tecs.big.big7_marshaller; print(time.process_time() - t)"
+        "import robots.tecs.big.big7_marshaller; print(time.process_time() - t)"
     )
     environment = {**os.environ, "PYTHONPATH": str(folder / "generated")}
     done = subprocess.run(

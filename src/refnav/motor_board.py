@@ -13,10 +13,10 @@ from refnav.messages import pose_message
 from refnav.plant import Plant
 from refrobots import rtc
 from refrobots.rh3 import BoardEvent, BoardEventKind
+from refrobots.tecs.board._types import WHEELS, tagWheelState
+from refrobots.tecs.board.motor_board_server import MotorBoardTarget
 from rtgen.runtime import SECOND
 from rtgen.runtime.opaque_rpc import E_OK, E_PAR
-from tecs.board._types import WHEELS, tagWheelState
-from tecs.board.motor_board_server import MotorBoardTarget
 
 NAME = "RH3 motor board, simulated"
 _MILLISECOND = 1_000_000

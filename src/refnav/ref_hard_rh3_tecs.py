@@ -8,10 +8,10 @@ from math import tau
 from refnav.base_control import BaseControl, TravelSwitch
 from refrobots import rtc
 from refrobots.components.ref_hard_rh3_tecs import RefHardRh3TecsBase
+from refrobots.tecs.board import WHEELS, tagWheelState
+from refrobots.tecs.board.components.motor_board_client import MotorBoardClientBase
 from rtgen.runtime import RTC_OK, ReturnCode_t, ServiceError
 from rtgen.runtime.opaque_rpc import E_OK, E_RPC, MERCD
-from tecs.board import WHEELS, tagWheelState
-from tecs.board.components.motor_board_client import MotorBoardClientBase
 
 log = logging.getLogger("refnav.ref_hard_rh3_tecs")
 

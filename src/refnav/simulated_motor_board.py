@@ -9,6 +9,8 @@ from refnav.base_control import start_of
 from refnav.motor_board import MotorBoard
 from refrobots.components.simulated_motor_board import SimulatedMotorBoardBase
 from refrobots.rh3 import BoardEvent, BoardEventKind
+from refrobots.tecs.board.motor_board_codec import MotorBoardCodec
+from refrobots.tecs.board.motor_board_server import MotorBoardUnmarshaller
 from rtgen.runtime import RTC_OK, ReturnCode_t
 from rtgen.runtime.opaque_rpc import (
     ChannelError,
@@ -16,8 +18,6 @@ from rtgen.runtime.opaque_rpc import (
     SimulatedServer,
     TcpServer,
 )
-from tecs.board.motor_board_codec import MotorBoardCodec
-from tecs.board.motor_board_server import MotorBoardUnmarshaller
 
 
 class Server(Protocol):

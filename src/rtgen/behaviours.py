@@ -51,7 +51,7 @@ def _modules(project: Project, artifacts: Sequence[Artifact]) -> Mapping[str, st
     """The texts of the modules beside skeletons, by their paths as messages show them."""
     folders = {project.skeletons}
     for artifact in artifacts:
-        if artifact.owner is Owner.USER and not artifact.below_output:
+        if artifact.owner is Owner.USER:
             folders.add((project.skeletons / artifact.path).parent)
     try:
         return {

@@ -105,8 +105,8 @@ class Cache:
             os.utime(file)  # the entries used last are kept
         return Compilation(
             artifacts=tuple(
-                Artifact(path, text, tuple(origin), Owner(owner), in_output)
-                for path, text, origin, owner, in_output in entry["artifacts"]
+                Artifact(path, text, tuple(origin), Owner(owner))
+                for path, text, origin, owner in entry["artifacts"]
             ),
             inputs=entry["inputs"],
             diagnostics=tuple(map(_diagnostic, entry["diagnostics"])),
@@ -117,9 +117,7 @@ class Cache:
     def store(self, key: str, run: Compilation) -> None:
         """Keeps a run without errors. A folder that cannot be written is passed over."""
         entry = {
-            "artifacts": [
-                [a.path, a.text, a.origin, a.owner, a.in_output] for a in run.artifacts
-            ],
+            "artifacts": [[a.path, a.text, a.origin, a.owner] for a in run.artifacts],
             "inputs": dict(run.inputs),
             "diagnostics": [_diagnostic_entry(d) for d in run.diagnostics],
             "dependencies": dict(run.dependencies),

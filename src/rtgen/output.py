@@ -91,8 +91,7 @@ def plan(
     users = [(_place(project, a), a) for a in artifacts if a.owner is Owner.USER]
     absent = [(place, a) for place, a in users if not os.path.lexists(place)]
     ours = [a.path for a in own]
-    ours += [a.path for _, a in absent if a.in_output]
-    theirs = [a.path for _, a in absent if not a.in_output]
+    theirs = [a.path for _, a in absent]
     findings = [
         *_check_links(project, project.output, [*ours, MANIFEST]),
         *_check_links(project, project.skeletons, theirs),
@@ -103,13 +102,11 @@ def plan(
     with _disk_failures():
         there, found, temporary = _tree(project.output)
         known = _former(project.output)
-        guests = {a.path for _, a in users if a.in_output}
-        guests.update(there.intersection(_former(project.output, "users")))
         findings = [*_check_foreign(project.output, wanted, known)]
         if findings:
             raise InputError(findings)
         former = [p for p in known if p in there and p not in wanted]
-        manifest = _manifest(own, wanted, inputs, guests)
+        manifest = _manifest(own, wanted, inputs)
         changes = [
             Change(project.output / p, _read(project.output / p), None) for p in former
         ]
@@ -119,7 +116,7 @@ def plan(
         kept = {
             f for p in {*there.difference(former), *ours} for f in _folders_above(p)
         }
-        folders = {place.parent for place, a in users if not a.in_output}
+        folders = {place.parent for place, _ in users}
         return Plan(
             changes=tuple(changes),
             skeletons=tuple(
@@ -127,7 +124,7 @@ def plan(
             ),
             strays=tuple(
                 project.output / p
-                for p in sorted(there - {*wanted, *former, *guests, MANIFEST})
+                for p in sorted(there - {*wanted, *former, MANIFEST})
                 if not _is_ignored(p, wanted)
             ),
             leftovers=(
@@ -180,17 +177,14 @@ def _apply(project: Project, planned: Plan) -> None:
 
 
 def _place(project: Project, artifact: Artifact) -> Path:
-    folder = project.output if artifact.below_output else project.skeletons
-    return folder / artifact.path
+    ours = artifact.owner is Owner.RTGEN
+    return (project.output if ours else project.skeletons) / artifact.path
 
 
 def _manifest(
-    own: Iterable[Artifact],
-    wanted: Mapping[str, bytes],
-    inputs: Mapping[str, str],
-    guests: Iterable[str],
+    own: Iterable[Artifact], wanted: Mapping[str, bytes], inputs: Mapping[str, str]
 ) -> bytes:
-    """The text of the manifest; `guests` are the user's files in the output folder."""
+    """The text of the manifest."""
     content: dict[str, object] = {
         "format": _FORMAT,
         "generator": f"rtgen {__version__}",
@@ -203,23 +197,17 @@ def _manifest(
             for a in sorted(own, key=lambda a: a.path)
         },
     }
-    listed = sorted(guests)
-    if listed:
-        content["users"] = listed
     return (json.dumps(content, indent=2, ensure_ascii=False) + "\n").encode()
 
 
-def _former(output: Path, owner: str = "files") -> list[str]:
-    """The files that the manifest on the disk names; none if it is missing or damaged.
-
-    `owner` is `files` for rtgen's own ones, `users` for those of the user.
-    """
+def _former(output: Path) -> list[str]:
+    """The files that the manifest on the disk names; none if it is missing or damaged."""
     file = output / MANIFEST
     if not file.is_file():
         return []
     try:
         content = json.loads(file.read_bytes())
-        files = list(content.get(owner, ()))
+        files = list(content.get("files", ()))
     except (OSError, ValueError, AttributeError, TypeError, RecursionError):
         return []
     return sorted(f for f in files if isinstance(f, str) and _name_problem(f) is None)
@@ -227,8 +215,8 @@ def _former(output: Path, owner: str = "files") -> list[str]:
 
 def _check_paths(artifacts: Iterable[Artifact]) -> Iterator[Diagnostic]:
     """Findings for paths that leave the folder or that two artifacts share."""
-    files: dict[tuple[bool, str], Artifact] = {}
-    folders: dict[tuple[bool, str], Artifact] = {}
+    files: dict[tuple[Owner, str], Artifact] = {}
+    folders: dict[tuple[Owner, str], Artifact] = {}
     for artifact in artifacts:
         origin = " and ".join(artifact.origin) or "a back end"
         if (problem := _name_problem(artifact.path)) is not None:
@@ -239,11 +227,11 @@ def _check_paths(artifacts: Iterable[Artifact]) -> Iterator[Diagnostic]:
         except UnicodeEncodeError:
             yield ENCODING.at(None, f"{origin}: {artifact.path} holds a lone surrogate")
         path = artifact.path.casefold()
-        key = (artifact.below_output, path)
+        key = (artifact.owner, path)
         other = files.get(key) or folders.get(key)
         for parent in _folders_above(path):
-            other = other or files.get((artifact.below_output, parent))
-            folders.setdefault((artifact.below_output, parent), artifact)
+            other = other or files.get((artifact.owner, parent))
+            folders.setdefault((artifact.owner, parent), artifact)
         if other is not None:
             others = " and ".join(other.origin) or "a back end"
             yield SAME_PATH.at(

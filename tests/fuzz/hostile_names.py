@@ -15,6 +15,7 @@ from random import Random
 from fuzzing import ViolationError
 from generated import Generated
 
+from rtgen.backends import Owner
 from rtgen.compiler import compile_project
 from rtgen.project import load
 from rtgen.report import report
@@ -63,7 +64,7 @@ def _pool() -> Sequence[str]:
         "generated/refrobots/components/odometry/*.py",
         "generated/refrobots/canopen/*.py",
         "generated/refrobots/canopen/epos_drive/*.py",
-        "generated/tecs/**/*.py",
+        "generated/refrobots/tecs/**/*.py",
         "src/rtgen/templates/**/*.j2",
         "src/rtgen/runtime/component.py",
     ):
@@ -194,24 +195,18 @@ class NamesTarget:
         for artifact in run.artifacts:
             if artifact.path.endswith(".py"):
                 compile(artifact.text, artifact.path, "exec", dont_inherit=True)
-                ours = artifact.path.startswith(("fuzzed/", "tecs/"))
-                if ours and "/_corba/" not in artifact.path and artifact.below_output:
+                ours = artifact.owner is Owner.RTGEN and artifact.path.startswith(
+                    "fuzzed/"
+                )
+                if ours and "/_corba/" not in artifact.path:
                     texts[artifact.path] = str(artifact.text)
         if not texts:
             raise ViolationError("nothing was made")
-        hidden = {
-            n: sys.modules.pop(n)
-            for n in list(sys.modules)
-            if n.partition(".")[0] == "tecs"
-        }
         try:
             Generated(texts).load()
         finally:
-            for name in [
-                n for n in sys.modules if n.partition(".")[0] in ("tecs", "fuzzed")
-            ]:
+            for name in [n for n in sys.modules if n.partition(".")[0] == "fuzzed"]:
                 del sys.modules[name]
-            sys.modules.update(hidden)
         yield "made"
 
 

@@ -41,7 +41,7 @@ DIFFERENT: dict[str, dict[str, Any]] = {
 PROJECT = """[sources]
 paths = ["odd.cdl"]
 [output]
-package = "odd"
+package = "odd_input"
 skeletons = "src"
 """
 
@@ -70,10 +70,9 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         assert run(["generate", "-q"]) == 0
     finally:
         os.chdir(before)
-    (folder / "generated" / "tecs").rename(folder / "odd_input")
-    sys.path.insert(0, str(folder))
-    yield "odd_input.odd"
-    sys.path.remove(str(folder))
+    sys.path.insert(0, str(folder / "generated"))
+    yield "odd_input.tecs.odd"
+    sys.path.remove(str(folder / "generated"))
 
 
 def parts(package: str, signature: str) -> SimpleNamespace:

@@ -34,7 +34,7 @@ OCTETS = {("part", "v"), ("grow", "v")}
 ASKED = {("opt", "q"), ("two", "a"), ("two", "c")}
 """Nullable outs: a bool in the request."""
 WIDE = {"w", "back"}
-PROJECT = '[sources]\npaths = ["peer.cdl"]\n[output]\npackage = "peer"\n'
+PROJECT = '[sources]\npaths = ["peer.cdl"]\n[output]\npackage = "by_hand"\n'
 
 
 def _with_floats(case: dict[str, Any]) -> dict[str, Any]:
@@ -71,10 +71,9 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         assert run(["generate", "-q"]) == 0
     finally:
         os.chdir(before)
-    (folder / "generated" / "tecs").rename(folder / "by_hand")
-    sys.path.insert(0, str(folder))
-    yield "by_hand.peer"
-    sys.path.remove(str(folder))
+    sys.path.insert(0, str(folder / "generated"))
+    yield "by_hand.tecs.peer"
+    sys.path.remove(str(folder / "generated"))
 
 
 class Generated:

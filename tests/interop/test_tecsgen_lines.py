@@ -59,7 +59,7 @@ def _generate(folder: Path, text: str = BOARD) -> tuple[TecsUnit, dict[str, str]
     return model.tecs[0], {
         Path(artifact.path).name: artifact.text
         for artifact in emission.artifacts
-        if artifact.path.startswith("tecs/board/")
+        if artifact.path.startswith("robots/tecs/board/")
     }
 
 

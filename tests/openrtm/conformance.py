@@ -15,7 +15,7 @@ from rtgen.cli import run
 from rtgen.runtime import Component
 
 GENERATED = Path(__file__).parents[2] / "generated"
-LISTS = ("refrobots/components/entry_points.txt", "tecs/entry_points.txt")
+LISTS = ("refrobots/components/entry_points.txt", "refrobots/tecs/entry_points.txt")
 
 
 class EntryPoints(configparser.ConfigParser):

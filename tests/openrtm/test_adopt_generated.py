@@ -40,7 +40,8 @@ def without_annotations(item: Any) -> Any:
 def folders(out: Path) -> list[Path]:
     """Where the IDL files of the reference build are."""
     device_files = sorted(path.parent for path in out.glob("refrobots/canopen/*/*.idl"))
-    own = [out / "tecs", out / "tecs/board", out / "refrobots/canopen", *device_files]
+    boards = out / "refrobots/tecs"
+    own = [boards, boards / "board", out / "refrobots/canopen", *device_files]
     return [ROOT / "specs/idl", *own]
 
 

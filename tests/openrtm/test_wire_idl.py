@@ -47,11 +47,12 @@ def packages(
         shutil.copy(path, together / f"{stem}.idl")
     middleware.compile_idl(made, sorted(together.iterdir()), [together])
     stubs.load(made, sorted(idl))
-    for package in ("refrobots", "tecs"):
-        shutil.copytree(reference / package, folder / f"wired_{package}")
-    names = {"refrobots": "wired_refrobots", "tecs": "wired_tecs"}
-    found = {given: imported(folder, name) for given, name in names.items()}
-    return {**found, "board": imported(folder, "wired_tecs.board")}
+    shutil.copytree(reference / "refrobots", folder / "wired_refrobots")
+    names = {"refrobots": "", "tecs": ".tecs", "board": ".tecs.board"}
+    return {
+        given: imported(folder, f"wired_refrobots{name}")
+        for given, name in names.items()
+    }
 
 
 def test_types_of_devices_and_boards(packages: dict[str, Wires]) -> None:

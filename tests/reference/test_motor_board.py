@@ -11,8 +11,8 @@ from refnav.geometry import Pose
 from refnav.motor_board import NAME, MotorBoard
 from refrobots.components.simulated_motor_board import SimulatedMotorBoardConfiguration
 from refrobots.rh3 import BoardEvent, BoardEventKind
+from refrobots.tecs.board._types import NAME_SIZE, tagWheelState
 from rtgen.runtime.opaque_rpc import E_OK, E_PAR
-from tecs.board._types import NAME_SIZE, tagWheelState
 
 MILLISECOND = 1_000_000
 

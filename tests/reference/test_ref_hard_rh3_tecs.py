@@ -9,9 +9,9 @@ from bench import Bench
 
 from refnav.ref_hard_rh3_tecs import RefHardRh3Tecs
 from refrobots import RefHard, iis, rtc
+from refrobots.tecs.board import MotorBoard, tagWheelState
 from rtgen.runtime import Component, LifeCycleState
 from rtgen.runtime.opaque_rpc import E_OK, E_PAR, E_RPC, E_TMOUT, ERCD
-from tecs.board import MotorBoard, tagWheelState
 
 
 class FakeBoard(MotorBoard):

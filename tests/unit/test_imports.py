@@ -42,7 +42,8 @@ def loaded_by(code: str) -> set[str]:
         "import refrobots.components.path_follower",
         "import refnav.path_follower",
         "import rtgen.runtime.opaque_rpc, rtgen.runtime.canopen",
-        "import tecs.board.motor_board_marshaller, tecs.board.motor_board_server",
+        "import refrobots.tecs.board.motor_board_marshaller",
+        "import refrobots.tecs.board.motor_board_server",
         "import refnav.ref_hard_rh3_tecs, refnav.simulated_motor_board",
     ],
 )

@@ -23,19 +23,12 @@ class Owner(StrEnum):
 @dataclass(frozen=True, slots=True)
 class Artifact:
     """A file to be made. `path` is relative with `/`: rtgen's below the output folder, a user's
-    below the skeleton folder, or below the output folder, too, with `in_output`. `origin` are the
-    keys of the inputs it came from."""
+    below the skeleton folder. `origin` are the keys of the inputs it came from."""
 
     path: str
     text: str
     origin: tuple[str, ...]
     owner: Owner = Owner.RTGEN
-    in_output: bool = False
-
-    @property
-    def below_output(self) -> bool:
-        """Whether its place is below the output folder."""
-        return self.in_output or self.owner is Owner.RTGEN
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,6 +65,11 @@ class Options:
     def folder(self) -> str:
         """The folder of the package, below the output folder."""
         return self.package.replace(".", "/")
+
+    @property
+    def skeleton_prefix(self) -> str:
+        """What stands in front of a skeleton's module when it is imported."""
+        return f"{self.skeleton_package}." if self.skeleton_package else ""
 
 
 @dataclass(frozen=True, slots=True)

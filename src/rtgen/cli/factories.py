@@ -95,9 +95,11 @@ class _EntryPoints(configparser.ConfigParser):
 
 def _generated(project: Project) -> Mapping[str, str]:
     """What the entry_points.txt of the project's generated packages say."""
-    own = project.output / project.package / "components" / "entry_points.txt"
-    boards = project.output / "tecs" / "entry_points.txt"
-    return {**_listed(boards), **_listed(own)}
+    package = project.output / project.package
+    return {
+        **_listed(package / "tecs" / "entry_points.txt"),
+        **_listed(package / "components" / "entry_points.txt"),
+    }
 
 
 def _listed(file: Path) -> Mapping[str, str]:

@@ -160,7 +160,7 @@ OWN_NAMES[Bitmask] = OWN_NAMES[Enum]
 OWN_NAMES[Bitset] = CODEC | NUMBER
 OWN_NAMES[Valuetype] = CODEC | {"described"}
 
-_PACKAGES = frozenset({"components"})
+_PACKAGES = frozenset({"components", "tecs"})
 """The packages that rtgen itself makes below the root."""
 
 Fielded: TypeAlias = Struct | ExceptionDecl | Union | Bitset | Valuetype

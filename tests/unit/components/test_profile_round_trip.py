@@ -32,8 +32,8 @@ PROFILES = sorted((ROOT / "generated").glob("**/components/*/RTC.xml"))
 INCLUDE = (
     SPECS / "idl",
     SPECS / "tecs",
-    ROOT / "generated/tecs",
-    ROOT / "generated/tecs/board",
+    ROOT / "generated/refrobots/tecs",
+    ROOT / "generated/refrobots/tecs/board",
     ROOT / "generated/refrobots/canopen",
     *sorted(p.parent for p in (ROOT / "generated/refrobots/canopen").glob("*/*.idl")),
 )

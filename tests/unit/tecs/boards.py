@@ -93,9 +93,9 @@ def emit(folder: Path, files: dict[str, str]) -> tuple[Emission, list[Diagnostic
 
 
 def texts(artifacts: Sequence[Artifact]) -> dict[str, str]:
-    """Path to text; below the output folder all of them."""
-    assert all(a.owner is Owner.RTGEN or a.in_output for a in artifacts)
-    return {artifact.path: artifact.text for artifact in artifacts}
+    """Path to text; skeletons are in a package beside the generated one, `nodes`."""
+    folders = {Owner.RTGEN: "", Owner.USER: "nodes/"}
+    return {f"{folders[a.owner]}{a.path}": a.text for a in artifacts}
 
 
 def write(folder: Path, artifacts: Sequence[Artifact]) -> None:
@@ -108,10 +108,10 @@ def write(folder: Path, artifacts: Sequence[Artifact]) -> None:
 
 @contextmanager
 def imported(folder: Path, *names: str) -> Iterator[list[ModuleType]]:
-    """Modules of the package `tecs` below the folder, apart from any other such package."""
+    """Modules of the generated package and the skeletons, apart from others of these names."""
 
     def take() -> dict[str, ModuleType]:
-        found = [n for n in sys.modules if n == "tecs" or n.startswith("tecs.")]
+        found = [n for n in sys.modules if n.partition(".")[0] in ("robots", "nodes")]
         return {name: sys.modules.pop(name) for name in found}
 
     before = take()

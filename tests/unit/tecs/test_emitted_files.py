@@ -39,7 +39,7 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.peer
 def test_python_is_in_blacks_form(tree: Path) -> None:
-    found = sorted((tree / "tecs").rglob("*.py"))
+    found = sorted(tree.rglob("*.py"))
     assert len(found) > 40
     for file in found:
         text = file.read_text(encoding="utf-8")
@@ -55,7 +55,7 @@ def test_python_is_typed(tree: Path) -> None:
         "--config-file",
         str(ROOT / "pyproject.toml"),
     ]
-    command += ["--strict", "--cache-dir", str(tree / "cache"), "-p", "tecs"]
+    command += ["--strict", "--cache-dir", str(tree / "cache"), "-p", "robots"]
     run = subprocess.run(
         command,
         cwd=tree,
@@ -68,11 +68,13 @@ def test_python_is_typed(tree: Path) -> None:
 
 
 def test_profiles_are_xml(tree: Path) -> None:
-    profiles = sorted((tree / "tecs").rglob("*.xml"))
+    profiles = sorted((tree / "robots" / "tecs").rglob("*.xml"))
     assert len(profiles) == 7
     for file in profiles:
         etree.parse(file)
-    client = (tree / "tecs" / "server" / "RTC.xml").read_text(encoding="utf-8")
+    client = (tree / "robots" / "tecs" / "server" / "RTC.xml").read_text(
+        encoding="utf-8"
+    )
     assert client.count("<rtc:ServiceInterface ") == 1
     assert 'rtc:direction="Required"' in client
     assert 'rtc:idlFile="Server.idl" rtc:type="Server"' in client
@@ -91,7 +93,9 @@ def test_the_idl_says_what_the_model_says(tree: Path) -> None:
     (package,), _ = packages(read.model)
     side, findings = idl_side(package, communication_model(package.sources))
     assert not findings
-    again = idl.load([tree / "tecs" / "board" / "Motor.idl"], root=tree).model
+    again = idl.load(
+        [tree / "robots" / "tecs" / "board" / "Motor.idl"], root=tree
+    ).model
     names = {d.name for d in again.declarations}
     assert names == {d.name for d in side.services[0].declarations}
     for declaration in side.services[0].declarations:
@@ -116,7 +120,7 @@ def test_the_idl_says_what_the_model_says(tree: Path) -> None:
 @pytest.mark.skipif(SH is None, reason="sh is missing")
 def test_the_build_script(tree: Path, tmp_path: Path) -> None:
     assert SH is not None
-    script = tree / "tecs" / "server" / "build.sh"
+    script = tree / "robots" / "tecs" / "server" / "build.sh"
     subprocess.run([SH, "-n", str(script)], check=True)
     run = subprocess.run(
         [SH, str(script)],
@@ -222,7 +226,7 @@ def test_the_plug_in_for_tecsgen(
     tree: Path, tmp_path: Path, arguments: tuple[str, ...], expected: dict[str, str]
 ) -> None:
     assert RUBY is not None
-    plugin = tree / "tecs" / "server" / "RTCPlugin.rb"
+    plugin = tree / "robots" / "tecs" / "server" / "RTCPlugin.rb"
     subprocess.run([RUBY, "-c", str(plugin)], check=True, capture_output=True)
     stub = tmp_path / "stub.rb"
     stub.write_text(STUB, encoding="utf-8")
@@ -238,7 +242,7 @@ def test_no_allocator_where_none_is_needed(tree: Path, tmp_path: Path) -> None:
     assert RUBY is not None
     stub = tmp_path / "stub.rb"
     stub.write_text(STUB, encoding="utf-8")
-    plugin = str(tree / "tecs" / "server" / "RTCPlugin.rb")
+    plugin = str(tree / "robots" / "tecs" / "server" / "RTCPlugin.rb")
     run = subprocess.run(
         [RUBY, str(stub), plugin, "false"], capture_output=True, text=True, check=True
     )
@@ -257,7 +261,9 @@ def test_names_of_what_every_board_has(tmp_path: Path, name: str) -> None:
     emission, findings = emit(tmp_path, {"a.cdl": joined(text, "sThing")})
     assert not findings
     write(tmp_path, emission.artifacts)
-    with imported(tmp_path, "tecs.a.thing_server", "tecs.a.thing_marshaller") as made:
+    with imported(
+        tmp_path, "robots.tecs.a.thing_server", "robots.tecs.a.thing_marshaller"
+    ) as made:
         assert made[0].ThingTarget.__abstractmethods__ == {
             "abstractmethod_",
             "property",
@@ -278,8 +284,8 @@ def test_the_plug_in_of_a_file_knows_the_joins_of_main_files_that_it_imports(
     )
     emission, _ = emit(tmp_path, {"part.cdl": part, "whole.cdl": whole})
     made = texts(emission.artifacts)
-    plugin = made["tecs/whole/RTCPlugin.rb"]
+    plugin = made["robots/tecs/whole/RTCPlugin.rb"]
     assert "'Caller.cServer' => 8931" in plugin
     assert "'Client0.cServer' => 8931" in plugin
     assert "'sPart' => '" in plugin
-    assert "Caller" not in made["tecs/part/RTCPlugin.rb"]
+    assert "Caller" not in made["robots/tecs/part/RTCPlugin.rb"]

@@ -30,8 +30,8 @@ signature sLamp {
 SERVER = """
 import sys
 from rtgen.runtime.opaque_rpc import TcpChannel, TcpServer
-from tecs.lamp.lamp_marshaller import LampProxy
-from tecs.lamp.lamp_server import LampTarget, LampUnmarshaller
+from robots.tecs.lamp.lamp_marshaller import LampProxy
+from robots.tecs.lamp.lamp_server import LampTarget, LampUnmarshaller
 
 class Lamp(LampTarget):
     def dim(self, percent: int) -> tuple[int, int]:

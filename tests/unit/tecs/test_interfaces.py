@@ -98,7 +98,7 @@ def idl(folder: Path, text: str, name: str = "Face", options: str = "") -> str:
     """The IDL of a signature `sFace`."""
     emission, findings = emit(folder, {"f.cdl": joined(text, "sFace", options=options)})
     assert not has_errors(findings), findings
-    return texts(emission.artifacts)[f"tecs/f/{name}.idl"]
+    return texts(emission.artifacts)[f"robots/tecs/f/{name}.idl"]
 
 
 def accepted(path: Path) -> None:
@@ -118,7 +118,7 @@ def accepted(path: Path) -> None:
 def test_figure_8(tmp_path: Path) -> None:
     emission, findings = emit(tmp_path, {"server.cdl": joined(SERVER, "sServer")})
     assert not findings
-    text = texts(emission.artifacts)["tecs/server/Server.idl"]
+    text = texts(emission.artifacts)["robots/tecs/server/Server.idl"]
     assert """\
 interface Server {
     long func1(in long indata);
@@ -176,7 +176,7 @@ def test_send_and_receive(tmp_path: Path) -> None:
         tmp_path,
         {"f.cdl": text.replace("celltype tServer0", heap + "celltype tServer0")},
     )
-    found = texts(emission.artifacts)["tecs/f/Face.idl"]
+    found = texts(emission.artifacts)["robots/tecs/f/Face.idl"]
     for number, parameters in enumerate(TRANSFERS.values()):
         assert f"    long f{number}({parameters});\n" in found
 
@@ -205,7 +205,7 @@ def test_names_of_the_interface(tmp_path: Path) -> None:
 def test_modules_structs_and_constants(tmp_path: Path) -> None:
     emission, findings = emit(tmp_path, {"board.cdl": joined(MOTOR, "nBoard::sMotor")})
     assert not findings
-    text = texts(emission.artifacts)["tecs/board/Motor.idl"]
+    text = texts(emission.artifacts)["robots/tecs/board/Motor.idl"]
     for line in (
         "const long WHEELS = 2;",
         "module nBoard {",
@@ -235,7 +235,7 @@ def test_files_that_share_types(tmp_path: Path) -> None:
     )
     assert not findings
     for name in ("One", "Two"):
-        text = texts(emission.artifacts)[f"tecs/board/{name}.idl"]
+        text = texts(emission.artifacts)[f"robots/tecs/board/{name}.idl"]
         (tmp_path / f"{name}.idl").write_text(text, encoding="utf-8")
         accepted(tmp_path / f"{name}.idl")
     both = tmp_path / "both.idl"

@@ -29,7 +29,7 @@ def text_of(folder: Path, name: str, options: str, count: int = 1) -> str:
     text = joined(SERVER, *["sServer"] * count, options=options)
     emission, findings = emit(folder, {"server.cdl": text})
     assert not findings
-    return texts(emission.artifacts)[f"tecs/server/{name}"]
+    return texts(emission.artifacts)[f"robots/tecs/server/{name}"]
 
 
 def test_the_defaults_are_those_of_the_runtime() -> None:
@@ -135,7 +135,7 @@ def test_servers_take_as_much_as_the_option_says(
     emission, findings = emit(tmp_path, {"bulk.cdl": text})
     assert not findings
     write(tmp_path, emission.artifacts)
-    names = ("tecs.bulk.bulk_server", "tecs.bulk.bulk_marshaller")
+    names = ("robots.tecs.bulk.bulk_server", "robots.tecs.bulk.bulk_marshaller")
     with imported(tmp_path, *names) as (server, marshaller):
 
         class Target(server.BulkTarget):  # type: ignore[name-defined, misc]
@@ -216,10 +216,14 @@ def test_component_types_of_one_name(tmp_path: Path) -> None:
     text = joined(SERVER, "sServer")
     emission, (finding,) = emit(tmp_path, {"left.cdl": text, "right.cdl": text})
     assert finding.code == "CDL1006"
-    entries = texts(emission.artifacts)["tecs/entry_points.txt"]
-    assert (
-        "ServerMarshaller = tecs.left.server_marshaller:ServerMarshaller\n" in entries
-    )
+    entries = texts(emission.artifacts)["robots/tecs/entry_points.txt"]
+    for entry in (
+        "ServerMarshaller = robots.tecs.left.server_marshaller:ServerMarshaller",
+        "ServerClient = nodes.server_client:ServerClient",
+    ):
+        assert f"{entry}\n" in entries
+    skeleton = texts(emission.artifacts)["nodes/server_client.py"]
+    assert "from robots.tecs.left.components.server_client import" in skeleton
 
 
 def test_callers_through_a_region_share_a_channel(tmp_path: Path) -> None:
@@ -237,10 +241,10 @@ def test_callers_through_a_region_share_a_channel(tmp_path: Path) -> None:
     emission, findings = emit(tmp_path, {"board.cdl": text})
     assert not findings
     files = [path for path in texts(emission.artifacts) if path.endswith(".conf")]
-    assert files == ["tecs/board/OpaqueRpcCommunication0.conf"]
+    assert files == ["robots/tecs/board/OpaqueRpcCommunication0.conf"]
 
 
 def test_the_spelling_of_the_paper(tmp_path: Path) -> None:
     text = joined(SERVER, "sServer").replace("RTCPlugin", "RTCPlug-in")
     emission, _ = emit(tmp_path, {"server.cdl": text})
-    assert "tecs/server/Server.idl" in texts(emission.artifacts)
+    assert "robots/tecs/server/Server.idl" in texts(emission.artifacts)

@@ -33,7 +33,7 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_lines_of_python(tree: Path) -> None:
-    files = list((tree / "tecs").rglob("*.py"))
+    files = list((tree / "robots" / "tecs").rglob("*.py"))
     lines = sum(file.read_text("utf-8").count("\n") for file in files)
     assert lines <= 27 * 20 * 20
     assert not list(tree.rglob("*_calls.py")), "nobody asks for calls over CORBA"
@@ -41,8 +41,8 @@ def test_lines_of_python(tree: Path) -> None:
 
 def test_one_marshaller_imports_one_signature(tree: Path) -> None:
     code = (
-        "import sys, tecs.big.big7_marshaller\n"
-        "print(*(m for m in sys.modules if m.startswith('tecs.big.')))"
+        "import sys, robots.tecs.big.big7_marshaller\n"
+        "print(*(m for m in sys.modules if m.startswith('robots.tecs.big.')))"
     )
     done = subprocess.run(
         [sys.executable, "-c", code],
@@ -52,11 +52,11 @@ def test_one_marshaller_imports_one_signature(tree: Path) -> None:
         check=True,
     )
     modules = done.stdout.split()
-    assert "tecs.big.big7_codec" in modules
+    assert "robots.tecs.big.big7_codec" in modules
     assert not [m for m in modules if "big8" in m]
 
 
 def test_only_the_order_of_replies_that_was_chosen(tree: Path) -> None:
-    text = (tree / "tecs" / "big" / "_messages.py").read_text("utf-8")
+    text = (tree / "robots" / "tecs" / "big" / "_messages.py").read_text("utf-8")
     assert text.count("def encode_reply") == text.count("def encode_request") == 6
     assert "`ER ([in, size_is(n)] const int16_t *v, [in] int32_t n)`" in text

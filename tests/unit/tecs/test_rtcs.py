@@ -44,20 +44,20 @@ def modules(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]
     emission, _ = emit(folder, files)
     write(folder, emission.artifacts)
     names = (
-        "tecs.opaque_rpc_communication",
-        "tecs.server.server_marshaller",
-        "tecs.server.server_server",
-        "tecs.server.ServerClient",
-        "tecs.board.motor_marshaller",
-        "tecs.board.motor_server",
-        "tecs.board.MotorClient",
-        "tecs.board._types",
-        "tecs.board.nboard",
-        "tecs.anys.motor_marshaller",
-        "tecs.anys.motor_server",
-        "tecs.anys.MotorClient",
-        "tecs.anys._types",
-        "tecs.anys.nboard",
+        "robots.tecs.opaque_rpc_communication",
+        "robots.tecs.server.server_marshaller",
+        "robots.tecs.server.server_server",
+        "nodes.server_client",
+        "robots.tecs.board.motor_marshaller",
+        "robots.tecs.board.motor_server",
+        "robots.tecs.board.components.motor_client",
+        "robots.tecs.board._types",
+        "robots.tecs.board.nboard",
+        "robots.tecs.anys.motor_marshaller",
+        "robots.tecs.anys.motor_server",
+        "robots.tecs.anys.components.motor_client",
+        "robots.tecs.anys._types",
+        "robots.tecs.anys.nboard",
     )
     with imported(folder, *names) as found:
         yield dict(zip(names, found, strict=True))
@@ -71,23 +71,27 @@ class Pipeline:
     """A client, a marshaller and a communication RTC, joined and active."""
 
     def __init__(self, modules: dict[str, Any], stem: str, name: str) -> None:
-        marshaller = modules[f"tecs.{stem}.{name.lower()}_marshaller"]
-        client = modules.get(f"tecs.{stem}.{name}Client")
-        communication = modules["tecs.opaque_rpc_communication"]
+        marshaller = modules[f"robots.tecs.{stem}.{name.lower()}_marshaller"]
+        client = {
+            "server": modules["nodes.server_client"].ServerClient,
+            "board": modules[
+                "robots.tecs.board.components.motor_client"
+            ].MotorClientBase,
+            "anys": modules["robots.tecs.anys.components.motor_client"].MotorClientBase,
+        }[stem]
+        communication = modules["robots.tecs.opaque_rpc_communication"]
         self.system = System(RealClock())
         self.marshaller = getattr(marshaller, f"{name}Marshaller")("Marshaller0")
         self.link = communication.OpaqueRpcCommunication("Communication0")
         self.components = [self.link, self.marshaller]
-        if client is not None:
-            self.client = getattr(client, f"{name}Client")("Client0")
-            self.components.append(self.client)
+        self.client = client("Client0")
+        self.components.append(self.client)
         for component in self.components:
             self.system.add(component, 1000.0)
         ends = ("Marshaller0", "communication"), ("Communication0", "service")
         self.system.connect(*ends)
-        if client is not None:
-            port = name.lower()
-            self.system.connect(("Client0", port), ("Marshaller0", port))
+        port = name.lower()
+        self.system.connect(("Client0", port), ("Marshaller0", port))
 
     def to(self, port: int) -> Any:
         """The service, once all are ACTIVE and the board is looked for at that port."""
@@ -130,7 +134,7 @@ def serving(unmarshaller: Any) -> Iterator[int]:
 
 
 def server_board(modules: dict[str, Any], first: int = 0) -> Any:
-    module = modules["tecs.server.server_server"]
+    module = modules["robots.tecs.server.server_server"]
 
     class Board(module.ServerTarget):  # type: ignore[name-defined, misc]
         def func1(self, indata: int) -> int:
@@ -146,8 +150,8 @@ def server_board(modules: dict[str, Any], first: int = 0) -> Any:
 
 
 def motor_board(modules: dict[str, Any], stem: str = "board") -> Any:
-    module = modules[f"tecs.{stem}.motor_server"]
-    types = modules[f"tecs.{stem}._types"]
+    module = modules[f"robots.tecs.{stem}.motor_server"]
+    types = modules[f"robots.tecs.{stem}._types"]
 
     class Board(module.MotorTarget):  # type: ignore[name-defined, misc]
         stopped: list[int] = []  # noqa: RUF012
@@ -225,7 +229,7 @@ def test_values_in_the_view_of_idl(
     modules: dict[str, Any], pipeline: Callable[[str, str], Pipeline]
 ) -> None:
     board = motor_board(modules)
-    idl = modules["tecs.board.nboard"]
+    idl = modules["robots.tecs.board.nboard"]
     with serving(board) as port:
         service = pipeline("board", "Motor").to(port)
         assert service.set(-5, 255, "ab\xff", b"\xff\x02\x80", 3) == 1
@@ -280,7 +284,7 @@ def test_values_in_the_view_of_idl(
 def test_arrays_as_any(
     modules: dict[str, Any], pipeline: Callable[[str, str], Pipeline]
 ) -> None:
-    idl = modules["tecs.anys.nboard"]
+    idl = modules["robots.tecs.anys.nboard"]
     sequence = SequenceDescriptor(PrimitiveDescriptor("octet"))
     text = SequenceDescriptor(PrimitiveDescriptor("char"))
     with serving(motor_board(modules, "anys")) as port:
@@ -334,7 +338,7 @@ def test_a_second_marshaller_is_refused(
     modules: dict[str, Any], pipeline: Callable[[str, str], Pipeline]
 ) -> None:
     joined = pipeline("server", "Server")
-    other = modules["tecs.board.motor_marshaller"].MotorMarshaller("Other0")
+    other = modules["robots.tecs.board.motor_marshaller"].MotorMarshaller("Other0")
     joined.system.add(other)
     ends = ("Other0", "communication"), ("Communication0", "service")
     with pytest.raises(ConnectionLimitError, match="at most 1"):
@@ -368,7 +372,7 @@ def test_settings_that_tell_no_channel(
 
 def test_proxies_need_no_rtcs(modules: dict[str, Any]) -> None:
     channel = ExchangeChannel(PacketServer(motor_board(modules)))
-    proxy = modules["tecs.board.motor_marshaller"].MotorProxy(channel)
+    proxy = modules["robots.tecs.board.motor_marshaller"].MotorProxy(channel)
     assert proxy.maybe(-1, None, None, False) == (1, None, None)
     assert proxy.maybe(None, 255, None, True) == (1, 255, 77)
     with pytest.raises(ValueError, match="3 are needed"):

@@ -41,7 +41,7 @@ def _codec(folder: Path, text: str) -> Iterator[type[Codec]]:
     folder.mkdir()
     emission, _ = emit(folder, {"line.cdl": joined(text, "sLine")})
     write(folder, emission.artifacts)
-    with imported(folder, "tecs.line.line_codec") as (module,):
+    with imported(folder, "robots.tecs.line.line_codec") as (module,):
         yield module.LineCodec
 
 

@@ -117,4 +117,4 @@ def _entry(component: Component, options: Options) -> _Entry:
 
 def _skeleton_module(options: Options, name: str) -> str:
     """Where a component's skeleton is imported from; top-level without a package."""
-    return ".".join(filter(None, (options.skeleton_package, module_name(name))))
+    return f"{options.skeleton_prefix}{module_name(name)}"

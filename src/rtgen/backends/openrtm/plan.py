@@ -254,9 +254,7 @@ class ComponentPlan:
         factory = self.unit.factories.get(self.name) or self.component.factory
         if factory:
             return imported_from(options, factory)
-        module = ".".join(
-            filter(None, (options.skeleton_package, module_name(self.name)))
-        )
+        module = f"{options.skeleton_prefix}{module_name(self.name)}"
         return module, identifier(self.name)
 
     @cached_property

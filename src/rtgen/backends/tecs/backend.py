@@ -11,6 +11,7 @@ from rtgen.backends.components.checks import check
 from rtgen.backends.components.skeleton import skeleton_module
 from rtgen.backends.idl_text import idl_text
 from rtgen.backends.python_text import header, header_comment
+from rtgen.backends.quoting.python import docstring
 from rtgen.backends.rendering import render
 from rtgen.backends.tecs.build_files import (
     build_scripts,
@@ -26,7 +27,7 @@ from rtgen.backends.tecs.communication import (
 )
 from rtgen.backends.tecs.idl_model import IdlService, IdlSide, idl_side
 from rtgen.backends.tecs.marshaller_module import marshaller_module
-from rtgen.backends.tecs.plan import ROOT, Service, TecsPackage, packages
+from rtgen.backends.tecs.plan import FOLDER, Service, TecsPackage, packages
 from rtgen.backends.tecs.rtc_text import client_module
 from rtgen.backends.tecs.rules import NOT_TRANSFERRED
 from rtgen.backends.tecs.server_module import server_module
@@ -39,7 +40,7 @@ from rtgen.layouts.tdr import SignatureLayout, TransferError
 from rtgen.layouts.tdr_messages import layout_of, problems
 from rtgen.model import Component, Declaration, Model, SourceFile
 from rtgen.model.tecs import TecsConst
-from rtgen.typemap.idl_python import PythonNames
+from rtgen.typemap.idl_python import PythonNames, is_emitted
 from rtgen.typemap.python_names import identifier, module_name
 
 
@@ -54,24 +55,43 @@ class TecsBackend:
         if tecs is None or has_errors(findings):
             return Emission((), findings)
         sources, communication = tecs.sources, tecs.communication
-        shared = _options(options, ROOT)
+        shared = _options(options, FOLDER)
         artifacts = [
             *_types(communication, shared, sources),
             *_component(communication, shared, sources),
-            *communication_artifacts(communication, options.version, sources),
+            *communication_artifacts(communication, shared, sources),
         ]
-        entries = dict(_COMMUNICATION)
+        if not any(
+            is_emitted(d) or isinstance(d, Component) for d in model.declarations
+        ):
+            artifacts += _root(options, sources)
+        entries = _communication(shared)
+        skeletons: dict[str, Artifact] = {}
         for package, side, layouts in tecs.sides:
             writer = _Writer(package, side, layouts, options)
             artifacts += writer.artifacts([other for other, _, _ in tecs.sides])
-            entries = {**_entries(package), **entries}
-        artifacts.append(_entry_points(entries, options, sources))
+            for skeleton in writer.skeletons():
+                skeletons.setdefault(skeleton.path, skeleton)
+            entries = {**_entries(package, writer.options), **entries}
+        artifacts.append(_entry_points(entries, shared, sources))
+        artifacts += skeletons.values()
         return Emission(artifacts, findings)
 
 
 BACKEND = TecsBackend()
 
-_COMMUNICATION = {COMPONENT: f"{ROOT}.opaque_rpc_communication:{COMPONENT}"}
+
+def _root(options: Options, sources: Sequence[SourceFile]) -> Iterator[Artifact]:
+    """The project's own package, where no IDL makes it."""
+    origin = tuple(source.key for source in sources)
+    header = header_comment(options.version, origin)
+    text = f"{header}{docstring('What is made of CDL files.', 0)}"
+    yield Artifact(f"{options.folder}/__init__.py", text, origin)
+    yield Artifact(f"{options.folder}/py.typed", "", origin)
+
+
+def _communication(shared: Options) -> dict[str, str]:
+    return {COMPONENT: f"{shared.package}.opaque_rpc_communication:{COMPONENT}"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,11 +112,12 @@ def rtc_packages(model: Model, options: Options) -> list[RtcPackage]:
     tecs, findings = _read(model)
     if tecs is None or has_errors(findings):
         return []
-    shared = _options(options, ROOT)
-    found = [RtcPackage(tecs.communication, shared, _COMMUNICATION, {})]
+    shared = _options(options, FOLDER)
+    found = [RtcPackage(tecs.communication, shared, _communication(shared), {})]
+    external = {FILE: shared.package}
     for package, side, _ in tecs.sides:
-        own = _options(options, package.package)
-        found.append(RtcPackage(side.model, own, _entries(package), {FILE: ROOT}))
+        own = _options(options, package.name)
+        found.append(RtcPackage(side.model, own, _entries(package, own), external))
     return found
 
 
@@ -127,25 +148,28 @@ def _read(model: Model) -> tuple[_Tecs | None, list[Diagnostic]]:
     return _Tecs(sources, communication, tuple(sides)), findings
 
 
-def _options(options: Options, package: str, *, anys: bool = False) -> Options:
-    """The options for the IDL of a package; only CORBA and `any` marshal its values."""
+def _options(options: Options, name: str, *, anys: bool = False) -> Options:
+    """The options for the IDL of a package below the project's own.
+
+    Only CORBA and `any` marshal its values.
+    """
     return replace(
         options,
-        package=package,
-        skeleton_package=package,
+        package=f"{options.package}.{name}",
         lazy=True,
         marshalled=anys or options.tecs_corba or options.target == "openrtm",
     )
 
 
-def _entries(package: TecsPackage) -> dict[str, str]:
-    """The factories of a package's components."""
+def _entries(package: TecsPackage, options: Options) -> dict[str, str]:
+    """The factories of a package's components; `options` are those of the package."""
     found = {}
     for service in package.services:
         marshaller, client = f"{service.name}Marshaller", f"{service.name}Client"
-        module = f"{package.package}.{service.module}_marshaller"
+        module = f"{options.package}.{service.module}_marshaller"
         found[marshaller] = f"{module}:{identifier(marshaller)}"
-        found[client] = f"{package.package}.{client}:{identifier(client)}"
+        module = f"{options.skeleton_prefix}{module_name(client)}"
+        found[client] = f"{module}:{identifier(client)}"
     return found
 
 
@@ -178,10 +202,9 @@ class _Writer:
         self._package = package
         self._layouts = layouts
         self._side = side
-        self._version = options.version
         anys = any(s.options.array == "any" for s in package.services)
-        self._options = replace(
-            _options(options, package.package, anys=anys), external={FILE: "...."}
+        self.options = replace(
+            _options(options, package.name, anys=anys), external={FILE: "...."}
         )
         self._sources = [source.key for source in package.sources]
         self._header = header_comment(options.version, self._sources)
@@ -189,20 +212,31 @@ class _Writer:
     def artifacts(self, packages: Sequence[TecsPackage]) -> Iterator[Artifact]:
         """The files of the package, which is one of these."""
         package, side = self._package, self._side
-        yield from _types(side.model, self._options, package.sources)
+        yield from _types(side.model, self.options, package.sources)
         for idl in side.services:
             yield self._artifact(idl.file, self._idl(idl))
         yield from self._modules()
         for join in package.joins:
-            text = communication_conf(package, join, self._version)
+            text = communication_conf(package, join, self.options.version)
             yield self._artifact(f"{join.instance}.conf", text)
-        plugin = tecsgen_plugin(package, packages, self._version)
+        plugin = tecsgen_plugin(package, packages, self.options.version)
         yield self._artifact("RTCPlugin.rb", plugin)
-        for name, text in build_scripts(package, self._version).items():
+        for name, text in build_scripts(package, self.options).items():
             yield self._artifact(name, text)
 
+    def skeletons(self) -> Iterator[Artifact]:
+        """The clients for the user to complete."""
+        model, options = self._side.model, self.options
+        names = PythonNames(model, options.package)
+        for service in self._package.services:
+            component = model.find((f"{service.name}Client",))
+            assert isinstance(component, Component)
+            text = skeleton_module(model, names, component, options)
+            path = f"{module_name(component.name[-1])}.py"
+            yield Artifact(path, text, self._package.origin, Owner.USER)
+
     def _artifact(self, name: str, text: str) -> Artifact:
-        return Artifact(f"{self._package.folder}/{name}", text, self._package.origin)
+        return Artifact(f"{self.options.folder}/{name}", text, self._package.origin)
 
     def _idl(self, idl: IdlService) -> str:
         """The interface, after what it needs; what other files have, too, is guarded."""
@@ -212,7 +246,9 @@ class _Writer:
                 return ""
             return "_".join(("RTGEN", self._package.stem, *declaration.name, "IDL"))
 
-        head = "".join(f"// {line}\n" for line in header(self._version, self._sources))
+        head = "".join(
+            f"// {line}\n" for line in header(self.options.version, self._sources)
+        )
         macro = f"{self._package.stem}_{idl.service.name}_IDL".upper()
         body = idl_text(
             self._side.model, idl.declarations, annotations=False, guard=guard
@@ -223,7 +259,7 @@ class _Writer:
 
     def _modules(self) -> Iterator[Artifact]:
         package = self._package
-        names = PythonNames(self._side.model, package.package)
+        names = PythonNames(self._side.model, self.options.package)
         unit = package.unit
         layouts = self._layouts
         records = {r.struct.name: r for layout in layouts for r in layout.records}
@@ -249,8 +285,8 @@ class _Writer:
             yield self._artifact("_views.py", views)
 
     def _rtcs(self, service: Service, names: PythonNames) -> Iterator[Artifact]:
-        """The client's base and skeleton, and the profiles of both RTCs."""
-        model, options = self._side.model, self._options
+        """The client's base, and the profiles of both RTCs."""
+        model, options = self._side.model, self.options
         for kind in ("Marshaller", "Client"):
             name = f"{service.name}{kind}"
             component = model.find((name,))
@@ -264,11 +300,6 @@ class _Writer:
             yield self._artifact(f"{folder}/__init__.py", base)
             place = _profile_name(self._package, service.name)
             yield self._artifact(place, profile)
-            skeleton = skeleton_module(model, names, component, options)
-            path = f"{self._package.folder}/{name}.py"
-            yield Artifact(
-                path, skeleton, self._package.origin, Owner.USER, in_output=True
-            )
 
 
 def _profile_name(package: TecsPackage, name: str) -> str:
@@ -313,4 +344,4 @@ def _entry_points(
         header=header_comment(options.version, origin),
         entries=sorted(entries.items()),
     )
-    return Artifact(f"{ROOT}/entry_points.txt", text, origin)
+    return Artifact(f"{options.folder}/entry_points.txt", text, origin)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from rtgen.backends import Options
 from rtgen.backends.python_text import header, header_comment
 from rtgen.backends.rendering import render
 from rtgen.backends.tecs.options import NETWORK_WIDTHS, PC_OPTIONS, RtcOptions
@@ -68,24 +69,26 @@ def tecsgen_plugin(
     )
 
 
-def build_scripts(package: TecsPackage, version: str) -> dict[str, str]:
-    """`build.sh` and `build.bat`."""
+def build_scripts(package: TecsPackage, options: Options) -> dict[str, str]:
+    """`build.sh` and `build.bat`; `options` are those of the package."""
     modules: Sequence[str] = [
-        f"{package.package}.{service.module}_{part}"
+        f"{options.package}.{service.module}_{part}"
         for service in package.services
         for part in ("marshaller", "server")
     ]
     values = {
-        "package": package.package,
+        "package": options.package,
         "check": f"import {', '.join(modules)}",
         "idl": [f"{service.name}.idl" for service in package.services],
     }
     sources = _sources(package)
     return {
         "build.sh": render(
-            "tecs/build.sh.j2", header=header_comment(version, sources), **values
+            "tecs/build.sh.j2",
+            header=header_comment(options.version, sources),
+            **values,
         ),
         "build.bat": render(
-            "tecs/build.bat.j2", header=header(version, sources), **values
+            "tecs/build.bat.j2", header=header(options.version, sources), **values
         ),
     }

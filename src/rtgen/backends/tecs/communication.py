@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from rtgen.backends import Artifact
+from rtgen.backends import Artifact, Options
 from rtgen.backends.components.members import attributes_of
 from rtgen.backends.idl_text import idl_text
 from rtgen.backends.python_text import header_comment
 from rtgen.backends.rendering import render
 from rtgen.backends.tecs.options import FIRST_PORT, RtcOptions
-from rtgen.backends.tecs.plan import ROOT
 from rtgen.backends.tecs.rtc_components import COMMUNICATION
 from rtgen.diagnostics import Span
 from rtgen.model import (
@@ -172,11 +171,11 @@ _DOUBLE = PrimitiveType(Primitive.DOUBLE)
 
 
 def communication_artifacts(
-    model: Model, version: str, sources: tuple[SourceFile, ...]
+    model: Model, options: Options, sources: tuple[SourceFile, ...]
 ) -> tuple[Artifact, ...]:
-    """`OpaqueRpc.idl` and `opaque_rpc_communication.py`."""
+    """`OpaqueRpc.idl` and `opaque_rpc_communication.py`, in the package of the options."""
     origin = tuple(source.key for source in sources)
-    header = header_comment(version, origin)
+    header = header_comment(options.version, origin)
     component = model.find((COMPONENT,))
     assert isinstance(component, Component)
     attributes = attributes_of(component)
@@ -189,6 +188,6 @@ def communication_artifacts(
     comment = header.replace("# ", "// ")
     idl = f"{comment}\n{idl_text(model, model.declarations)}"
     return (
-        Artifact(f"{ROOT}/{FILE}", idl, origin),
-        Artifact(f"{ROOT}/opaque_rpc_communication.py", text, origin),
+        Artifact(f"{options.folder}/{FILE}", idl, origin),
+        Artifact(f"{options.folder}/opaque_rpc_communication.py", text, origin),
     )

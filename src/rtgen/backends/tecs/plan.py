@@ -19,8 +19,8 @@ from rtgen.typemap.python_names import identifier, module_name
 from rtgen.typemap.tecs_python import plain_name
 
 PLUGIN = "RTCPlugin"
-ROOT = "tecs"
-"""The package that all others are in."""
+FOLDER = "tecs"
+"""The package of what is made of CDL files, below the project's own."""
 
 _TAKEN = frozenset({"_idl", "components", "opaque_rpc_communication"})
 """What stands beside the packages of the CDL files."""
@@ -83,14 +83,9 @@ class TecsPackage:
     joins: tuple[RtcJoin, ...]
 
     @property
-    def package(self) -> str:
-        """The Python package."""
-        return f"{ROOT}.{self.stem}"
-
-    @property
-    def folder(self) -> str:
-        """Its folder, below the output folder."""
-        return f"{ROOT}/{self.stem}"
+    def name(self) -> str:
+        """The Python package, below the project's own."""
+        return f"{FOLDER}.{self.stem}"
 
     @property
     def origin(self) -> tuple[str, ...]:

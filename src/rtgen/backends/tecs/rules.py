@@ -116,13 +116,14 @@ SAME_COMPONENT = Rule(
     """\
 Two CDL files both have joins of a signature with the same name through `RTCPlugin`, so there are
 two component types `<Name>Marshaller`. `rtgen run` finds components by their type, and takes
-those of the first file.
+those of the first file. The skeleton of `<Name>Client` is that of the first file, too; clients of
+the other one are subclasses of its `<Name>ClientBase`.
 
 Name the one to use in `[components]` of `rtgen.toml`:
 
 ```toml
 [components]
-MotorMarshaller = "tecs.right_board.motor_marshaller:MotorMarshaller"
+MotorMarshaller = "robots.tecs.right_board.motor_marshaller:MotorMarshaller"
 ```
 """,
 )

@@ -1,15 +1,15 @@
-# Created once by rtgen 0.1.0 from cdl/board.cdl.
+# Created once by rtgen 0.1.0 from specs/tecs/board.cdl.
 # Yours to edit: rtgen never touches it again.
-"""MotorClient: Calls nBoard::sMotor of a TECS board"""
+"""MotorBoardClient: Calls sMotorBoard of a TECS board"""
 
 from __future__ import annotations
 
+from refrobots.tecs.board.components.motor_board_client import MotorBoardClientBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
-from tecs.board.components.motor_client import MotorClientBase
 
 
-class MotorClient(MotorClientBase):
-    """Calls nBoard::sMotor of a TECS board."""
+class MotorBoardClient(MotorBoardClientBase):
+    """Calls sMotorBoard of a TECS board."""
 
     def on_initialize(self) -> ReturnCode_t:
         """Called once, when it is created."""

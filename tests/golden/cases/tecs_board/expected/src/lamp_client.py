@@ -1,15 +1,15 @@
-# Created once by rtgen 0.1.0 from specs/tecs/board.cdl.
+# Created once by rtgen 0.1.0 from cdl/board.cdl.
 # Yours to edit: rtgen never touches it again.
-"""MotorBoardClient: Calls sMotorBoard of a TECS board"""
+"""LampClient: Calls nBoard::sLamp of a TECS board"""
 
 from __future__ import annotations
 
+from robots.tecs.board.components.lamp_client import LampClientBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
-from tecs.board.components.motor_board_client import MotorBoardClientBase
 
 
-class MotorBoardClient(MotorBoardClientBase):
-    """Calls sMotorBoard of a TECS board."""
+class LampClient(LampClientBase):
+    """Calls nBoard::sLamp of a TECS board."""
 
     def on_initialize(self) -> ReturnCode_t:
         """Called once, when it is created."""

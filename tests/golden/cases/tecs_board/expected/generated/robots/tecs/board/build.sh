@@ -3,17 +3,17 @@
 # Owned by rtgen: edits are overwritten by the next run.
 # Installs what the components need, checks them, and compiles the IDL for a CORBA ORB.
 # PYTHON: the interpreter (python3); RTGEN: what to install if rtgen is missing (rtgen; a
-# path will do); STUBS: where CORBA stubs go (build/tecs.board beside the output folder).
+# path will do); STUBS: where CORBA stubs go (build/robots.tecs.board beside the output folder).
 set -eu
 cd "$(dirname "$0")"
 python="${PYTHON:-python3}"
-stubs="${STUBS:-../../../build/tecs.board}"
+stubs="${STUBS:-../../../../build/robots.tecs.board}"
 "$python" -c "import rtgen.runtime" 2>/dev/null || "$python" -m pip install "${RTGEN:-rtgen}"
-(cd ../.. && "$python" -c 'import tecs.board.motor_marshaller, tecs.board.motor_server, tecs.board.lamp_marshaller, tecs.board.lamp_server')
+(cd ../../.. && "$python" -c 'import robots.tecs.board.motor_marshaller, robots.tecs.board.motor_server, robots.tecs.board.lamp_marshaller, robots.tecs.board.lamp_server')
 if command -v omniidl >/dev/null 2>&1; then
     mkdir -p "$stubs"
     omniidl -bpython -C"$stubs" Motor.idl Lamp.idl ../OpaqueRpc.idl
 else
     echo "omniidl is missing: no CORBA stubs were made" >&2
 fi
-echo "tecs.board: ready"
+echo "robots.tecs.board: ready"

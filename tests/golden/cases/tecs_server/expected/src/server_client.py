@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
+from robots.tecs.server.components.server_client import ServerClientBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
-from tecs.server.components.server_client import ServerClientBase
 
 
 class ServerClient(ServerClientBase):

@@ -1,15 +1,15 @@
 # Created once by rtgen 0.1.0 from cdl/board.cdl.
 # Yours to edit: rtgen never touches it again.
-"""LampClient: Calls nBoard::sLamp of a TECS board"""
+"""MotorClient: Calls nBoard::sMotor of a TECS board"""
 
 from __future__ import annotations
 
+from robots.tecs.board.components.motor_client import MotorClientBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
-from tecs.board.components.lamp_client import LampClientBase
 
 
-class LampClient(LampClientBase):
-    """Calls nBoard::sLamp of a TECS board."""
+class MotorClient(MotorClientBase):
+    """Calls nBoard::sMotor of a TECS board."""
 
     def on_initialize(self) -> ReturnCode_t:
         """Called once, when it is created."""
