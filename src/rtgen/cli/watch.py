@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from rtgen.cli.common import OK, Console
-from rtgen.cli.generate import Request, perform
+from rtgen.cli.generation import Request, generate_once
 from rtgen.diagnostics import InputError, ToolError
 from rtgen.project import FILE_NAME, find
 
@@ -61,7 +61,7 @@ def watch(console: Console, request: Request) -> int:
 def _attempt(console: Console, request: Request) -> tuple[Path, ...]:
     """One run; the files that it looked for. Findings are told, and do not end the watch."""
     try:
-        return tuple(perform(console, request)[1])
+        return tuple(generate_once(console, request)[1])
     except InputError as error:
         console.findings(error.diagnostics)
     except ToolError as error:

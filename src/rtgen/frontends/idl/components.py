@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rtgen.diagnostics import Diagnostic, Related
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.annotations import Annotations, contradictions, limits, text
+from rtgen.frontends.idl.common_fields import CommonFields
 from rtgen.frontends.idl.rules import annotations as rules
 from rtgen.frontends.idl.scopes import Entity, Kind
 from rtgen.frontends.idl.typetable import Types
@@ -27,9 +28,6 @@ from rtgen.model import (
     StringType,
     Type,
 )
-
-if TYPE_CHECKING:
-    from rtgen.frontends.idl.lower import Lowering
 
 _KINDS = {
     "consumes": PortKind.INPORT,
@@ -57,10 +55,10 @@ class Components:
     """Makes the model's components; findings go to `report`."""
 
     def __init__(
-        self, types: Types, lowering: Lowering, report: Callable[[Diagnostic], None]
+        self, types: Types, fields: CommonFields, report: Callable[[Diagnostic], None]
     ) -> None:
         self._types = types
-        self._lowering = lowering
+        self._fields = fields
         self._report = report
         self._made: dict[Entity, Component] = {}
 
@@ -69,7 +67,7 @@ class Components:
     ) -> Component:
         """The component, with what it inherits."""
         unit = entity.unit
-        common = self._lowering.common(entity)
+        common = self._fields.common(entity)
         base = self._base(node)
         ports = list(base.ports) if base else []
         configuration = list(base.configuration) if base else []
@@ -180,7 +178,7 @@ class Components:
         type_name = self._outside(found, "type_name", "", entity) if service else ""
         return Port(
             span=entity.span,
-            doc=self._lowering.doc(item, unit),
+            doc=self._fields.doc(item, unit),
             annotations=found,
             kind=kind,
             name=name,
@@ -248,7 +246,7 @@ class Components:
             self._report(rules.BAD_PARAMETER_TYPE.at(span, message, hint=hint))
             return []
         found = annotations.of(item.annotations, "configuration", unit, type_)
-        doc = self._lowering.doc(item, unit)
+        doc = self._fields.doc(item, unit)
         made = []
         for name in node.names:
             entity = self._types.tables.entities[name]

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from decimal import ROUND_DOWN, Context, Decimal
 from enum import StrEnum
 from math import copysign, inf, isfinite
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from rtgen.diagnostics import Diagnostic, Related, Rule
 from rtgen.facts.primitives import INTEGER_RANGES
@@ -18,7 +18,7 @@ from rtgen.frontends.idl.rules import names as name_rules
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.rules import types as type_rules
 from rtgen.frontends.idl.scopes import Entity, Kind
-from rtgen.frontends.idl.tables import MAX_DEPTH
+from rtgen.frontends.idl.tables import MAX_DEPTH, Tables
 from rtgen.frontends.idl.unit import Unit
 from rtgen.model import (
     ConstantValue,
@@ -31,9 +31,6 @@ from rtgen.model import (
     StringType,
     Type,
 )
-
-if TYPE_CHECKING:
-    from rtgen.frontends.idl.typetable import Types
 
 FLOATS = frozenset((Primitive.FLOAT, Primitive.DOUBLE, Primitive.LONG_DOUBLE))
 _CHARACTERS = {Primitive.CHAR: False, Primitive.WCHAR: True}
@@ -125,10 +122,24 @@ class _NoValueError(Exception):
     """The expression has no value; the finding is reported already."""
 
 
+class TypeLookup(Protocol):
+    """What constants need of `typetable.Types`."""
+
+    tables: Tables
+
+    def of_node(self, node: tree.TypeNode, unit: Unit, /) -> Type | None: ...
+
+    def unaliased(self, type_: Type | None, /) -> Type | None: ...
+
+    def is_enum(self, name: ScopedName, /) -> bool: ...
+
+    def enum_of(self, enumerator: ScopedName, /) -> ScopedName | None: ...
+
+
 class Constants:
     """Evaluates expressions; findings go to `report`."""
 
-    def __init__(self, types: Types, report: Callable[[Diagnostic], None]) -> None:
+    def __init__(self, types: TypeLookup, report: Callable[[Diagnostic], None]) -> None:
         self._types = types
         self._report = report
         self._values: dict[Entity, ConstantValue | None] = {}

@@ -7,9 +7,9 @@ from decimal import Decimal
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic
-from rtgen.frontends.docs import Docs
 from rtgen.frontends.idl import traits, tree
-from rtgen.frontends.idl.annotations import PLACES, Annotations, flag
+from rtgen.frontends.idl.annotations import Annotations, flag
+from rtgen.frontends.idl.common_fields import CommonFields
 from rtgen.frontends.idl.components import Components
 from rtgen.frontends.idl.constants import fixed_type_of
 from rtgen.frontends.idl.enumerations import Enumerations
@@ -52,13 +52,13 @@ class Lowering:
         self._types = types
         self._tables = types.tables
         self._annotations = Annotations(types, report)
-        self._components = Components(types, self, report)
+        self._fields = CommonFields(self._annotations)
+        self._components = Components(types, self._fields, report)
         self._enumerations = Enumerations(types, self._annotations, report)
         self._modules = {
             id(item): self._annotations.of(item.annotations, "module", unit)
             for item, unit in types.tables.modules
         }
-        self._docs: dict[Unit, Docs] = {}
         self._makers: dict[Kind, Callable[[Entity, Any], Declaration | None]] = {
             Kind.STRUCT: self._struct,
             Kind.EXCEPTION: self._exception,
@@ -91,58 +91,30 @@ class Lowering:
         """An interface that is never defined can still be referred to."""
         if entity.kind is Kind.INTERFACE:
             return Interface(
-                **self.common(entity),
+                **self._fields.common(entity),
                 abstract=entity.modifier == "abstract",
                 local=entity.modifier == "local",
                 forward=True,
             )
         if entity.kind is Kind.VALUETYPE:
             return Valuetype(
-                **self.common(entity),
+                **self._fields.common(entity),
                 abstract=entity.modifier == "abstract",
                 forward=True,
             )
         return None
 
-    def common(self, entity: Entity, type_: Type | None = None) -> dict[str, Any]:
-        """The fields that every declaration has."""
-        item = entity.item
-        return {
-            "name": entity.path,
-            "repository_id": entity.repository_id,
-            "file": entity.unit.source.name,
-            "span": entity.span,
-            "doc": self.doc(item, entity.unit),
-            "annotations": self._annotations.of(
-                item.annotations if item else (),
-                PLACES.get(entity.kind, entity.kind.value),
-                entity.unit,
-                type_,
-            ),
-        }
-
     def _with_defaults(
         self, entity: Entity, *, derived: bool = False
     ) -> dict[str, Any]:
         """The fields that every declaration has, with what annotations of modules say of it."""
-        common = self.common(entity)
+        common = self._fields.common(entity)
         if entity.around:
             modules = [self._modules[id(item)] for item in entity.around]
             common["annotations"] = traits.with_defaults(
                 common["annotations"], modules, derived
             )
         return common
-
-    def doc(
-        self, item: tree.Item | tree.Enumerator | tree.Parameter | None, unit: Unit
-    ) -> str:
-        """The doc comment of an entry."""
-        if item is None or item.start == item.end:
-            return ""
-        docs = self._docs.get(unit)
-        if docs is None:
-            docs = self._docs[unit] = Docs(unit.text, unit.comments)
-        return docs.of(item.start, item.end)
 
     # Structs and the like
 
@@ -153,7 +125,7 @@ class Lowering:
         whole = True
         for item in body.items:
             if isinstance(item.node, tree.Member):
-                doc = self.doc(item, unit)
+                doc = self._fields.doc(item, unit)
                 for declarator in item.node.declarators:
                     member = self._member(declarator, item, doc, unit, hashed)
                     if member is None:
@@ -174,7 +146,7 @@ class Lowering:
         type_ = self._types.of_entity(entity)
         if type_ is None or entity.poisoned:
             return None
-        commented = "@" in doc and self._docs[unit].say_key(item.end)
+        commented = "@" in doc and self._fields.comment_says_key(item, unit)
         if not item.annotations and not hashed and not commented:
             return Member(span=entity.span, doc=doc, name=entity.name, type=type_)
         found = self._annotations.of(item.annotations, "member", unit, type_)
@@ -207,7 +179,7 @@ class Lowering:
         return (
             None
             if members is None
-            else ExceptionDecl(**self.common(entity), members=members)
+            else ExceptionDecl(**self._fields.common(entity), members=members)
         )
 
     def _target(self, name: tree.ScopedName | None) -> ScopedName | None:
@@ -263,7 +235,7 @@ class Lowering:
         found = self._annotations.of(item.annotations, "case", unit, type_)
         return Case(
             span=entity.span,
-            doc=self.doc(item, unit),
+            doc=self._fields.doc(item, unit),
             annotations=found,
             labels=tuple(labels),
             default=any(label.value is None for label in node.labels),
@@ -277,8 +249,8 @@ class Lowering:
         return self._enumerations.declaration(
             node,
             entity,
-            self.common(entity),
-            lambda member: self.doc(member, entity.unit),
+            self._fields.common(entity),
+            lambda member: self._fields.doc(member, entity.unit),
         )
 
     def _bitset(self, entity: Entity, node: tree.Bitset) -> Declaration | None:
@@ -292,7 +264,7 @@ class Lowering:
                 if fields is None:
                     return None
                 members += fields
-        return Bitset(**self.common(entity), members=tuple(members), base=base)
+        return Bitset(**self._fields.common(entity), members=tuple(members), base=base)
 
     def _bitfields(
         self, item: tree.Item, node: tree.Bitfield, unit: Unit
@@ -302,7 +274,7 @@ class Lowering:
         if bits is None or (type_ is None and node.type is not None):
             return None
         common: dict[str, Any] = {
-            "doc": self.doc(item, unit),
+            "doc": self._fields.doc(item, unit),
             "annotations": self._annotations.of(item.annotations, "bitfield", unit),
             "bits": bits,
             "type": type_,
@@ -317,7 +289,9 @@ class Lowering:
     def _typedef(self, entity: Entity, node: object) -> Declaration | None:
         type_ = self._types.of_entity(entity)
         return (
-            None if type_ is None else Typedef(**self.common(entity, type_), type=type_)
+            None
+            if type_ is None
+            else Typedef(**self._fields.common(entity, type_), type=type_)
         )
 
     def _const(self, entity: Entity, node: tree.Const) -> Declaration | None:
@@ -327,16 +301,16 @@ class Lowering:
             return None
         if isinstance(type_, FixedType) and isinstance(value, Decimal):
             type_ = fixed_type_of(value)
-        return Const(**self.common(entity, type_), type=type_, value=value)
+        return Const(**self._fields.common(entity, type_), type=type_, value=value)
 
     def _native(self, entity: Entity, node: tree.Native) -> Declaration:
-        return Native(**self.common(entity))
+        return Native(**self._fields.common(entity))
 
     # Interfaces and the like
 
     def _interface(self, entity: Entity, node: tree.Interface) -> Declaration | None:
         return Interface(
-            **self.common(entity),
+            **self._fields.common(entity),
             bases=self._targets(node.bases),
             abstract=node.modifier == "abstract",
             local=node.modifier == "local",
@@ -357,7 +331,7 @@ class Lowering:
                 attributes.append(
                     Attribute(
                         span=entity.span,
-                        doc=self.doc(item, unit),
+                        doc=self._fields.doc(item, unit),
                         annotations=self._annotations.of(
                             item.annotations, "attribute", unit, type_
                         ),
@@ -397,7 +371,7 @@ class Lowering:
             return None
         return Operation(
             span=entity.span,
-            doc=self.doc(item, unit),
+            doc=self._fields.doc(item, unit),
             annotations=self._annotations.of(
                 item.annotations, "operation", unit, returns
             ),
@@ -419,7 +393,7 @@ class Lowering:
             return None
         return Parameter(
             span=entity.span,
-            doc=self.doc(node, unit),
+            doc=self._fields.doc(node, unit),
             annotations=self._annotations.of(
                 node.annotations, "parameter", unit, type_
             ),
@@ -434,7 +408,10 @@ class Lowering:
             if isinstance(item.node, tree.State):
                 for declarator in item.node.member.declarators:
                     member = self._member(
-                        declarator, item, self.doc(item, entity.unit), entity.unit
+                        declarator,
+                        item,
+                        self._fields.doc(item, entity.unit),
+                        entity.unit,
                     )
                     if member is None:
                         return None
@@ -454,7 +431,7 @@ class Lowering:
                         )
                     )
         return Valuetype(
-            **self.common(entity),
+            **self._fields.common(entity),
             bases=self._targets(node.bases),
             supports=self._targets(node.supports),
             abstract=node.modifier == "abstract",
@@ -469,10 +446,14 @@ class Lowering:
 
     def _value_box(self, entity: Entity, node: tree.ValueBox) -> Declaration | None:
         type_ = self._types.of_node(node.type, entity.unit)
-        return None if type_ is None else ValueBox(**self.common(entity), type=type_)
+        return (
+            None
+            if type_ is None
+            else ValueBox(**self._fields.common(entity), type=type_)
+        )
 
     def _component(self, entity: Entity, node: tree.Component) -> Declaration | None:
         return self._components.declaration(entity, node, self._annotations)
 
     def _home(self, entity: Entity, node: tree.Home) -> Declaration | None:
-        return Home(**self.common(entity), manages=self._target(node.manages))
+        return Home(**self._fields.common(entity), manages=self._target(node.manages))

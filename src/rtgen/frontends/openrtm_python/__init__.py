@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic
-from rtgen.frontends.openrtm_python.modules import Module, Modules
+from rtgen.frontends.openrtm_python.modules import Modules
 from rtgen.frontends.openrtm_python.reader import ModuleReader
 from rtgen.frontends.openrtm_python.source import read_source
+from rtgen.frontends.openrtm_python.values import Module
 from rtgen.model.rtc_profile import RtcProfile
 
 

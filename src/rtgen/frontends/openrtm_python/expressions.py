@@ -6,7 +6,7 @@ import ast
 import operator
 import re
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from rtgen.frontends.openrtm_python.values import (
     CONSTANTS,
@@ -14,6 +14,7 @@ from rtgen.frontends.openrtm_python.values import (
     Bound,
     Class,
     Component,
+    Frame,
     Function,
     Made,
     Named,
@@ -22,9 +23,6 @@ from rtgen.frontends.openrtm_python.values import (
     Value,
     merged,
 )
-
-if TYPE_CHECKING:
-    from rtgen.frontends.openrtm_python.walker import Frame, Walker
 
 _DEEPEST = 60
 _WIDE = re.compile(r"\d{4}")
@@ -105,10 +103,20 @@ def iterated(value: Value) -> list[Value] | None:
     return None
 
 
+class Statements(Protocol):
+    """What expressions need of the walker, which follows the statements."""
+
+    def step(self) -> None: ...
+
+    def call(self, node: ast.Call, frame: Frame, /) -> Value: ...
+
+    def assign(self, target: ast.expr, value: Value, frame: Frame, /) -> None: ...
+
+
 class Expressions:
     """Evaluates expressions in a frame; calls go to the walker."""
 
-    def __init__(self, walker: Walker) -> None:
+    def __init__(self, walker: Statements) -> None:
         self._walker = walker
         self._depth = 0
 

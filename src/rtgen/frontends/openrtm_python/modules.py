@@ -4,37 +4,17 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from rtgen.frontends.openrtm_python.source import Source, read_source
-from rtgen.frontends.openrtm_python.values import Class, Function, Named, Value
+from rtgen.frontends.openrtm_python.values import Class, Function, Module, Named, Value
 
 _MOST_MODULES = 50
 _MOST_FOLDERS = 6
 _STUBS = "import omniORB"
 _OPENRTM = (("OpenRTM_aist",), ("omniORB",), ("RTC",))
 """Packages that are OpenRTM's own, wherever they are."""
-
-
-@dataclass(eq=False, slots=True)
-class Module:
-    """A module that was read: the names that it defines, and what it imports by `*`."""
-
-    source: Source
-    tree: ast.Module
-    names: dict[str, Value] = field(default_factory=dict)
-    open_modules: list[str] = field(default_factory=list)
-    open_names: list[Module] = field(default_factory=list)
-
-    def find(self, name: str) -> Value | None:
-        """What a name stands for; None if the module says nothing of it."""
-        if name in self.names:
-            return self.names[name]
-        for other in self.open_names:
-            if name in other.names:
-                return other.names[name]
-        return None
 
 
 @dataclass(eq=False, slots=True)

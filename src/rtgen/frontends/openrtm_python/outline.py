@@ -5,15 +5,16 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 
-from rtgen.frontends.openrtm_python.modules import Module
 from rtgen.frontends.openrtm_python.values import (
     Class,
+    Frame,
+    Module,
     Named,
     Unknown,
     Value,
     dotted,
 )
-from rtgen.frontends.openrtm_python.walker import Frame, Walker
+from rtgen.frontends.openrtm_python.walker import Walker
 
 _BASES = ("DataFlowComponentBase", "FiniteStateMachineComponentBase")
 _KEY = "implementation_id"

@@ -8,10 +8,10 @@ from typing import Protocol
 from rtgen.diagnostics import Rule, Span
 from rtgen.frontends.openrtm_python import rules
 from rtgen.frontends.openrtm_python.expressions import is_made
-from rtgen.frontends.openrtm_python.modules import Module
 from rtgen.frontends.openrtm_python.values import (
     Component,
     Made,
+    Module,
     Value,
     alternatives,
     scoped,

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from rtgen.diagnostics import Diagnostic, Rule, Span
 from rtgen.frontends.openrtm_python import rules
-from rtgen.frontends.openrtm_python.modules import Module, Modules
+from rtgen.frontends.openrtm_python.modules import Modules
 from rtgen.frontends.openrtm_python.outline import (
     Item,
     component_classes,
@@ -21,6 +21,7 @@ from rtgen.frontends.openrtm_python.values import (
     UNKNOWN,
     Class,
     Component,
+    Module,
     Value,
     dotted,
 )

@@ -5,10 +5,9 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
-if TYPE_CHECKING:
-    from rtgen.frontends.openrtm_python.modules import Module
+from rtgen.frontends.openrtm_python.source import Source
 
 GLOBAL_STUBS = ("_GlobalIDL", "_GlobalIDL__POA")
 """The packages in which omniidl's Python back end puts what stands in no IDL module."""
@@ -74,6 +73,26 @@ class Made:
 
 
 @dataclass(eq=False, slots=True)
+class Module:
+    """A module that was read: the names that it defines, and what it imports by `*`."""
+
+    source: Source
+    tree: ast.Module
+    names: dict[str, Value] = field(default_factory=dict)
+    open_modules: list[str] = field(default_factory=list)
+    open_names: list[Module] = field(default_factory=list)
+
+    def find(self, name: str) -> Value | None:
+        """What a name stands for; None if the module says nothing of it."""
+        if name in self.names:
+            return self.names[name]
+        for other in self.open_names:
+            if name in other.names:
+                return other.names[name]
+        return None
+
+
+@dataclass(eq=False, slots=True)
 class Class:
     """A class statement."""
 
@@ -105,6 +124,31 @@ class Component:
                 if isinstance(node, ast.FunctionDef) and node.name == name:
                     return Function(node, each.module, each)
         return None
+
+
+@dataclass(eq=False, slots=True)
+class Frame:
+    """Where a statement stands: its module, its function's variables, and `self`."""
+
+    module: Module
+    names: dict[str, Value] | None = None
+    component: Component | None = None
+    owner: Class | None = None
+
+    def find(self, name: str) -> Value:
+        """What a name stands for."""
+        if self.names is not None and name in self.names:
+            return self.names[name]
+        found = self.module.find(name)
+        return Named((name,)) if found is None else found
+
+    def bind(self, name: str, value: Value) -> None:
+        """Gives a name a value."""
+        (self.module.names if self.names is None else self.names)[name] = value
+
+    def inner(self) -> Frame:
+        """The frame of an expression with variables of its own."""
+        return Frame(self.module, dict(self.names or {}), self.component, self.owner)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,6 @@ from rtgen.frontends.openrtm_python.expressions import (
     iterated,
 )
 from rtgen.frontends.openrtm_python.modules import (
-    Module,
     ModuleName,
     Modules,
     definition,
@@ -23,8 +22,10 @@ from rtgen.frontends.openrtm_python.values import (
     Bound,
     Class,
     Component,
+    Frame,
     Function,
     Made,
+    Module,
     Named,
     Super,
     Unknown,
@@ -58,31 +59,6 @@ class Call:
     def argument(self, place: int, *names: str) -> Value:
         """An argument by its place, or by one of its names."""
         return self.made.argument(place, *names)
-
-
-@dataclass(eq=False, slots=True)
-class Frame:
-    """Where a statement stands: its module, its function's variables, and `self`."""
-
-    module: Module
-    names: dict[str, Value] | None = None
-    component: Component | None = None
-    owner: Class | None = None
-
-    def find(self, name: str) -> Value:
-        """What a name stands for."""
-        if self.names is not None and name in self.names:
-            return self.names[name]
-        found = self.module.find(name)
-        return Named((name,)) if found is None else found
-
-    def bind(self, name: str, value: Value) -> None:
-        """Gives a name a value."""
-        (self.module.names if self.names is None else self.names)[name] = value
-
-    def inner(self) -> Frame:
-        """The frame of an expression with variables of its own."""
-        return Frame(self.module, dict(self.names or {}), self.component, self.owner)
 
 
 @dataclass(frozen=True, slots=True)
