@@ -26,7 +26,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters bench clean
+.PHONY: demo gallery test check format lint types pyright imports drift pytest test-openrtm interpreters fuzz bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -78,6 +78,12 @@ test-openrtm: $(VENV)/test.stamp
 # Each commit tries one; `tests/interpreters.py --all` tries all that this machine has.
 interpreters: $(VENV)/test.stamp
 	$(BIN)/python tests/interpreters.py
+
+# The random tests with thirty times their inputs, others each time: `make fuzz RTGEN_SEED=7` repeats them.
+fuzz: export RTGEN_SEED ?= $(shell date +%s)
+fuzz: export RTGEN_BUDGET ?= 30
+fuzz: $(VENV)/test.stamp
+	$(BIN)/pytest -n 2 --dist worksteal -m random
 
 bench: $(VENV)/bench.stamp
 	for script in benchmarks/*.py; do $(BIN)/python $$script || exit 1; done

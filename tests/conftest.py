@@ -7,6 +7,7 @@ import signal
 from pathlib import Path
 
 import pytest
+import seeds
 from hypothesis import settings
 
 # How long an example takes is the machine's matter.
@@ -22,8 +23,20 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 TESTS = Path(__file__).parent
-RANDOM = {"fuzz", "test_random_types_omniorb.py"}
-"""Folders and files of tests with thousands of drawn inputs."""
+DRAWN = {seeds.seed, seeds.budget, seeds.cases}
+"""A file that uses one of them has tests with many drawn inputs."""
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_configure(config: pytest.Config) -> None:
+    """Hypothesis draws by the seed of the run, unless it is given one of its own."""
+    if config.option.hypothesis_seed is None:
+        config.option.hypothesis_seed = str(seeds.seed())
+
+
+def pytest_report_header() -> str:
+    """How a run is repeated."""
+    return f"random tests: RTGEN_SEED={seeds.seed()}"
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -38,12 +51,18 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Repetition covers nothing more: what is random or slow runs without being traced.
 
+    `make fuzz` selects what is random by its marker.
+
     OpenRTM's manager is the process's until its end, with an ORB and loggers that keep their
     settings, so its tests come last.
     """
     items.sort(key=lambda item: "openrtm" in item.path.relative_to(TESTS).parts[:1])
     for item in items:
-        if item.get_closest_marker("slow") or RANDOM.intersection(item.path.parts):
+        assert isinstance(item, pytest.Function)
+        is_random = any(getattr(item.module, f.__name__, None) is f for f in DRAWN)
+        if is_random:
+            item.add_marker("random")
+        if is_random or item.get_closest_marker("slow"):
             item.add_marker("no_cover")
 
 

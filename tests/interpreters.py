@@ -13,6 +13,8 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+from seeds import commit
+
 SUPPORTED = ("3.11", "3.12", "3.13")
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -91,15 +93,6 @@ def try_on(
 def chosen(found: Sequence[str], commit: str) -> str:
     """The version that this commit is tried on."""
     return found[int(commit[:8], 16) % len(found)]
-
-
-def commit() -> str:
-    """The commit of the working tree, zeros outside of a repository."""
-    command = ["git", "rev-parse", "HEAD"]
-    answer = subprocess.run(
-        command, cwd=ROOT, capture_output=True, text=True, check=False
-    )
-    return answer.stdout.strip() or "0" * 40
 
 
 def main() -> int:

@@ -1,6 +1,6 @@
 """No schedule on a CAN bus makes a message later than computed.
 
-`python tests/fuzz/can_schedules.py 10000` tries more of them.
+`make fuzz` and `python tests/fuzz/can_schedules.py 10000` try more of them.
 """
 
 from dataclasses import replace
@@ -8,15 +8,16 @@ from dataclasses import replace
 import pytest
 from can_schedules import ScheduleTarget
 from fuzzing import run
+from seeds import budget, cases
 
 from rtgen.layouts.can_timing import Message
 
 
 def test_schedules() -> None:
-    report = run(ScheduleTarget, range(200))
+    report = run(ScheduleTarget, cases(200))
     assert not report.failures, report.failures[0].detail
-    assert report.labels["bound"] > 600
-    assert report.labels["nearly reached"] > 60
+    assert report.labels["bound"] > budget(600)
+    assert report.labels["nearly reached"] > budget(30)
 
 
 class Unaware(ScheduleTarget):

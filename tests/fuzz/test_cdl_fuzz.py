@@ -4,14 +4,15 @@ from pathlib import Path
 
 from cdl import CdlTarget
 from fuzzing import run
+from seeds import budget, cases
 
 
 def test_definitions() -> None:
-    report = run(CdlTarget, range(600))
+    report = run(CdlTarget, cases(200))
     assert not report.failures, report.failures[0].detail
-    assert report.labels["read"] > 20
-    assert report.labels["errors"] > 300
-    assert len(report.labels) > 100
+    assert report.labels["read"]
+    assert report.labels["errors"] > budget(100)
+    assert len(report.labels) > 50
 
 
 def test_random_octets(tmp_path: Path) -> None:

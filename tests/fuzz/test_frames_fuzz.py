@@ -2,15 +2,16 @@
 
 from frames import BusTarget, NodeTarget
 from fuzzing import run
+from seeds import budget, cases
 
 
 def test_a_slave() -> None:
-    report = run(NodeTarget, range(700))
+    report = run(NodeTarget, cases(200))
     assert not report.failures, report.failures[0].detail
     assert len(report.labels) == 4
 
 
 def test_a_bus() -> None:
-    report = run(BusTarget, range(6))
+    report = run(BusTarget, cases(4))
     assert not report.failures, report.failures[0].detail
-    assert report.labels["sdo"] == report.labels["heartbeat"] == 6
+    assert report.labels["sdo"] == report.labels["heartbeat"] == budget(4)

@@ -169,7 +169,7 @@ def test_random_values(chain: Chain, name: str) -> None:
     descriptor = request._descriptor_.members[0].type
     values = samples.values(descriptor).filter(_is_ascii)
 
-    @settings(max_examples=25, deadline=None, derandomize=True, database=None)
+    @settings(max_examples=25, deadline=None, database=None)
     @given(values, values)
     def compare(one: Any, other: Any) -> None:
         pair = [samples.build(descriptor, tree, types) for tree in (one, other)]
@@ -210,7 +210,7 @@ def test_words(chain: Chain) -> None:
         check(chain, "words", [words, foreign.Words(sign=bytes(4))], [])
     check(chain, "letters", "abc", "")
 
-    @settings(max_examples=20, deadline=None, derandomize=True, database=None)
+    @settings(max_examples=20, deadline=None, database=None)
     @given(ANYS, ANYS)
     def compare(one: Any, other: Any) -> None:
         check(chain, "anys", one, other)

@@ -1,6 +1,6 @@
 """Random types and values against omniORBpy: the same octets, both ways.
 
-hypothesis draws types and values, the same ones each time, and makes what fails small. For most
+hypothesis draws types and values, and makes what fails small. For most
 values the types are compiled once (`test_values`); a few sets of types are drawn to the end
 (`test_types`), so that a type that fails gets small, too. omniORBpy runs in a process of its own.
 
@@ -10,14 +10,13 @@ supported. Values with state can make it abort (nested ones in the other byte or
 without end, and their chunks end where its buffer does: here they are null, and a test of their own
 has those that it can do. An exception has its repository id in front, as in an any.
 
-`RTGEN_CDR_EXAMPLES` is the number of values in all, 10,000 if it is not set.
+`RTGEN_BUDGET` multiplies the number of values, and `RTGEN_SEED` draws others (see `seeds`).
 """
 
 from __future__ import annotations
 
 import importlib.util
 import itertools
-import os
 import random
 import shutil
 import subprocess
@@ -46,6 +45,7 @@ from omniorb_peer import (
 )
 from padding import masked, padding
 from random_types import BITS, Definitions, Values
+from seeds import budget, seed
 
 from rtgen.runtime import type_codes
 from rtgen.runtime.cdr_faults import decoded, encoded
@@ -70,8 +70,8 @@ from rtgen.runtime.descriptors import (
 
 MODULES = 8
 TYPES = 30
-EXAMPLES = int(os.environ.get("RTGEN_CDR_EXAMPLES", "10000")) // MODULES
-SMALL_MODULES = 20
+EXAMPLES = budget(2000) // MODULES
+SMALL_MODULES = budget(8)
 SMALL = 4
 SMALL_VALUES = 40
 _LONG = PrimitiveDescriptor("long")
@@ -88,9 +88,8 @@ SIMPLE: tuple[Descriptor, ...] = (
 )
 """What an any may hold beside the types of a module."""
 
-DETERMINISTIC = settings(
+DRAWN = settings(
     deadline=None,
-    derandomize=True,
     database=None,
     phases=[Phase.generate, Phase.shrink],
     suppress_health_check=[
@@ -300,7 +299,7 @@ def types(
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Types:
     folder = tmp_path_factory.mktemp("random")
-    draw = random.Random(request.param)
+    draw = random.Random(seed() + request.param)
     return compiled(peer, references, omniidl, folder, draw, TYPES)
 
 
@@ -320,13 +319,13 @@ def test_a_process_that_ends_is_told_and_started_again(peer: Peer) -> None:
 
 
 @pytest.mark.slow
-@settings(DETERMINISTIC, max_examples=EXAMPLES)
+@settings(DRAWN, max_examples=EXAMPLES)
 @given(number=st.integers(0, TYPES * 2), draw=st.randoms(use_true_random=False))
 def test_values(types: Types, number: int, draw: random.Random) -> None:
     types.compare(draw, types.compared[number % len(types.compared)])
 
 
-@settings(DETERMINISTIC, max_examples=SMALL_MODULES)
+@settings(DRAWN, max_examples=SMALL_MODULES)
 @given(draw=st.randoms(use_true_random=False))
 def test_types(
     peer: Peer,

@@ -16,7 +16,6 @@ octets that the standard asks for:
 from __future__ import annotations
 
 import importlib
-import os
 import random
 import sys
 from dataclasses import dataclass
@@ -28,6 +27,7 @@ import dds_types as dds
 import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from seeds import budget
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit" / "types"))
 
@@ -39,8 +39,8 @@ pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
 
 from cyclonedds.idl._support import Endianness
 
-TYPE_SETS = int(os.environ.get("RTGEN_XCDR_TYPE_SETS", "100"))
-VALUES = int(os.environ.get("RTGEN_XCDR_VALUES", "120"))
+TYPE_SETS = budget(30)
+VALUES = 120
 ORDERS = {True: Endianness.Little, False: Endianness.Big}
 
 
@@ -111,7 +111,6 @@ def compare(
     max_examples=TYPE_SETS,
     deadline=None,
     database=None,
-    derandomize=True,
     suppress_health_check=list(HealthCheck),
     phases=[Phase.generate, Phase.shrink],
 )

@@ -1,22 +1,19 @@
 """Random runs: no collision, nobody drives by old data, nothing is called met that is not.
 
-`RTGEN_RANDOM_RUNS` asks for more of them, from the seed `RTGEN_RANDOM_FIRST` on; so does
-`python tests/reference/random_runs.py 500`.
+`RTGEN_BUDGET` multiplies the runs, and `RTGEN_SEED` chooses others (see `seeds`); so does
+`python tests/reference/random_runs.py 500 --first N`.
 """
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pytest
 from random_runs import make
-
-FIRST = int(os.environ.get("RTGEN_RANDOM_FIRST", "1"))
-RUNS = int(os.environ.get("RTGEN_RANDOM_RUNS", "6"))
+from seeds import cases
 
 
-@pytest.mark.parametrize("seed", range(FIRST, FIRST + RUNS))
+@pytest.mark.parametrize("seed", cases(4))
 def test_a_random_run(seed: int, tmp_path: Path) -> None:
     run = make(seed, tmp_path)
     assert run.faults == [], (run.accidents, run.words)

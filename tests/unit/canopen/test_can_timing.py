@@ -91,7 +91,7 @@ def simulated(messages: list[Message], which: int) -> int:
             worst = max(worst, now - queued)
 
 
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=300, deadline=None)
 @given(
     st.lists(st.tuples(st.integers(0, 8), st.integers(60, 900)), min_size=1, max_size=6)
 )

@@ -245,7 +245,7 @@ PIECES = st.lists(
 
 
 @given(PIECES)
-@settings(deadline=None, derandomize=True)
+@settings(deadline=None)
 def test_whatever_a_client_sends_others_get_frames_only(pieces: list[bytes]) -> None:
     async def work() -> tuple[bytes, HubBus, bytes]:
         hub = Hub(HubSettings(queue=4), lambda text: None)

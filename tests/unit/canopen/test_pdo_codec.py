@@ -21,7 +21,7 @@ from rtgen.layouts.pdo import Mapped, PdoLayoutError, layout
 from rtgen.model.canopen import BITS, SIGNED, UNSIGNED, DataType
 from rtgen.runtime.canopen.pdo import PdoError
 
-QUICK = settings(max_examples=150, deadline=None, derandomize=True)
+QUICK = settings(max_examples=150, deadline=None)
 INTEGERS = {**SIGNED, **UNSIGNED}
 
 

@@ -178,7 +178,7 @@ def test_reserved_types(kind: int) -> None:
         PdoParameters(cob_id=0x185, transmission_type=kind)
 
 
-@settings(max_examples=200, deadline=None, derandomize=True)
+@settings(max_examples=200, deadline=None)
 @given(
     st.lists(st.integers(0, 30 * MS), min_size=1, max_size=40),
     st.integers(0, 100),

@@ -133,7 +133,7 @@ def test_refused_values() -> None:
 FATES = st.lists(st.sampled_from([LOST, ONCE, ONCE, ONCE, ONCE, TWICE]), max_size=40)
 
 
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=300, deadline=None)
 @given(
     fates=FATES,
     size=st.integers(0, 120),
@@ -159,7 +159,7 @@ def test_downloads_on_a_bad_line(
     assert values.value == fresh
 
 
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=300, deadline=None)
 @given(
     fates=FATES,
     size=st.integers(0, 120),
@@ -190,7 +190,7 @@ def test_a_lost_segment_of_a_block_comes_again(lost: int) -> None:
     assert values.writes == [value]
 
 
-@settings(max_examples=300, deadline=None, derandomize=True)
+@settings(max_examples=300, deadline=None)
 @given(
     st.lists(
         st.tuples(

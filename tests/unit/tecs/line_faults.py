@@ -30,7 +30,7 @@ from rtgen.runtime.opaque_rpc import NETWORK, TcpServer
 FUNCTIONS = 20
 NUMBER = "call_number"
 LIMIT = 1 << 20
-TIMEOUT = 1.0
+TIMEOUT = 10.0
 
 
 class Script:

@@ -22,9 +22,8 @@ from rtgen.runtime.opaque_rpc import (
 )
 from rtgen.runtime.opaque_rpc.codecs import is_rpc_error
 
-DETERMINISTIC = settings(
+DRAWN = settings(
     deadline=None,
-    derandomize=True,
     database=None,
     phases=[Phase.generate],
     suppress_health_check=list(HealthCheck),
@@ -63,7 +62,7 @@ REPLIES = st.sampled_from(("tecsgen", "paper"))
 RANDOMS = st.integers(0, 1 << 32).map(Random)
 
 
-@settings(DETERMINISTIC, max_examples=60)
+@settings(DRAWN, max_examples=60)
 @given(random=RANDOMS, order=ORDERS, reply=REPLIES)
 def test_messages_are_those_of_a_plain_writer_and_read_back(
     random: Random, order: Order, reply: ReplyOrder
@@ -106,7 +105,7 @@ def check(
         assert function.result_from_json(shown) == (returned, results)
 
 
-@settings(DETERMINISTIC, max_examples=25)
+@settings(DRAWN, max_examples=25)
 @given(random=RANDOMS, order=ORDERS, reply=REPLIES)
 def test_wrong_messages_end_in_rpc_errors(
     random: Random, order: Order, reply: ReplyOrder

@@ -159,21 +159,32 @@ def test_one_character_anywhere_in_the_tree_is_drift(
     assert run(["generate"]) == 0
     made = folder / "generated"
     manifest = made / ".rtgen.json"
-    owned = {manifest, *(made / f for f in json.loads(manifest.read_text())["files"])}
+    owned = {*(made / f for f in json.loads(manifest.read_text())["files"])}
     skeletons = sorted({*(folder / "src").rglob("*.py"), *made.rglob("*Client.py")})
     assert owned.isdisjoint(skeletons)
+    assert manifest not in owned
     for file in skeletons:
         file.write_text("# mine alone\n")
     chance = random.Random(5)
-    for file in sorted(owned):
-        good = file.read_bytes()
-        position = chance.randrange(len(good)) if good else 0
-        file.write_bytes(good[:position] + b"\x07" + good[position + 1 :])
+
+    def assert_drift(*changed: Path) -> None:
+        """Another character in each of the files, and `check` reports each."""
+        good = {file: file.read_bytes() for file in changed}
+        for file, data in good.items():
+            at = chance.randrange(len(data)) if data else 0
+            file.write_bytes(data[:at] + b"\x07" + data[at + 1 :])
         capfd.readouterr()
-        assert run(["check"]) == 1, file
-        name = file.relative_to(folder).as_posix()
-        assert f"--- a/{name}\n+++ b/{name}\n@@ " in capfd.readouterr().out
-        file.write_bytes(good)
+        assert run(["check"]) == 1, changed
+        printed = capfd.readouterr().out
+        for file, data in good.items():
+            name = file.relative_to(folder).as_posix()
+            assert f"--- a/{name}\n+++ b/{name}\n@@ " in printed
+            file.write_bytes(data)
+
+    assert_drift(manifest)
+    assert_drift(*sorted(owned))
+    for file in chance.sample(sorted(owned), 10):
+        assert_drift(file)
     assert run(["check"]) == 0
     assert run(["generate"]) == 0
     assert {file.read_text() for file in skeletons} == {"# mine alone\n"}

@@ -1,11 +1,7 @@
-"""Random types and values: round trips, damage, and octets cut short. Seeds are fixed.
-
-`RTGEN_CDR_EXAMPLES` is the number of values in all, 2,000 if it is not set.
-"""
+"""Random types and values: round trips, damage, and octets cut short."""
 
 from __future__ import annotations
 
-import os
 import random
 from collections.abc import Sequence
 from contextlib import suppress
@@ -14,6 +10,7 @@ from typing import Any
 import emitted
 import pytest
 from random_types import Definitions, Values
+from seeds import cases, seed
 
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.cdr_faults import decoded, encoded
@@ -26,7 +23,7 @@ from rtgen.runtime.descriptors import (
 
 MODULES = 4
 TYPES = 40
-EXAMPLES = int(os.environ.get("RTGEN_CDR_EXAMPLES", "2000")) // MODULES
+EXAMPLES = 1000 // MODULES
 MOST_CUTS = 12
 SMALL = 48
 
@@ -57,13 +54,13 @@ class Types:
 def types(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Types:
-    seed = 100 + request.param
-    text = Definitions(random.Random(seed), f"Drawn{seed}").text(TYPES)
+    name = f"Drawn{request.param}"
+    text = Definitions(random.Random(seed() + request.param), name).text(TYPES)
     return Types(emitted.emit_text(tmp_path_factory.mktemp("random"), text))
 
 
 def test_round_trips(types: Types) -> None:
-    for number in range(EXAMPLES):
+    for number in cases(EXAMPLES):
         draw = random.Random(number)
         descriptor = types.described[number % len(types.described)]
         value = Values(draw, types.anys).value(descriptor)
@@ -84,7 +81,7 @@ def test_round_trips(types: Types) -> None:
 
 def test_octets_cut_short_or_changed(types: Types) -> None:
     """A beginning is always refused; what was changed is read or refused; only by CdrError."""
-    for number in range(EXAMPLES // 5):
+    for number in cases(EXAMPLES // 5):
         draw = random.Random(number)
         descriptor = types.described[number % len(types.described)]
         class_ = types.classes[descriptor.repository_id]
