@@ -44,6 +44,7 @@ def _kind(kind: DeviceKind) -> Json:
         "file": kind.device.file,
         "ports": kind.ports,
         "parameters": [_written(number) for number in kind.parameters],
+        "operations": [_written(number) for number in kind.operations],
         "factors": _by_object(kind.factors),
         "units": _by_object(kind.units),
     }

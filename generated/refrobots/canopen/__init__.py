@@ -17,12 +17,20 @@ from .._idl.canopen import (
     ObjectDictionary as ObjectDictionary,
     ObjectDictionarySkeleton as ObjectDictionarySkeleton,
     ObjectDictionaryStub as ObjectDictionaryStub,
+    ObjectValue as ObjectValue,
     Octets as Octets,
     OctetsCodec as OctetsCodec,
     Refused as Refused,
     SdoAbort as SdoAbort,
+    ValueKind as ValueKind,
 )
 
+VALUE_BOOLEAN: Final = ValueKind.VALUE_BOOLEAN
+VALUE_INTEGER: Final = ValueKind.VALUE_INTEGER
+VALUE_UNSIGNED: Final = ValueKind.VALUE_UNSIGNED
+VALUE_REAL: Final = ValueKind.VALUE_REAL
+VALUE_TEXT: Final = ValueKind.VALUE_TEXT
+VALUE_OCTETS: Final = ValueKind.VALUE_OCTETS
 NMT_UNKNOWN: Final = NmtState.NMT_UNKNOWN
 NMT_PRE_OPERATIONAL: Final = NmtState.NMT_PRE_OPERATIONAL
 NMT_OPERATIONAL: Final = NmtState.NMT_OPERATIONAL
@@ -67,8 +75,16 @@ __all__ = [
     "ObjectDictionary",
     "ObjectDictionarySkeleton",
     "ObjectDictionaryStub",
+    "ObjectValue",
     "Octets",
     "OctetsCodec",
     "Refused",
     "SdoAbort",
+    "VALUE_BOOLEAN",
+    "VALUE_INTEGER",
+    "VALUE_OCTETS",
+    "VALUE_REAL",
+    "VALUE_TEXT",
+    "VALUE_UNSIGNED",
+    "ValueKind",
 ]

@@ -3,9 +3,6 @@
 """The IDL module `EposDrive`."""
 
 from .._idl.epos_drive import (
-    ObjectAccess as ObjectAccess,
-    ObjectAccessSkeleton as ObjectAccessSkeleton,
-    ObjectAccessStub as ObjectAccessStub,
     Rpdo1 as Rpdo1,
     Rpdo2 as Rpdo2,
     Rpdo3 as Rpdo3,
@@ -16,16 +13,4 @@ from .._idl.epos_drive import (
     Tpdo4 as Tpdo4,
 )
 
-__all__ = [
-    "ObjectAccess",
-    "ObjectAccessSkeleton",
-    "ObjectAccessStub",
-    "Rpdo1",
-    "Rpdo2",
-    "Rpdo3",
-    "Rpdo4",
-    "Tpdo1",
-    "Tpdo2",
-    "Tpdo3",
-    "Tpdo4",
-]
+__all__ = ["Rpdo1", "Rpdo2", "Rpdo3", "Rpdo4", "Tpdo1", "Tpdo2", "Tpdo3", "Tpdo4"]

@@ -3,9 +3,6 @@
 """The IDL module `FPalette`."""
 
 from .._idl.f_palette import (
-    ObjectAccess as ObjectAccess,
-    ObjectAccessSkeleton as ObjectAccessSkeleton,
-    ObjectAccessStub as ObjectAccessStub,
     Rpdo1 as Rpdo1,
     Rpdo2 as Rpdo2,
     Tpdo1 as Tpdo1,
@@ -14,14 +11,4 @@ from .._idl.f_palette import (
     Tpdo4 as Tpdo4,
 )
 
-__all__ = [
-    "ObjectAccess",
-    "ObjectAccessSkeleton",
-    "ObjectAccessStub",
-    "Rpdo1",
-    "Rpdo2",
-    "Tpdo1",
-    "Tpdo2",
-    "Tpdo3",
-    "Tpdo4",
-]
+__all__ = ["Rpdo1", "Rpdo2", "Tpdo1", "Tpdo2", "Tpdo3", "Tpdo4"]

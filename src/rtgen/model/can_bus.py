@@ -13,8 +13,9 @@ class DeviceKind:
     """A kind of device on the bus: its description, and how components of it are made.
 
     `ports` is `pdo` (a port for each PDO) or `object` (one for each object). `parameters` are the
-    objects that become configuration parameters, by (index, sub-index), as keys of `factors`
-    (physical value = factor * value) and `units` are. `device` is the description with the values
+    objects that become configuration parameters, `operations` those that have operations of their
+    own in the SDO service, both by (index, sub-index), as keys of `factors` (physical value =
+    factor * value) and `units` are. `device` is the description with the values
     of the kind, for no node in particular, `described` the one without, where there are any.
     """
 
@@ -25,6 +26,7 @@ class DeviceKind:
     device: Device
     ports: str = "pdo"
     parameters: tuple[tuple[int, int], ...] = ()
+    operations: tuple[tuple[int, int], ...] = ()
     factors: tuple[tuple[tuple[int, int], float], ...] = ()
     units: tuple[tuple[tuple[int, int], str], ...] = ()
     described: Device | None = None
@@ -85,7 +87,7 @@ class Bus:
 
     `file` is the displayed path, `key` the one for generated text, `sha256` that of its bytes.
     `event` is the least time that is assumed between two event-driven PDOs that tell of none.
-    `sync_counter` is the greatest SYNC counter, 0 for none.
+    `sync_counter` is the greatest SYNC counter, 0 for none. With `dcf` each node has a DCF.
     """
 
     name: str
@@ -101,3 +103,4 @@ class Bus:
     nodes: tuple[BusNode, ...]
     links: tuple[PdoLink, ...]
     sync_counter: int = 0
+    dcf: bool = True

@@ -172,6 +172,12 @@ class DevicePorts:
                 found.append(quantity)
         return tuple(found)
 
+    @property
+    def operations(self) -> tuple[Quantity, ...]:
+        """The objects that the SDO service has operations for, in the order of the bus file."""
+        variables = (self.device.find(*number) for number in self.kind.operations)
+        return tuple(self.quantity(v) for v in variables if v is not None)
+
     def of(self, direction: PdoDirection) -> tuple[PdoSample, ...]:
         """The PDOs of a direction."""
         return tuple(s for s in self.samples if s.pdo.direction is direction)

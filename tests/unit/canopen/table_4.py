@@ -223,6 +223,12 @@ def content(sample: Any) -> list[Any]:
 def generate(folder: Path) -> Path:
     """Generates the components of the file; gives the folder to import `PACKAGE` from."""
     (folder / "table_4.eds").write_text(eds(), encoding="latin-1")
+    operations = ", ".join(f'"{0x2200 + n:04X}"' for n in range(len(KINDS)))
+    bus = (
+        "[bus]\nbit_rate = 500\n[device.table4]\neds = 'table_4.eds'\n"
+        f"operations = [{operations}]\n[node.only]\ndevice = 'table4'\nid = 1\n"
+    )
+    (folder / "every_type.toml").write_text(bus, encoding="utf-8")
     project = f'[sources]\npaths = ["."]\n[output]\npackage = "{PACKAGE}"\n'
     (folder / "rtgen.toml").write_text(project, encoding="utf-8")
     command = [sys.executable, "-m", "rtgen", "generate", "--quiet"]
@@ -273,7 +279,8 @@ def device(name: str) -> Any:
 
 
 def configured(component: Any, settings: Mapping[str, object]) -> Any:
-    """The component with these parameters."""
+    """The component with these parameters, in no network: the bus file asks for operations."""
+    component.configuration_sets.set("network", "")
     for name, value in settings.items():
         component.configuration_sets.set(name, str(value))
     return component

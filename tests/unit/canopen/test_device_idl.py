@@ -93,11 +93,22 @@ def test_module_of_a_device(make: Make) -> None:
         ("Speed", "long"),
         ("Torque", "short"),
     ]
+    with pytest.raises(KeyError):
+        declared("Drive::ObjectAccess")
+
+
+def test_operations_for_single_objects(make: Make) -> None:
+    settings = 'operations = ["2001", "2002", "2003", "2000"]'
+    made = make(drive_eds=DRIVE, net_toml=BUS.format(settings=settings))
+    assert not made.failed
     service = declared("Drive::ObjectAccess")
     assert isinstance(service, Interface)
+    assert [operation.name for operation in service.operations] == [
+        *("get_Torque", "get_Label", "set_Label", "get_Blob", "set_Blob"),
+        *("get_Speed", "set_Speed"),
+    ]
     assert service.bases == (("CANopen", "ObjectDictionary"),)
     operations = {o.name: o for o in service.operations}
-    assert "set_Torque" not in operations
     assert str(operations["get_Torque"].returns) == "short"
     assert str(operations["set_Label"].parameters[0].type) == "string"
     assert operations["get_Blob"].returns == NamedType(("CANopen", "Octets"))
@@ -126,7 +137,10 @@ def test_components_of_a_device(make: Make) -> None:
         ("inport", "rpdo1", "Drive::Rpdo1"),
     ]
     assert ports("DriveDevice") == of_pdos
-    assert ports("DriveProxy") == [*of_pdos, ("provider", "sdo", "Drive::ObjectAccess")]
+    assert ports("DriveProxy") == [
+        *of_pdos,
+        ("provider", "sdo", "CANopen::ObjectDictionary"),
+    ]
     told = {name: p.default for name, p in parameters("DriveProxy").items()}
     assert told == {
         "interface": "virtual",
@@ -203,13 +217,13 @@ def test_a_definition_uses_the_types_of_a_device(make: Make) -> None:
     #include "Drive.idl"
     component Wheel {
         consumes Drive::Tpdo1 feedback;
-        uses Drive::ObjectAccess objects;
+        uses CANopen::ObjectDictionary objects;
     };
     """
     assert not make(drive_eds=DRIVE, wheel_idl=text).failed
     assert ports("Wheel") == [
         ("inport", "feedback", "Drive::Tpdo1"),
-        ("consumer", "objects", "Drive::ObjectAccess"),
+        ("consumer", "objects", "CANopen::ObjectDictionary"),
     ]
 
 

@@ -27,6 +27,7 @@ from rtgen.runtime import (
     ComponentProfile,
     System,
 )
+from rtgen.runtime.canopen.objects import over_service
 from rtgen.runtime.canopen.pdo import PdoError
 
 CASE = Path(__file__).parents[2] / "golden/cases/canopen_devices/input"
@@ -262,6 +263,73 @@ def test_objects_by_sdo(bench: Bench, name: str, values: tuple[Any, ...]) -> Non
     for value in values:
         bench.call(f"set_{name}", value)
         assert bench.call(f"get_{name}") == value
+
+
+def test_objects_by_name(bench: Bench) -> None:
+    """Values as they are on the wire: of the proxy itself, and by its service port."""
+    table = of("lab.canopen.sampler.objects", "SamplerObjects")
+    consumer = bench.probe.add_consumer(
+        "objects", "objects", of("lab.canopen", "ObjectDictionary")
+    )
+    bench.system.connect(("probe", "objects"), ("proxy", "sdo"))
+    remote = over_service(table, consumer)
+    for objects in (bench.proxy.objects, remote):
+        for name, value in (
+            ("Switch_2001_00", True),
+            ("Gear", -4),
+            ("Ticks_56", (1 << 56) - 1),
+            ("Speed", 12_345),
+            ("Scale_factor", -1.5),
+            ("Title_wide_", "\u5de6 \U0001f916"),
+            ("Key", bytes(range(256))),
+            ("Time_of_day", 441_763_200_000_000_000),
+        ):
+            objects[name] = value
+            assert objects[name] == value == getattr(objects, name)
+        assert objects["Vendor_ID"] == bench.proxy.description.vendor_id
+        with pytest.raises(KeyError, match="Sampler has no object 'Gears'"):
+            objects["Gears"] = 1
+        with pytest.raises(ValueError, match="u16"):
+            objects.Level = "high"
+        assert list(objects) == [o.name for o in bench.proxy.description.objects]
+    assert bench.first.objects.Speed == 12_345
+    remote.Gear = 3
+    assert (bench.first.objects.Gear, bench.proxy.objects.Gear) == (3, 3)
+
+
+@pytest.mark.parametrize(
+    ("number", "kind", "member", "value"),
+    [
+        ((0x2001, 0), "BOOLEAN", "truth", True),
+        ((0x2002, 0), "INTEGER", "number", -4),
+        ((0x2012, 0), "UNSIGNED", "count", (1 << 56) - 1),
+        ((0x2010, 2), "REAL", "real", -1.5),
+        ((0x2031, 0), "TEXT", "text", "\u5de6 \U0001f916"),
+        ((0x2032, 0), "OCTETS", "data", bytes(range(256))),
+        ((0x2042, 0), "INTEGER", "number", 441_763_200_000_000_000),
+    ],
+)
+def test_typed_values_by_number(
+    bench: Bench, number: tuple[int, int], kind: str, member: str, value: object
+) -> None:
+    made = of("lab.canopen", "ObjectValue")(
+        of("lab.canopen", "ValueKind")[f"VALUE_{kind}"], value
+    )
+    bench.call("set", *number, made)
+    got = bench.call("get", *number)
+    assert got == made
+    assert getattr(got, member) == value
+
+
+def test_typed_values_that_an_object_cannot_have(bench: Bench) -> None:
+    value, kinds = of("lab.canopen", "ObjectValue"), of("lab.canopen", "ValueKind")
+    aborted = of("lab.canopen", "SdoAbort")
+    with pytest.raises(aborted) as caught:
+        bench.call("set", 0x2002, 0, value(kinds.VALUE_TEXT, "3"))
+    assert caught.value.code == 0x06090030
+    with pytest.raises(aborted) as caught:
+        bench.call("set", 0x2002, 0, value(kinds.VALUE_UNSIGNED, 1 << 40))
+    assert caught.value.code == 0x06090031
 
 
 @pytest.mark.usefixtures("lab")

@@ -55,6 +55,7 @@ eds = "names.eds"
 name = "NamesApart"
 ports = "object"
 parameters = [{numbers}]
+operations = [{numbers}]
 [device.types]
 eds = "types.eds"
 name = "TypesApart"

@@ -4,1021 +4,285 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.canopen.description import (
-    DeviceDescription,
-    ObjectDescription,
-    PdoDescription,
+from rtgen.runtime.canopen.description import DeviceDescription, PdoDescription
+from rtgen.runtime.canopen.objects import (
+    Integer as _Integer,
+    Objects,
+    Text as _Text,
+    descriptions,
 )
-from rtgen.runtime.canopen.objects import Entry, Objects
+
+
+class EposDriveObjects(Objects):
+    """The values of EposDrive's object dictionary, as they are on the wire."""
+
+    __slots__ = ()
+
+    Device_type = _Integer("u32", 0x1000, 0, "ro", 0x20192)
+    Error_register = _Integer("u8", 0x1001, 0, "ro", 0, mappable=True)
+    Number_of_errors = _Integer("u8", 0x1003, 0, "rw", 0)
+    Standard_error_field_1 = _Integer("u32", 0x1003, 1, "ro", 0)
+    Standard_error_field_2 = _Integer("u32", 0x1003, 2, "ro", 0)
+    Standard_error_field_3 = _Integer("u32", 0x1003, 3, "ro", 0)
+    Standard_error_field_4 = _Integer("u32", 0x1003, 4, "ro", 0)
+    COB_ID_SYNC = _Integer("u32", 0x1005, 0, "rw", 128)
+    Manufacturer_device_name = _Text("string", 0x1008, 0, "const", "Wheel drive 24/5")
+    Manufacturer_hardware_version = _Text("string", 0x1009, 0, "const", "simulated")
+    Manufacturer_software_version = _Text("string", 0x100A, 0, "const", "1.0")
+    Highest_sub_index_supported_1010_00 = _Integer("u8", 0x1010, 0, "const", 1)
+    Save_all_parameters = _Integer("u32", 0x1010, 1, "rw", 1)
+    Highest_sub_index_supported_1011_00 = _Integer("u8", 0x1011, 0, "const", 1)
+    Restore_all_default_parameters = _Integer("u32", 0x1011, 1, "rw", 1)
+    COB_ID_EMCY = _Integer("u32", 0x1014, 0, "rw", 0x80, relative=True)
+    Inhibit_time_EMCY = _Integer("u16", 0x1015, 0, "rw", 100)
+    Highest_sub_index_supported_1016_00 = _Integer("u8", 0x1016, 0, "const", 2)
+    Consumer_heartbeat_time_1 = _Integer("u32", 0x1016, 1, "rw", 0)
+    Consumer_heartbeat_time_2 = _Integer("u32", 0x1016, 2, "rw", 0)
+    Producer_heartbeat_time = _Integer("u16", 0x1017, 0, "rw", 100)
+    Highest_sub_index_supported_1018_00 = _Integer("u8", 0x1018, 0, "const", 4)
+    Vendor_ID = _Integer("u32", 0x1018, 1, "ro", 0xFFFF01)
+    Product_code = _Integer("u32", 0x1018, 2, "ro", 0x57443245)
+    Revision_number = _Integer("u32", 0x1018, 3, "ro", 0x10000)
+    Serial_number = _Integer("u32", 0x1018, 4, "ro", 0)
+    Highest_sub_index_supported_1029_00 = _Integer("u8", 0x1029, 0, "const", 1)
+    Communication_error = _Integer("u8", 0x1029, 1, "rw", 2, low=0, high=2)
+    Highest_sub_index_supported_1200_00 = _Integer("u8", 0x1200, 0, "const", 2)
+    COB_ID_client_to_server = _Integer("u32", 0x1200, 1, "ro", 0x600, relative=True)
+    COB_ID_server_to_client = _Integer("u32", 0x1200, 2, "ro", 0x580, relative=True)
+    Highest_sub_index_supported_1400_00 = _Integer("u8", 0x1400, 0, "const", 5)
+    COB_ID_1400_01 = _Integer("u32", 0x1400, 1, "rw", 0x200, relative=True)
+    Transmission_type_1400_02 = _Integer("u8", 0x1400, 2, "rw", 255)
+    Event_timer_1400_05 = _Integer("u16", 0x1400, 5, "rw", 0)
+    Highest_sub_index_supported_1401_00 = _Integer("u8", 0x1401, 0, "const", 5)
+    COB_ID_1401_01 = _Integer("u32", 0x1401, 1, "rw", 0x300, relative=True)
+    Transmission_type_1401_02 = _Integer("u8", 0x1401, 2, "rw", 255)
+    Event_timer_1401_05 = _Integer("u16", 0x1401, 5, "rw", 0)
+    Highest_sub_index_supported_1402_00 = _Integer("u8", 0x1402, 0, "const", 5)
+    COB_ID_1402_01 = _Integer("u32", 0x1402, 1, "rw", 0x400, relative=True)
+    Transmission_type_1402_02 = _Integer("u8", 0x1402, 2, "rw", 255)
+    Event_timer_1402_05 = _Integer("u16", 0x1402, 5, "rw", 0)
+    Highest_sub_index_supported_1403_00 = _Integer("u8", 0x1403, 0, "const", 5)
+    COB_ID_1403_01 = _Integer("u32", 0x1403, 1, "rw", 0x500, relative=True)
+    Transmission_type_1403_02 = _Integer("u8", 0x1403, 2, "rw", 255)
+    Event_timer_1403_05 = _Integer("u16", 0x1403, 5, "rw", 0)
+    Number_of_mapped_objects_1600_00 = _Integer("u8", 0x1600, 0, "rw", 2)
+    Mapped_object_1_1600_01 = _Integer("u32", 0x1600, 1, "rw", 0x60400010)
+    Mapped_object_2_1600_02 = _Integer("u32", 0x1600, 2, "rw", 0x60600008)
+    Mapped_object_3_1600_03 = _Integer("u32", 0x1600, 3, "rw", 0)
+    Mapped_object_4_1600_04 = _Integer("u32", 0x1600, 4, "rw", 0)
+    Mapped_object_5_1600_05 = _Integer("u32", 0x1600, 5, "rw", 0)
+    Mapped_object_6_1600_06 = _Integer("u32", 0x1600, 6, "rw", 0)
+    Mapped_object_7_1600_07 = _Integer("u32", 0x1600, 7, "rw", 0)
+    Mapped_object_8_1600_08 = _Integer("u32", 0x1600, 8, "rw", 0)
+    Number_of_mapped_objects_1601_00 = _Integer("u8", 0x1601, 0, "rw", 1)
+    Mapped_object_1_1601_01 = _Integer("u32", 0x1601, 1, "rw", 0x607A0020)
+    Mapped_object_2_1601_02 = _Integer("u32", 0x1601, 2, "rw", 0)
+    Mapped_object_3_1601_03 = _Integer("u32", 0x1601, 3, "rw", 0)
+    Mapped_object_4_1601_04 = _Integer("u32", 0x1601, 4, "rw", 0)
+    Mapped_object_5_1601_05 = _Integer("u32", 0x1601, 5, "rw", 0)
+    Mapped_object_6_1601_06 = _Integer("u32", 0x1601, 6, "rw", 0)
+    Mapped_object_7_1601_07 = _Integer("u32", 0x1601, 7, "rw", 0)
+    Mapped_object_8_1601_08 = _Integer("u32", 0x1601, 8, "rw", 0)
+    Number_of_mapped_objects_1602_00 = _Integer("u8", 0x1602, 0, "rw", 1)
+    Mapped_object_1_1602_01 = _Integer("u32", 0x1602, 1, "rw", 0x60FF0020)
+    Mapped_object_2_1602_02 = _Integer("u32", 0x1602, 2, "rw", 0)
+    Mapped_object_3_1602_03 = _Integer("u32", 0x1602, 3, "rw", 0)
+    Mapped_object_4_1602_04 = _Integer("u32", 0x1602, 4, "rw", 0)
+    Mapped_object_5_1602_05 = _Integer("u32", 0x1602, 5, "rw", 0)
+    Mapped_object_6_1602_06 = _Integer("u32", 0x1602, 6, "rw", 0)
+    Mapped_object_7_1602_07 = _Integer("u32", 0x1602, 7, "rw", 0)
+    Mapped_object_8_1602_08 = _Integer("u32", 0x1602, 8, "rw", 0)
+    Number_of_mapped_objects_1603_00 = _Integer("u8", 0x1603, 0, "rw", 1)
+    Mapped_object_1_1603_01 = _Integer("u32", 0x1603, 1, "rw", 0x60710010)
+    Mapped_object_2_1603_02 = _Integer("u32", 0x1603, 2, "rw", 0)
+    Mapped_object_3_1603_03 = _Integer("u32", 0x1603, 3, "rw", 0)
+    Mapped_object_4_1603_04 = _Integer("u32", 0x1603, 4, "rw", 0)
+    Mapped_object_5_1603_05 = _Integer("u32", 0x1603, 5, "rw", 0)
+    Mapped_object_6_1603_06 = _Integer("u32", 0x1603, 6, "rw", 0)
+    Mapped_object_7_1603_07 = _Integer("u32", 0x1603, 7, "rw", 0)
+    Mapped_object_8_1603_08 = _Integer("u32", 0x1603, 8, "rw", 0)
+    Highest_sub_index_supported_1800_00 = _Integer("u8", 0x1800, 0, "const", 6)
+    COB_ID_1800_01 = _Integer("u32", 0x1800, 1, "rw", 0x40000180, relative=True)
+    Transmission_type_1800_02 = _Integer("u8", 0x1800, 2, "rw", 255)
+    Inhibit_time_1800_03 = _Integer("u16", 0x1800, 3, "rw", 0)
+    Event_timer_1800_05 = _Integer("u16", 0x1800, 5, "rw", 100)
+    SYNC_start_value_1800_06 = _Integer("u8", 0x1800, 6, "rw", 0)
+    Highest_sub_index_supported_1801_00 = _Integer("u8", 0x1801, 0, "const", 6)
+    COB_ID_1801_01 = _Integer("u32", 0x1801, 1, "rw", 0x40000280, relative=True)
+    Transmission_type_1801_02 = _Integer("u8", 0x1801, 2, "rw", 1)
+    Inhibit_time_1801_03 = _Integer("u16", 0x1801, 3, "rw", 0)
+    Event_timer_1801_05 = _Integer("u16", 0x1801, 5, "rw", 0)
+    SYNC_start_value_1801_06 = _Integer("u8", 0x1801, 6, "rw", 0)
+    Highest_sub_index_supported_1802_00 = _Integer("u8", 0x1802, 0, "const", 6)
+    COB_ID_1802_01 = _Integer("u32", 0x1802, 1, "rw", 0x40000380, relative=True)
+    Transmission_type_1802_02 = _Integer("u8", 0x1802, 2, "rw", 1)
+    Inhibit_time_1802_03 = _Integer("u16", 0x1802, 3, "rw", 0)
+    Event_timer_1802_05 = _Integer("u16", 0x1802, 5, "rw", 0)
+    SYNC_start_value_1802_06 = _Integer("u8", 0x1802, 6, "rw", 0)
+    Highest_sub_index_supported_1803_00 = _Integer("u8", 0x1803, 0, "const", 6)
+    COB_ID_1803_01 = _Integer("u32", 0x1803, 1, "rw", 0xC0000480, relative=True)
+    Transmission_type_1803_02 = _Integer("u8", 0x1803, 2, "rw", 1)
+    Inhibit_time_1803_03 = _Integer("u16", 0x1803, 3, "rw", 0)
+    Event_timer_1803_05 = _Integer("u16", 0x1803, 5, "rw", 0)
+    SYNC_start_value_1803_06 = _Integer("u8", 0x1803, 6, "rw", 0)
+    Number_of_mapped_objects_1A00_00 = _Integer("u8", 0x1A00, 0, "rw", 2)
+    Mapped_object_1_1A00_01 = _Integer("u32", 0x1A00, 1, "rw", 0x60410010)
+    Mapped_object_2_1A00_02 = _Integer("u32", 0x1A00, 2, "rw", 0x60610008)
+    Mapped_object_3_1A00_03 = _Integer("u32", 0x1A00, 3, "rw", 0)
+    Mapped_object_4_1A00_04 = _Integer("u32", 0x1A00, 4, "rw", 0)
+    Mapped_object_5_1A00_05 = _Integer("u32", 0x1A00, 5, "rw", 0)
+    Mapped_object_6_1A00_06 = _Integer("u32", 0x1A00, 6, "rw", 0)
+    Mapped_object_7_1A00_07 = _Integer("u32", 0x1A00, 7, "rw", 0)
+    Mapped_object_8_1A00_08 = _Integer("u32", 0x1A00, 8, "rw", 0)
+    Number_of_mapped_objects_1A01_00 = _Integer("u8", 0x1A01, 0, "rw", 2)
+    Mapped_object_1_1A01_01 = _Integer("u32", 0x1A01, 1, "rw", 0x60640020)
+    Mapped_object_2_1A01_02 = _Integer("u32", 0x1A01, 2, "rw", 0x606C0020)
+    Mapped_object_3_1A01_03 = _Integer("u32", 0x1A01, 3, "rw", 0)
+    Mapped_object_4_1A01_04 = _Integer("u32", 0x1A01, 4, "rw", 0)
+    Mapped_object_5_1A01_05 = _Integer("u32", 0x1A01, 5, "rw", 0)
+    Mapped_object_6_1A01_06 = _Integer("u32", 0x1A01, 6, "rw", 0)
+    Mapped_object_7_1A01_07 = _Integer("u32", 0x1A01, 7, "rw", 0)
+    Mapped_object_8_1A01_08 = _Integer("u32", 0x1A01, 8, "rw", 0)
+    Number_of_mapped_objects_1A02_00 = _Integer("u8", 0x1A02, 0, "rw", 2)
+    Mapped_object_1_1A02_01 = _Integer("u32", 0x1A02, 1, "rw", 0x60770010)
+    Mapped_object_2_1A02_02 = _Integer("u32", 0x1A02, 2, "rw", 0x60780010)
+    Mapped_object_3_1A02_03 = _Integer("u32", 0x1A02, 3, "rw", 0)
+    Mapped_object_4_1A02_04 = _Integer("u32", 0x1A02, 4, "rw", 0)
+    Mapped_object_5_1A02_05 = _Integer("u32", 0x1A02, 5, "rw", 0)
+    Mapped_object_6_1A02_06 = _Integer("u32", 0x1A02, 6, "rw", 0)
+    Mapped_object_7_1A02_07 = _Integer("u32", 0x1A02, 7, "rw", 0)
+    Mapped_object_8_1A02_08 = _Integer("u32", 0x1A02, 8, "rw", 0)
+    Number_of_mapped_objects_1A03_00 = _Integer("u8", 0x1A03, 0, "rw", 2)
+    Mapped_object_1_1A03_01 = _Integer("u32", 0x1A03, 1, "rw", 0x20710010)
+    Mapped_object_2_1A03_02 = _Integer("u32", 0x1A03, 2, "rw", 0x603F0010)
+    Mapped_object_3_1A03_03 = _Integer("u32", 0x1A03, 3, "rw", 0)
+    Mapped_object_4_1A03_04 = _Integer("u32", 0x1A03, 4, "rw", 0)
+    Mapped_object_5_1A03_05 = _Integer("u32", 0x1A03, 5, "rw", 0)
+    Mapped_object_6_1A03_06 = _Integer("u32", 0x1A03, 6, "rw", 0)
+    Mapped_object_7_1A03_07 = _Integer("u32", 0x1A03, 7, "rw", 0)
+    Mapped_object_8_1A03_08 = _Integer("u32", 0x1A03, 8, "rw", 0)
+    Current_setting_value = _Integer(
+        "i16",
+        0x2030,
+        0,
+        "rww",
+        0,
+        low=-10000,
+        high=10000,
+        mappable=True,
+    )
+    Position_mode_setting_value = _Integer("i32", 0x2062, 0, "rww", 0, mappable=True)
+    Velocity_mode_setting_value = _Integer(
+        "i32",
+        0x206B,
+        0,
+        "rww",
+        0,
+        low=-12000000,
+        high=12000000,
+        mappable=True,
+    )
+    Digital_input_state = _Integer("u16", 0x2071, 0, "ro", 0, mappable=True)
+    Error_code = _Integer("u16", 0x603F, 0, "ro", 0, mappable=True)
+    Controlword = _Integer("u16", 0x6040, 0, "rww", 0, mappable=True)
+    Statusword = _Integer("u16", 0x6041, 0, "ro", 0, mappable=True)
+    Quick_stop_option_code = _Integer("i16", 0x605A, 0, "rw", 2, low=0, high=8)
+    Disable_operation_option_code = _Integer("i16", 0x605C, 0, "rw", 1, low=0, high=1)
+    Halt_option_code = _Integer("i16", 0x605D, 0, "rw", 1, low=1, high=4)
+    Fault_reaction_option_code = _Integer("i16", 0x605E, 0, "rw", 2, low=0, high=4)
+    Modes_of_operation = _Integer(
+        "i8",
+        0x6060,
+        0,
+        "rww",
+        0,
+        low=-3,
+        high=6,
+        mappable=True,
+    )
+    Modes_of_operation_display = _Integer("i8", 0x6061, 0, "ro", 0, mappable=True)
+    Position_actual_value = _Integer("i32", 0x6064, 0, "ro", 0, mappable=True)
+    Following_error_window = _Integer("u32", 0x6065, 0, "rw", 0x4E20)
+    Following_error_time_out = _Integer("u16", 0x6066, 0, "rw", 100)
+    Position_window = _Integer("u32", 0x6067, 0, "rw", 500)
+    Position_window_time = _Integer("u16", 0x6068, 0, "rw", 10)
+    Velocity_demand_value = _Integer("i32", 0x606B, 0, "ro", 0, mappable=True)
+    Velocity_actual_value = _Integer("i32", 0x606C, 0, "ro", 0, mappable=True)
+    Velocity_window = _Integer("u16", 0x606D, 0, "rw", 1000)
+    Velocity_window_time = _Integer("u16", 0x606E, 0, "rw", 10)
+    Target_torque = _Integer(
+        "i16",
+        0x6071,
+        0,
+        "rww",
+        0,
+        low=-1000,
+        high=1000,
+        mappable=True,
+    )
+    Max_torque = _Integer("u16", 0x6072, 0, "rw", 1000, low=0, high=1000)
+    Max_current = _Integer("u16", 0x6073, 0, "rw", 2000, low=0, high=2000)
+    Torque_demand = _Integer("i16", 0x6074, 0, "ro", 0, mappable=True)
+    Motor_rated_current = _Integer("u32", 0x6075, 0, "rw", 0x1388)
+    Motor_rated_torque = _Integer("u32", 0x6076, 0, "rw", 170)
+    Torque_actual_value = _Integer("i16", 0x6077, 0, "ro", 0, mappable=True)
+    Current_actual_value = _Integer("i16", 0x6078, 0, "ro", 0, mappable=True)
+    DC_link_circuit_voltage = _Integer(
+        "u32",
+        0x6079,
+        0,
+        "ro",
+        0x5DC0,
+        low=11000,
+        high=24000,
+        mappable=True,
+    )
+    Target_position = _Integer("i32", 0x607A, 0, "rww", 0, mappable=True)
+    Home_offset = _Integer("i32", 0x607C, 0, "rw", 0)
+    Highest_sub_index_supported_607D_00 = _Integer("u8", 0x607D, 0, "const", 2)
+    Min_position_limit = _Integer("i32", 0x607D, 1, "rw", -2147483648)
+    Max_position_limit = _Integer("i32", 0x607D, 2, "rw", 2147483647)
+    Polarity = _Integer("u8", 0x607E, 0, "rw", 0)
+    Max_profile_velocity = _Integer(
+        "u32",
+        0x607F,
+        0,
+        "rw",
+        0xB71B00,
+        low=0,
+        high=12000000,
+    )
+    Profile_velocity = _Integer("u32", 0x6081, 0, "rw", 0x5B8D80, low=0, high=12000000)
+    Profile_acceleration = _Integer("u32", 0x6083, 0, "rw", 0x2DC6C00)
+    Profile_deceleration = _Integer("u32", 0x6084, 0, "rw", 0x2DC6C00)
+    Quick_stop_deceleration = _Integer("u32", 0x6085, 0, "rw", 0x7270E00)
+    Torque_slope = _Integer("u32", 0x6087, 0, "rw", 0x186A0)
+    Highest_sub_index_supported_608F_00 = _Integer("u8", 0x608F, 0, "const", 2)
+    Encoder_increments = _Integer("u32", 0x608F, 1, "rw", 2000)
+    Motor_revolutions = _Integer("u32", 0x608F, 2, "rw", 1)
+    Highest_sub_index_supported_6091_00 = _Integer("u8", 0x6091, 0, "const", 2)
+    Motor_shaft_revolutions = _Integer("u32", 0x6091, 1, "rw", 14)
+    Driving_shaft_revolutions = _Integer("u32", 0x6091, 2, "rw", 1)
+    Homing_method = _Integer("i8", 0x6098, 0, "rw", 35, low=-128, high=37)
+    SI_unit_position = _Integer("u32", 0x60A8, 0, "ro", 0xB50000)
+    SI_unit_velocity = _Integer("u32", 0x60A9, 0, "ro", 0xFDB44700)
+    Following_error_actual_value = _Integer("i32", 0x60F4, 0, "ro", 0, mappable=True)
+    Target_velocity = _Integer(
+        "i32",
+        0x60FF,
+        0,
+        "rww",
+        0,
+        low=-12000000,
+        high=12000000,
+        mappable=True,
+    )
+    Supported_drive_modes = _Integer("u32", 0x6502, 0, "ro", 37)
+
 
 DESCRIPTION = DeviceDescription(
     name="EposDrive",
-    objects=(
-        ObjectDescription(0x1000, 0, "Device_type", "u32", "ro", default=0x20192),
-        ObjectDescription(
-            0x1001,
-            0,
-            "Error_register",
-            "u8",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(0x1003, 0, "Number_of_errors", "u8", "rw", default=0),
-        ObjectDescription(0x1003, 1, "Standard_error_field_1", "u32", "ro", default=0),
-        ObjectDescription(0x1003, 2, "Standard_error_field_2", "u32", "ro", default=0),
-        ObjectDescription(0x1003, 3, "Standard_error_field_3", "u32", "ro", default=0),
-        ObjectDescription(0x1003, 4, "Standard_error_field_4", "u32", "ro", default=0),
-        ObjectDescription(0x1005, 0, "COB_ID_SYNC", "u32", "rw", default=128),
-        ObjectDescription(
-            0x1008,
-            0,
-            "Manufacturer_device_name",
-            "string",
-            "const",
-            default="Wheel drive 24/5",
-        ),
-        ObjectDescription(
-            0x1009,
-            0,
-            "Manufacturer_hardware_version",
-            "string",
-            "const",
-            default="simulated",
-        ),
-        ObjectDescription(
-            0x100A,
-            0,
-            "Manufacturer_software_version",
-            "string",
-            "const",
-            default="1.0",
-        ),
-        ObjectDescription(
-            0x1010,
-            0,
-            "Highest_sub_index_supported_1010_00",
-            "u8",
-            "const",
-            default=1,
-        ),
-        ObjectDescription(0x1010, 1, "Save_all_parameters", "u32", "rw", default=1),
-        ObjectDescription(
-            0x1011,
-            0,
-            "Highest_sub_index_supported_1011_00",
-            "u8",
-            "const",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1011,
-            1,
-            "Restore_all_default_parameters",
-            "u32",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1014,
-            0,
-            "COB_ID_EMCY",
-            "u32",
-            "rw",
-            default=0x80,
-            relative=True,
-        ),
-        ObjectDescription(0x1015, 0, "Inhibit_time_EMCY", "u16", "rw", default=100),
-        ObjectDescription(
-            0x1016,
-            0,
-            "Highest_sub_index_supported_1016_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1016,
-            1,
-            "Consumer_heartbeat_time_1",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x1016,
-            2,
-            "Consumer_heartbeat_time_2",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x1017,
-            0,
-            "Producer_heartbeat_time",
-            "u16",
-            "rw",
-            default=100,
-        ),
-        ObjectDescription(
-            0x1018,
-            0,
-            "Highest_sub_index_supported_1018_00",
-            "u8",
-            "const",
-            default=4,
-        ),
-        ObjectDescription(0x1018, 1, "Vendor_ID", "u32", "ro", default=0xFFFF01),
-        ObjectDescription(0x1018, 2, "Product_code", "u32", "ro", default=0x57443245),
-        ObjectDescription(0x1018, 3, "Revision_number", "u32", "ro", default=0x10000),
-        ObjectDescription(0x1018, 4, "Serial_number", "u32", "ro", default=0),
-        ObjectDescription(
-            0x1029,
-            0,
-            "Highest_sub_index_supported_1029_00",
-            "u8",
-            "const",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1029,
-            1,
-            "Communication_error",
-            "u8",
-            "rw",
-            default=2,
-            low=0,
-            high=2,
-        ),
-        ObjectDescription(
-            0x1200,
-            0,
-            "Highest_sub_index_supported_1200_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1200,
-            1,
-            "COB_ID_client_to_server",
-            "u32",
-            "ro",
-            default=0x600,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1200,
-            2,
-            "COB_ID_server_to_client",
-            "u32",
-            "ro",
-            default=0x580,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1400,
-            0,
-            "Highest_sub_index_supported_1400_00",
-            "u8",
-            "const",
-            default=5,
-        ),
-        ObjectDescription(
-            0x1400,
-            1,
-            "COB_ID_1400_01",
-            "u32",
-            "rw",
-            default=0x200,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1400,
-            2,
-            "Transmission_type_1400_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(0x1400, 5, "Event_timer_1400_05", "u16", "rw", default=0),
-        ObjectDescription(
-            0x1401,
-            0,
-            "Highest_sub_index_supported_1401_00",
-            "u8",
-            "const",
-            default=5,
-        ),
-        ObjectDescription(
-            0x1401,
-            1,
-            "COB_ID_1401_01",
-            "u32",
-            "rw",
-            default=0x300,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1401,
-            2,
-            "Transmission_type_1401_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(0x1401, 5, "Event_timer_1401_05", "u16", "rw", default=0),
-        ObjectDescription(
-            0x1402,
-            0,
-            "Highest_sub_index_supported_1402_00",
-            "u8",
-            "const",
-            default=5,
-        ),
-        ObjectDescription(
-            0x1402,
-            1,
-            "COB_ID_1402_01",
-            "u32",
-            "rw",
-            default=0x400,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1402,
-            2,
-            "Transmission_type_1402_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(0x1402, 5, "Event_timer_1402_05", "u16", "rw", default=0),
-        ObjectDescription(
-            0x1403,
-            0,
-            "Highest_sub_index_supported_1403_00",
-            "u8",
-            "const",
-            default=5,
-        ),
-        ObjectDescription(
-            0x1403,
-            1,
-            "COB_ID_1403_01",
-            "u32",
-            "rw",
-            default=0x500,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1403,
-            2,
-            "Transmission_type_1403_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(0x1403, 5, "Event_timer_1403_05", "u16", "rw", default=0),
-        ObjectDescription(
-            0x1600,
-            0,
-            "Number_of_mapped_objects_1600_00",
-            "u8",
-            "rw",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1600,
-            1,
-            "Mapped_object_1_1600_01",
-            "u32",
-            "rw",
-            default=0x60400010,
-        ),
-        ObjectDescription(
-            0x1600,
-            2,
-            "Mapped_object_2_1600_02",
-            "u32",
-            "rw",
-            default=0x60600008,
-        ),
-        ObjectDescription(0x1600, 3, "Mapped_object_3_1600_03", "u32", "rw", default=0),
-        ObjectDescription(0x1600, 4, "Mapped_object_4_1600_04", "u32", "rw", default=0),
-        ObjectDescription(0x1600, 5, "Mapped_object_5_1600_05", "u32", "rw", default=0),
-        ObjectDescription(0x1600, 6, "Mapped_object_6_1600_06", "u32", "rw", default=0),
-        ObjectDescription(0x1600, 7, "Mapped_object_7_1600_07", "u32", "rw", default=0),
-        ObjectDescription(0x1600, 8, "Mapped_object_8_1600_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1601,
-            0,
-            "Number_of_mapped_objects_1601_00",
-            "u8",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1601,
-            1,
-            "Mapped_object_1_1601_01",
-            "u32",
-            "rw",
-            default=0x607A0020,
-        ),
-        ObjectDescription(0x1601, 2, "Mapped_object_2_1601_02", "u32", "rw", default=0),
-        ObjectDescription(0x1601, 3, "Mapped_object_3_1601_03", "u32", "rw", default=0),
-        ObjectDescription(0x1601, 4, "Mapped_object_4_1601_04", "u32", "rw", default=0),
-        ObjectDescription(0x1601, 5, "Mapped_object_5_1601_05", "u32", "rw", default=0),
-        ObjectDescription(0x1601, 6, "Mapped_object_6_1601_06", "u32", "rw", default=0),
-        ObjectDescription(0x1601, 7, "Mapped_object_7_1601_07", "u32", "rw", default=0),
-        ObjectDescription(0x1601, 8, "Mapped_object_8_1601_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1602,
-            0,
-            "Number_of_mapped_objects_1602_00",
-            "u8",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1602,
-            1,
-            "Mapped_object_1_1602_01",
-            "u32",
-            "rw",
-            default=0x60FF0020,
-        ),
-        ObjectDescription(0x1602, 2, "Mapped_object_2_1602_02", "u32", "rw", default=0),
-        ObjectDescription(0x1602, 3, "Mapped_object_3_1602_03", "u32", "rw", default=0),
-        ObjectDescription(0x1602, 4, "Mapped_object_4_1602_04", "u32", "rw", default=0),
-        ObjectDescription(0x1602, 5, "Mapped_object_5_1602_05", "u32", "rw", default=0),
-        ObjectDescription(0x1602, 6, "Mapped_object_6_1602_06", "u32", "rw", default=0),
-        ObjectDescription(0x1602, 7, "Mapped_object_7_1602_07", "u32", "rw", default=0),
-        ObjectDescription(0x1602, 8, "Mapped_object_8_1602_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1603,
-            0,
-            "Number_of_mapped_objects_1603_00",
-            "u8",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1603,
-            1,
-            "Mapped_object_1_1603_01",
-            "u32",
-            "rw",
-            default=0x60710010,
-        ),
-        ObjectDescription(0x1603, 2, "Mapped_object_2_1603_02", "u32", "rw", default=0),
-        ObjectDescription(0x1603, 3, "Mapped_object_3_1603_03", "u32", "rw", default=0),
-        ObjectDescription(0x1603, 4, "Mapped_object_4_1603_04", "u32", "rw", default=0),
-        ObjectDescription(0x1603, 5, "Mapped_object_5_1603_05", "u32", "rw", default=0),
-        ObjectDescription(0x1603, 6, "Mapped_object_6_1603_06", "u32", "rw", default=0),
-        ObjectDescription(0x1603, 7, "Mapped_object_7_1603_07", "u32", "rw", default=0),
-        ObjectDescription(0x1603, 8, "Mapped_object_8_1603_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1800,
-            0,
-            "Highest_sub_index_supported_1800_00",
-            "u8",
-            "const",
-            default=6,
-        ),
-        ObjectDescription(
-            0x1800,
-            1,
-            "COB_ID_1800_01",
-            "u32",
-            "rw",
-            default=0x40000180,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1800,
-            2,
-            "Transmission_type_1800_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(0x1800, 3, "Inhibit_time_1800_03", "u16", "rw", default=0),
-        ObjectDescription(0x1800, 5, "Event_timer_1800_05", "u16", "rw", default=100),
-        ObjectDescription(0x1800, 6, "SYNC_start_value_1800_06", "u8", "rw", default=0),
-        ObjectDescription(
-            0x1801,
-            0,
-            "Highest_sub_index_supported_1801_00",
-            "u8",
-            "const",
-            default=6,
-        ),
-        ObjectDescription(
-            0x1801,
-            1,
-            "COB_ID_1801_01",
-            "u32",
-            "rw",
-            default=0x40000280,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1801,
-            2,
-            "Transmission_type_1801_02",
-            "u8",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(0x1801, 3, "Inhibit_time_1801_03", "u16", "rw", default=0),
-        ObjectDescription(0x1801, 5, "Event_timer_1801_05", "u16", "rw", default=0),
-        ObjectDescription(0x1801, 6, "SYNC_start_value_1801_06", "u8", "rw", default=0),
-        ObjectDescription(
-            0x1802,
-            0,
-            "Highest_sub_index_supported_1802_00",
-            "u8",
-            "const",
-            default=6,
-        ),
-        ObjectDescription(
-            0x1802,
-            1,
-            "COB_ID_1802_01",
-            "u32",
-            "rw",
-            default=0x40000380,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1802,
-            2,
-            "Transmission_type_1802_02",
-            "u8",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(0x1802, 3, "Inhibit_time_1802_03", "u16", "rw", default=0),
-        ObjectDescription(0x1802, 5, "Event_timer_1802_05", "u16", "rw", default=0),
-        ObjectDescription(0x1802, 6, "SYNC_start_value_1802_06", "u8", "rw", default=0),
-        ObjectDescription(
-            0x1803,
-            0,
-            "Highest_sub_index_supported_1803_00",
-            "u8",
-            "const",
-            default=6,
-        ),
-        ObjectDescription(
-            0x1803,
-            1,
-            "COB_ID_1803_01",
-            "u32",
-            "rw",
-            default=0xC0000480,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1803,
-            2,
-            "Transmission_type_1803_02",
-            "u8",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(0x1803, 3, "Inhibit_time_1803_03", "u16", "rw", default=0),
-        ObjectDescription(0x1803, 5, "Event_timer_1803_05", "u16", "rw", default=0),
-        ObjectDescription(0x1803, 6, "SYNC_start_value_1803_06", "u8", "rw", default=0),
-        ObjectDescription(
-            0x1A00,
-            0,
-            "Number_of_mapped_objects_1A00_00",
-            "u8",
-            "rw",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1A00,
-            1,
-            "Mapped_object_1_1A00_01",
-            "u32",
-            "rw",
-            default=0x60410010,
-        ),
-        ObjectDescription(
-            0x1A00,
-            2,
-            "Mapped_object_2_1A00_02",
-            "u32",
-            "rw",
-            default=0x60610008,
-        ),
-        ObjectDescription(0x1A00, 3, "Mapped_object_3_1A00_03", "u32", "rw", default=0),
-        ObjectDescription(0x1A00, 4, "Mapped_object_4_1A00_04", "u32", "rw", default=0),
-        ObjectDescription(0x1A00, 5, "Mapped_object_5_1A00_05", "u32", "rw", default=0),
-        ObjectDescription(0x1A00, 6, "Mapped_object_6_1A00_06", "u32", "rw", default=0),
-        ObjectDescription(0x1A00, 7, "Mapped_object_7_1A00_07", "u32", "rw", default=0),
-        ObjectDescription(0x1A00, 8, "Mapped_object_8_1A00_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1A01,
-            0,
-            "Number_of_mapped_objects_1A01_00",
-            "u8",
-            "rw",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1A01,
-            1,
-            "Mapped_object_1_1A01_01",
-            "u32",
-            "rw",
-            default=0x60640020,
-        ),
-        ObjectDescription(
-            0x1A01,
-            2,
-            "Mapped_object_2_1A01_02",
-            "u32",
-            "rw",
-            default=0x606C0020,
-        ),
-        ObjectDescription(0x1A01, 3, "Mapped_object_3_1A01_03", "u32", "rw", default=0),
-        ObjectDescription(0x1A01, 4, "Mapped_object_4_1A01_04", "u32", "rw", default=0),
-        ObjectDescription(0x1A01, 5, "Mapped_object_5_1A01_05", "u32", "rw", default=0),
-        ObjectDescription(0x1A01, 6, "Mapped_object_6_1A01_06", "u32", "rw", default=0),
-        ObjectDescription(0x1A01, 7, "Mapped_object_7_1A01_07", "u32", "rw", default=0),
-        ObjectDescription(0x1A01, 8, "Mapped_object_8_1A01_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1A02,
-            0,
-            "Number_of_mapped_objects_1A02_00",
-            "u8",
-            "rw",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1A02,
-            1,
-            "Mapped_object_1_1A02_01",
-            "u32",
-            "rw",
-            default=0x60770010,
-        ),
-        ObjectDescription(
-            0x1A02,
-            2,
-            "Mapped_object_2_1A02_02",
-            "u32",
-            "rw",
-            default=0x60780010,
-        ),
-        ObjectDescription(0x1A02, 3, "Mapped_object_3_1A02_03", "u32", "rw", default=0),
-        ObjectDescription(0x1A02, 4, "Mapped_object_4_1A02_04", "u32", "rw", default=0),
-        ObjectDescription(0x1A02, 5, "Mapped_object_5_1A02_05", "u32", "rw", default=0),
-        ObjectDescription(0x1A02, 6, "Mapped_object_6_1A02_06", "u32", "rw", default=0),
-        ObjectDescription(0x1A02, 7, "Mapped_object_7_1A02_07", "u32", "rw", default=0),
-        ObjectDescription(0x1A02, 8, "Mapped_object_8_1A02_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1A03,
-            0,
-            "Number_of_mapped_objects_1A03_00",
-            "u8",
-            "rw",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1A03,
-            1,
-            "Mapped_object_1_1A03_01",
-            "u32",
-            "rw",
-            default=0x20710010,
-        ),
-        ObjectDescription(
-            0x1A03,
-            2,
-            "Mapped_object_2_1A03_02",
-            "u32",
-            "rw",
-            default=0x603F0010,
-        ),
-        ObjectDescription(0x1A03, 3, "Mapped_object_3_1A03_03", "u32", "rw", default=0),
-        ObjectDescription(0x1A03, 4, "Mapped_object_4_1A03_04", "u32", "rw", default=0),
-        ObjectDescription(0x1A03, 5, "Mapped_object_5_1A03_05", "u32", "rw", default=0),
-        ObjectDescription(0x1A03, 6, "Mapped_object_6_1A03_06", "u32", "rw", default=0),
-        ObjectDescription(0x1A03, 7, "Mapped_object_7_1A03_07", "u32", "rw", default=0),
-        ObjectDescription(0x1A03, 8, "Mapped_object_8_1A03_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x2030,
-            0,
-            "Current_setting_value",
-            "i16",
-            "rww",
-            default=0,
-            low=-10000,
-            high=10000,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x2062,
-            0,
-            "Position_mode_setting_value",
-            "i32",
-            "rww",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x206B,
-            0,
-            "Velocity_mode_setting_value",
-            "i32",
-            "rww",
-            default=0,
-            low=-12000000,
-            high=12000000,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x2071,
-            0,
-            "Digital_input_state",
-            "u16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x603F,
-            0,
-            "Error_code",
-            "u16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6040,
-            0,
-            "Controlword",
-            "u16",
-            "rww",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6041,
-            0,
-            "Statusword",
-            "u16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x605A,
-            0,
-            "Quick_stop_option_code",
-            "i16",
-            "rw",
-            default=2,
-            low=0,
-            high=8,
-        ),
-        ObjectDescription(
-            0x605C,
-            0,
-            "Disable_operation_option_code",
-            "i16",
-            "rw",
-            default=1,
-            low=0,
-            high=1,
-        ),
-        ObjectDescription(
-            0x605D,
-            0,
-            "Halt_option_code",
-            "i16",
-            "rw",
-            default=1,
-            low=1,
-            high=4,
-        ),
-        ObjectDescription(
-            0x605E,
-            0,
-            "Fault_reaction_option_code",
-            "i16",
-            "rw",
-            default=2,
-            low=0,
-            high=4,
-        ),
-        ObjectDescription(
-            0x6060,
-            0,
-            "Modes_of_operation",
-            "i8",
-            "rww",
-            default=0,
-            low=-3,
-            high=6,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6061,
-            0,
-            "Modes_of_operation_display",
-            "i8",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6064,
-            0,
-            "Position_actual_value",
-            "i32",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6065,
-            0,
-            "Following_error_window",
-            "u32",
-            "rw",
-            default=0x4E20,
-        ),
-        ObjectDescription(
-            0x6066,
-            0,
-            "Following_error_time_out",
-            "u16",
-            "rw",
-            default=100,
-        ),
-        ObjectDescription(0x6067, 0, "Position_window", "u32", "rw", default=500),
-        ObjectDescription(0x6068, 0, "Position_window_time", "u16", "rw", default=10),
-        ObjectDescription(
-            0x606B,
-            0,
-            "Velocity_demand_value",
-            "i32",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x606C,
-            0,
-            "Velocity_actual_value",
-            "i32",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(0x606D, 0, "Velocity_window", "u16", "rw", default=1000),
-        ObjectDescription(0x606E, 0, "Velocity_window_time", "u16", "rw", default=10),
-        ObjectDescription(
-            0x6071,
-            0,
-            "Target_torque",
-            "i16",
-            "rww",
-            default=0,
-            low=-1000,
-            high=1000,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6072,
-            0,
-            "Max_torque",
-            "u16",
-            "rw",
-            default=1000,
-            low=0,
-            high=1000,
-        ),
-        ObjectDescription(
-            0x6073,
-            0,
-            "Max_current",
-            "u16",
-            "rw",
-            default=2000,
-            low=0,
-            high=2000,
-        ),
-        ObjectDescription(
-            0x6074,
-            0,
-            "Torque_demand",
-            "i16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6075,
-            0,
-            "Motor_rated_current",
-            "u32",
-            "rw",
-            default=0x1388,
-        ),
-        ObjectDescription(0x6076, 0, "Motor_rated_torque", "u32", "rw", default=170),
-        ObjectDescription(
-            0x6077,
-            0,
-            "Torque_actual_value",
-            "i16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6078,
-            0,
-            "Current_actual_value",
-            "i16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6079,
-            0,
-            "DC_link_circuit_voltage",
-            "u32",
-            "ro",
-            default=0x5DC0,
-            low=11000,
-            high=24000,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x607A,
-            0,
-            "Target_position",
-            "i32",
-            "rww",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(0x607C, 0, "Home_offset", "i32", "rw", default=0),
-        ObjectDescription(
-            0x607D,
-            0,
-            "Highest_sub_index_supported_607D_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x607D,
-            1,
-            "Min_position_limit",
-            "i32",
-            "rw",
-            default=-2147483648,
-        ),
-        ObjectDescription(
-            0x607D,
-            2,
-            "Max_position_limit",
-            "i32",
-            "rw",
-            default=2147483647,
-        ),
-        ObjectDescription(0x607E, 0, "Polarity", "u8", "rw", default=0),
-        ObjectDescription(
-            0x607F,
-            0,
-            "Max_profile_velocity",
-            "u32",
-            "rw",
-            default=0xB71B00,
-            low=0,
-            high=12000000,
-        ),
-        ObjectDescription(
-            0x6081,
-            0,
-            "Profile_velocity",
-            "u32",
-            "rw",
-            default=0x5B8D80,
-            low=0,
-            high=12000000,
-        ),
-        ObjectDescription(
-            0x6083,
-            0,
-            "Profile_acceleration",
-            "u32",
-            "rw",
-            default=0x2DC6C00,
-        ),
-        ObjectDescription(
-            0x6084,
-            0,
-            "Profile_deceleration",
-            "u32",
-            "rw",
-            default=0x2DC6C00,
-        ),
-        ObjectDescription(
-            0x6085,
-            0,
-            "Quick_stop_deceleration",
-            "u32",
-            "rw",
-            default=0x7270E00,
-        ),
-        ObjectDescription(0x6087, 0, "Torque_slope", "u32", "rw", default=0x186A0),
-        ObjectDescription(
-            0x608F,
-            0,
-            "Highest_sub_index_supported_608F_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(0x608F, 1, "Encoder_increments", "u32", "rw", default=2000),
-        ObjectDescription(0x608F, 2, "Motor_revolutions", "u32", "rw", default=1),
-        ObjectDescription(
-            0x6091,
-            0,
-            "Highest_sub_index_supported_6091_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x6091,
-            1,
-            "Motor_shaft_revolutions",
-            "u32",
-            "rw",
-            default=14,
-        ),
-        ObjectDescription(
-            0x6091,
-            2,
-            "Driving_shaft_revolutions",
-            "u32",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(
-            0x6098,
-            0,
-            "Homing_method",
-            "i8",
-            "rw",
-            default=35,
-            low=-128,
-            high=37,
-        ),
-        ObjectDescription(0x60A8, 0, "SI_unit_position", "u32", "ro", default=0xB50000),
-        ObjectDescription(
-            0x60A9,
-            0,
-            "SI_unit_velocity",
-            "u32",
-            "ro",
-            default=0xFDB44700,
-        ),
-        ObjectDescription(
-            0x60F4,
-            0,
-            "Following_error_actual_value",
-            "i32",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x60FF,
-            0,
-            "Target_velocity",
-            "i32",
-            "rww",
-            default=0,
-            low=-12000000,
-            high=12000000,
-            mappable=True,
-        ),
-        ObjectDescription(0x6502, 0, "Supported_drive_modes", "u32", "ro", default=37),
-    ),
+    objects=descriptions(EposDriveObjects),
     pdos=(
         PdoDescription(
             "tpdo",
@@ -1065,409 +329,3 @@ DESCRIPTION = DeviceDescription(
     dummies=(0x0002, 0x0003, 0x0004, 0x0005, 0x0006, 0x0007),
     bit_rates=(10, 20, 50, 125, 250, 500, 800, 1000),
 )
-
-_int = Entry[int]
-_str = Entry[str]
-
-
-class EposDriveObjects(Objects):
-    """The values of EposDrive's object dictionary, as they are on the wire."""
-
-    __slots__ = ()
-
-    Device_type = _int(0x1000)
-    """1000 Device type: UNSIGNED32, ro."""
-    Error_register = _int(0x1001)
-    """1001 Error register: UNSIGNED8, ro."""
-    Number_of_errors = _int(0x1003)
-    """1003 Number of errors: UNSIGNED8, rw."""
-    Standard_error_field_1 = _int(0x1003, 1)
-    """1003:1 Standard error field 1: UNSIGNED32, ro."""
-    Standard_error_field_2 = _int(0x1003, 2)
-    """1003:2 Standard error field 2: UNSIGNED32, ro."""
-    Standard_error_field_3 = _int(0x1003, 3)
-    """1003:3 Standard error field 3: UNSIGNED32, ro."""
-    Standard_error_field_4 = _int(0x1003, 4)
-    """1003:4 Standard error field 4: UNSIGNED32, ro."""
-    COB_ID_SYNC = _int(0x1005)
-    """1005 COB-ID SYNC: UNSIGNED32, rw."""
-    Manufacturer_device_name = _str(0x1008)
-    """1008 Manufacturer device name: VISIBLE_STRING, const."""
-    Manufacturer_hardware_version = _str(0x1009)
-    """1009 Manufacturer hardware version: VISIBLE_STRING, const."""
-    Manufacturer_software_version = _str(0x100A)
-    """100A Manufacturer software version: VISIBLE_STRING, const."""
-    Highest_sub_index_supported_1010_00 = _int(0x1010)
-    """1010 Highest sub-index supported: UNSIGNED8, const."""
-    Save_all_parameters = _int(0x1010, 1)
-    """1010:1 Save all parameters: UNSIGNED32, rw."""
-    Highest_sub_index_supported_1011_00 = _int(0x1011)
-    """1011 Highest sub-index supported: UNSIGNED8, const."""
-    Restore_all_default_parameters = _int(0x1011, 1)
-    """1011:1 Restore all default parameters: UNSIGNED32, rw."""
-    COB_ID_EMCY = _int(0x1014)
-    """1014 COB-ID EMCY: UNSIGNED32, rw."""
-    Inhibit_time_EMCY = _int(0x1015)
-    """1015 Inhibit time EMCY: UNSIGNED16, rw."""
-    Highest_sub_index_supported_1016_00 = _int(0x1016)
-    """1016 Highest sub-index supported: UNSIGNED8, const."""
-    Consumer_heartbeat_time_1 = _int(0x1016, 1)
-    """1016:1 Consumer heartbeat time 1: UNSIGNED32, rw."""
-    Consumer_heartbeat_time_2 = _int(0x1016, 2)
-    """1016:2 Consumer heartbeat time 2: UNSIGNED32, rw."""
-    Producer_heartbeat_time = _int(0x1017)
-    """1017 Producer heartbeat time: UNSIGNED16, rw."""
-    Highest_sub_index_supported_1018_00 = _int(0x1018)
-    """1018 Highest sub-index supported: UNSIGNED8, const."""
-    Vendor_ID = _int(0x1018, 1)
-    """1018:1 Vendor-ID: UNSIGNED32, ro."""
-    Product_code = _int(0x1018, 2)
-    """1018:2 Product code: UNSIGNED32, ro."""
-    Revision_number = _int(0x1018, 3)
-    """1018:3 Revision number: UNSIGNED32, ro."""
-    Serial_number = _int(0x1018, 4)
-    """1018:4 Serial number: UNSIGNED32, ro."""
-    Highest_sub_index_supported_1029_00 = _int(0x1029)
-    """1029 Highest sub-index supported: UNSIGNED8, const."""
-    Communication_error = _int(0x1029, 1)
-    """1029:1 Communication error: UNSIGNED8, rw."""
-    Highest_sub_index_supported_1200_00 = _int(0x1200)
-    """1200 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_client_to_server = _int(0x1200, 1)
-    """1200:1 COB-ID client to server: UNSIGNED32, ro."""
-    COB_ID_server_to_client = _int(0x1200, 2)
-    """1200:2 COB-ID server to client: UNSIGNED32, ro."""
-    Highest_sub_index_supported_1400_00 = _int(0x1400)
-    """1400 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1400_01 = _int(0x1400, 1)
-    """1400:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1400_02 = _int(0x1400, 2)
-    """1400:2 Transmission type: UNSIGNED8, rw."""
-    Event_timer_1400_05 = _int(0x1400, 5)
-    """1400:5 Event timer: UNSIGNED16, rw."""
-    Highest_sub_index_supported_1401_00 = _int(0x1401)
-    """1401 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1401_01 = _int(0x1401, 1)
-    """1401:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1401_02 = _int(0x1401, 2)
-    """1401:2 Transmission type: UNSIGNED8, rw."""
-    Event_timer_1401_05 = _int(0x1401, 5)
-    """1401:5 Event timer: UNSIGNED16, rw."""
-    Highest_sub_index_supported_1402_00 = _int(0x1402)
-    """1402 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1402_01 = _int(0x1402, 1)
-    """1402:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1402_02 = _int(0x1402, 2)
-    """1402:2 Transmission type: UNSIGNED8, rw."""
-    Event_timer_1402_05 = _int(0x1402, 5)
-    """1402:5 Event timer: UNSIGNED16, rw."""
-    Highest_sub_index_supported_1403_00 = _int(0x1403)
-    """1403 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1403_01 = _int(0x1403, 1)
-    """1403:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1403_02 = _int(0x1403, 2)
-    """1403:2 Transmission type: UNSIGNED8, rw."""
-    Event_timer_1403_05 = _int(0x1403, 5)
-    """1403:5 Event timer: UNSIGNED16, rw."""
-    Number_of_mapped_objects_1600_00 = _int(0x1600)
-    """1600 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1600_01 = _int(0x1600, 1)
-    """1600:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1600_02 = _int(0x1600, 2)
-    """1600:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1600_03 = _int(0x1600, 3)
-    """1600:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1600_04 = _int(0x1600, 4)
-    """1600:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1600_05 = _int(0x1600, 5)
-    """1600:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1600_06 = _int(0x1600, 6)
-    """1600:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1600_07 = _int(0x1600, 7)
-    """1600:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1600_08 = _int(0x1600, 8)
-    """1600:8 Mapped object 8: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1601_00 = _int(0x1601)
-    """1601 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1601_01 = _int(0x1601, 1)
-    """1601:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1601_02 = _int(0x1601, 2)
-    """1601:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1601_03 = _int(0x1601, 3)
-    """1601:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1601_04 = _int(0x1601, 4)
-    """1601:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1601_05 = _int(0x1601, 5)
-    """1601:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1601_06 = _int(0x1601, 6)
-    """1601:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1601_07 = _int(0x1601, 7)
-    """1601:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1601_08 = _int(0x1601, 8)
-    """1601:8 Mapped object 8: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1602_00 = _int(0x1602)
-    """1602 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1602_01 = _int(0x1602, 1)
-    """1602:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1602_02 = _int(0x1602, 2)
-    """1602:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1602_03 = _int(0x1602, 3)
-    """1602:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1602_04 = _int(0x1602, 4)
-    """1602:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1602_05 = _int(0x1602, 5)
-    """1602:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1602_06 = _int(0x1602, 6)
-    """1602:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1602_07 = _int(0x1602, 7)
-    """1602:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1602_08 = _int(0x1602, 8)
-    """1602:8 Mapped object 8: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1603_00 = _int(0x1603)
-    """1603 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1603_01 = _int(0x1603, 1)
-    """1603:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1603_02 = _int(0x1603, 2)
-    """1603:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1603_03 = _int(0x1603, 3)
-    """1603:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1603_04 = _int(0x1603, 4)
-    """1603:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1603_05 = _int(0x1603, 5)
-    """1603:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1603_06 = _int(0x1603, 6)
-    """1603:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1603_07 = _int(0x1603, 7)
-    """1603:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1603_08 = _int(0x1603, 8)
-    """1603:8 Mapped object 8: UNSIGNED32, rw."""
-    Highest_sub_index_supported_1800_00 = _int(0x1800)
-    """1800 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1800_01 = _int(0x1800, 1)
-    """1800:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1800_02 = _int(0x1800, 2)
-    """1800:2 Transmission type: UNSIGNED8, rw."""
-    Inhibit_time_1800_03 = _int(0x1800, 3)
-    """1800:3 Inhibit time: UNSIGNED16, rw."""
-    Event_timer_1800_05 = _int(0x1800, 5)
-    """1800:5 Event timer: UNSIGNED16, rw."""
-    SYNC_start_value_1800_06 = _int(0x1800, 6)
-    """1800:6 SYNC start value: UNSIGNED8, rw."""
-    Highest_sub_index_supported_1801_00 = _int(0x1801)
-    """1801 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1801_01 = _int(0x1801, 1)
-    """1801:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1801_02 = _int(0x1801, 2)
-    """1801:2 Transmission type: UNSIGNED8, rw."""
-    Inhibit_time_1801_03 = _int(0x1801, 3)
-    """1801:3 Inhibit time: UNSIGNED16, rw."""
-    Event_timer_1801_05 = _int(0x1801, 5)
-    """1801:5 Event timer: UNSIGNED16, rw."""
-    SYNC_start_value_1801_06 = _int(0x1801, 6)
-    """1801:6 SYNC start value: UNSIGNED8, rw."""
-    Highest_sub_index_supported_1802_00 = _int(0x1802)
-    """1802 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1802_01 = _int(0x1802, 1)
-    """1802:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1802_02 = _int(0x1802, 2)
-    """1802:2 Transmission type: UNSIGNED8, rw."""
-    Inhibit_time_1802_03 = _int(0x1802, 3)
-    """1802:3 Inhibit time: UNSIGNED16, rw."""
-    Event_timer_1802_05 = _int(0x1802, 5)
-    """1802:5 Event timer: UNSIGNED16, rw."""
-    SYNC_start_value_1802_06 = _int(0x1802, 6)
-    """1802:6 SYNC start value: UNSIGNED8, rw."""
-    Highest_sub_index_supported_1803_00 = _int(0x1803)
-    """1803 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1803_01 = _int(0x1803, 1)
-    """1803:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1803_02 = _int(0x1803, 2)
-    """1803:2 Transmission type: UNSIGNED8, rw."""
-    Inhibit_time_1803_03 = _int(0x1803, 3)
-    """1803:3 Inhibit time: UNSIGNED16, rw."""
-    Event_timer_1803_05 = _int(0x1803, 5)
-    """1803:5 Event timer: UNSIGNED16, rw."""
-    SYNC_start_value_1803_06 = _int(0x1803, 6)
-    """1803:6 SYNC start value: UNSIGNED8, rw."""
-    Number_of_mapped_objects_1A00_00 = _int(0x1A00)
-    """1A00 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1A00_01 = _int(0x1A00, 1)
-    """1A00:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1A00_02 = _int(0x1A00, 2)
-    """1A00:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1A00_03 = _int(0x1A00, 3)
-    """1A00:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1A00_04 = _int(0x1A00, 4)
-    """1A00:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1A00_05 = _int(0x1A00, 5)
-    """1A00:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1A00_06 = _int(0x1A00, 6)
-    """1A00:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1A00_07 = _int(0x1A00, 7)
-    """1A00:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1A00_08 = _int(0x1A00, 8)
-    """1A00:8 Mapped object 8: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1A01_00 = _int(0x1A01)
-    """1A01 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1A01_01 = _int(0x1A01, 1)
-    """1A01:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1A01_02 = _int(0x1A01, 2)
-    """1A01:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1A01_03 = _int(0x1A01, 3)
-    """1A01:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1A01_04 = _int(0x1A01, 4)
-    """1A01:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1A01_05 = _int(0x1A01, 5)
-    """1A01:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1A01_06 = _int(0x1A01, 6)
-    """1A01:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1A01_07 = _int(0x1A01, 7)
-    """1A01:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1A01_08 = _int(0x1A01, 8)
-    """1A01:8 Mapped object 8: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1A02_00 = _int(0x1A02)
-    """1A02 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1A02_01 = _int(0x1A02, 1)
-    """1A02:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1A02_02 = _int(0x1A02, 2)
-    """1A02:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1A02_03 = _int(0x1A02, 3)
-    """1A02:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1A02_04 = _int(0x1A02, 4)
-    """1A02:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1A02_05 = _int(0x1A02, 5)
-    """1A02:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1A02_06 = _int(0x1A02, 6)
-    """1A02:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1A02_07 = _int(0x1A02, 7)
-    """1A02:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1A02_08 = _int(0x1A02, 8)
-    """1A02:8 Mapped object 8: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1A03_00 = _int(0x1A03)
-    """1A03 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1A03_01 = _int(0x1A03, 1)
-    """1A03:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1A03_02 = _int(0x1A03, 2)
-    """1A03:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1A03_03 = _int(0x1A03, 3)
-    """1A03:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1A03_04 = _int(0x1A03, 4)
-    """1A03:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1A03_05 = _int(0x1A03, 5)
-    """1A03:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1A03_06 = _int(0x1A03, 6)
-    """1A03:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1A03_07 = _int(0x1A03, 7)
-    """1A03:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1A03_08 = _int(0x1A03, 8)
-    """1A03:8 Mapped object 8: UNSIGNED32, rw."""
-    Current_setting_value = _int(0x2030)
-    """2030 Current setting value: INTEGER16, rww."""
-    Position_mode_setting_value = _int(0x2062)
-    """2062 Position mode setting value: INTEGER32, rww."""
-    Velocity_mode_setting_value = _int(0x206B)
-    """206B Velocity mode setting value: INTEGER32, rww."""
-    Digital_input_state = _int(0x2071)
-    """2071 Digital input state: UNSIGNED16, ro."""
-    Error_code = _int(0x603F)
-    """603F Error code: UNSIGNED16, ro."""
-    Controlword = _int(0x6040)
-    """6040 Controlword: UNSIGNED16, rww."""
-    Statusword = _int(0x6041)
-    """6041 Statusword: UNSIGNED16, ro."""
-    Quick_stop_option_code = _int(0x605A)
-    """605A Quick stop option code: INTEGER16, rw."""
-    Disable_operation_option_code = _int(0x605C)
-    """605C Disable operation option code: INTEGER16, rw."""
-    Halt_option_code = _int(0x605D)
-    """605D Halt option code: INTEGER16, rw."""
-    Fault_reaction_option_code = _int(0x605E)
-    """605E Fault reaction option code: INTEGER16, rw."""
-    Modes_of_operation = _int(0x6060)
-    """6060 Modes of operation: INTEGER8, rww."""
-    Modes_of_operation_display = _int(0x6061)
-    """6061 Modes of operation display: INTEGER8, ro."""
-    Position_actual_value = _int(0x6064)
-    """6064 Position actual value: INTEGER32, ro."""
-    Following_error_window = _int(0x6065)
-    """6065 Following error window: UNSIGNED32, rw."""
-    Following_error_time_out = _int(0x6066)
-    """6066 Following error time out: UNSIGNED16, rw."""
-    Position_window = _int(0x6067)
-    """6067 Position window: UNSIGNED32, rw."""
-    Position_window_time = _int(0x6068)
-    """6068 Position window time: UNSIGNED16, rw."""
-    Velocity_demand_value = _int(0x606B)
-    """606B Velocity demand value: INTEGER32, ro."""
-    Velocity_actual_value = _int(0x606C)
-    """606C Velocity actual value: INTEGER32, ro."""
-    Velocity_window = _int(0x606D)
-    """606D Velocity window: UNSIGNED16, rw."""
-    Velocity_window_time = _int(0x606E)
-    """606E Velocity window time: UNSIGNED16, rw."""
-    Target_torque = _int(0x6071)
-    """6071 Target torque: INTEGER16, rww."""
-    Max_torque = _int(0x6072)
-    """6072 Max torque: UNSIGNED16, rw."""
-    Max_current = _int(0x6073)
-    """6073 Max current: UNSIGNED16, rw."""
-    Torque_demand = _int(0x6074)
-    """6074 Torque demand: INTEGER16, ro."""
-    Motor_rated_current = _int(0x6075)
-    """6075 Motor rated current: UNSIGNED32, rw."""
-    Motor_rated_torque = _int(0x6076)
-    """6076 Motor rated torque: UNSIGNED32, rw."""
-    Torque_actual_value = _int(0x6077)
-    """6077 Torque actual value: INTEGER16, ro."""
-    Current_actual_value = _int(0x6078)
-    """6078 Current actual value: INTEGER16, ro."""
-    DC_link_circuit_voltage = _int(0x6079)
-    """6079 DC link circuit voltage: UNSIGNED32, ro."""
-    Target_position = _int(0x607A)
-    """607A Target position: INTEGER32, rww."""
-    Home_offset = _int(0x607C)
-    """607C Home offset: INTEGER32, rw."""
-    Highest_sub_index_supported_607D_00 = _int(0x607D)
-    """607D Highest sub-index supported: UNSIGNED8, const."""
-    Min_position_limit = _int(0x607D, 1)
-    """607D:1 Min position limit: INTEGER32, rw."""
-    Max_position_limit = _int(0x607D, 2)
-    """607D:2 Max position limit: INTEGER32, rw."""
-    Polarity = _int(0x607E)
-    """607E Polarity: UNSIGNED8, rw."""
-    Max_profile_velocity = _int(0x607F)
-    """607F Max profile velocity: UNSIGNED32, rw."""
-    Profile_velocity = _int(0x6081)
-    """6081 Profile velocity: UNSIGNED32, rw."""
-    Profile_acceleration = _int(0x6083)
-    """6083 Profile acceleration: UNSIGNED32, rw."""
-    Profile_deceleration = _int(0x6084)
-    """6084 Profile deceleration: UNSIGNED32, rw."""
-    Quick_stop_deceleration = _int(0x6085)
-    """6085 Quick stop deceleration: UNSIGNED32, rw."""
-    Torque_slope = _int(0x6087)
-    """6087 Torque slope: UNSIGNED32, rw."""
-    Highest_sub_index_supported_608F_00 = _int(0x608F)
-    """608F Highest sub-index supported: UNSIGNED8, const."""
-    Encoder_increments = _int(0x608F, 1)
-    """608F:1 Encoder increments: UNSIGNED32, rw."""
-    Motor_revolutions = _int(0x608F, 2)
-    """608F:2 Motor revolutions: UNSIGNED32, rw."""
-    Highest_sub_index_supported_6091_00 = _int(0x6091)
-    """6091 Highest sub-index supported: UNSIGNED8, const."""
-    Motor_shaft_revolutions = _int(0x6091, 1)
-    """6091:1 Motor shaft revolutions: UNSIGNED32, rw."""
-    Driving_shaft_revolutions = _int(0x6091, 2)
-    """6091:2 Driving shaft revolutions: UNSIGNED32, rw."""
-    Homing_method = _int(0x6098)
-    """6098 Homing method: INTEGER8, rw."""
-    SI_unit_position = _int(0x60A8)
-    """60A8 SI unit position: UNSIGNED32, ro."""
-    SI_unit_velocity = _int(0x60A9)
-    """60A9 SI unit velocity: UNSIGNED32, ro."""
-    Following_error_actual_value = _int(0x60F4)
-    """60F4 Following error actual value: INTEGER32, ro."""
-    Target_velocity = _int(0x60FF)
-    """60FF Target velocity: INTEGER32, rww."""
-    Supported_drive_modes = _int(0x6502)
-    """6502 Supported drive modes: UNSIGNED32, ro."""

@@ -4,1277 +4,230 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.canopen.description import (
-    DeviceDescription,
-    ObjectDescription,
-    PdoDescription,
+from rtgen.runtime.canopen.description import DeviceDescription, PdoDescription
+from rtgen.runtime.canopen.objects import (
+    Boolean as _Boolean,
+    Integer as _Integer,
+    Objects,
+    Text as _Text,
+    descriptions,
 )
-from rtgen.runtime.canopen.objects import Entry, Objects
+
+
+class FPaletteObjects(Objects):
+    """The values of FPalette's object dictionary, as they are on the wire."""
+
+    __slots__ = ()
+
+    Device_type = _Integer("u32", 0x1000, 0, "ro", 0xF0191)
+    Error_register = _Integer("u8", 0x1001, 0, "ro", 0, mappable=True)
+    Number_of_errors = _Integer("u8", 0x1003, 0, "rw", 0)
+    Standard_error_field_1 = _Integer("u32", 0x1003, 1, "ro", 0)
+    Standard_error_field_2 = _Integer("u32", 0x1003, 2, "ro", 0)
+    Standard_error_field_3 = _Integer("u32", 0x1003, 3, "ro", 0)
+    Standard_error_field_4 = _Integer("u32", 0x1003, 4, "ro", 0)
+    COB_ID_SYNC = _Integer("u32", 0x1005, 0, "rw", 128)
+    Manufacturer_device_name = _Text("string", 0x1008, 0, "const", "f-palette")
+    Manufacturer_hardware_version = _Text("string", 0x1009, 0, "const", "simulated")
+    Manufacturer_software_version = _Text("string", 0x100A, 0, "const", "1.0")
+    Highest_sub_index_supported_1010_00 = _Integer("u8", 0x1010, 0, "const", 1)
+    Save_all_parameters = _Integer("u32", 0x1010, 1, "rw", 1)
+    Highest_sub_index_supported_1011_00 = _Integer("u8", 0x1011, 0, "const", 1)
+    Restore_all_default_parameters = _Integer("u32", 0x1011, 1, "rw", 1)
+    COB_ID_EMCY = _Integer("u32", 0x1014, 0, "rw", 0x80, relative=True)
+    Inhibit_time_EMCY = _Integer("u16", 0x1015, 0, "rw", 100)
+    Highest_sub_index_supported_1016_00 = _Integer("u8", 0x1016, 0, "const", 2)
+    Consumer_heartbeat_time_1 = _Integer("u32", 0x1016, 1, "rw", 0)
+    Consumer_heartbeat_time_2 = _Integer("u32", 0x1016, 2, "rw", 0)
+    Producer_heartbeat_time = _Integer("u16", 0x1017, 0, "rw", 100)
+    Highest_sub_index_supported_1018_00 = _Integer("u8", 0x1018, 0, "const", 4)
+    Vendor_ID = _Integer("u32", 0x1018, 1, "ro", 0xFFFF01)
+    Product_code = _Integer("u32", 0x1018, 2, "ro", 0x46504C54)
+    Revision_number = _Integer("u32", 0x1018, 3, "ro", 0x10000)
+    Serial_number = _Integer("u32", 0x1018, 4, "ro", 0)
+    Highest_sub_index_supported_1029_00 = _Integer("u8", 0x1029, 0, "const", 1)
+    Communication_error = _Integer("u8", 0x1029, 1, "rw", 0, low=0, high=2)
+    Highest_sub_index_supported_1200_00 = _Integer("u8", 0x1200, 0, "const", 2)
+    COB_ID_client_to_server = _Integer("u32", 0x1200, 1, "ro", 0x600, relative=True)
+    COB_ID_server_to_client = _Integer("u32", 0x1200, 2, "ro", 0x580, relative=True)
+    Highest_sub_index_supported_1400_00 = _Integer("u8", 0x1400, 0, "const", 5)
+    COB_ID_1400_01 = _Integer("u32", 0x1400, 1, "rw", 0x200, relative=True)
+    Transmission_type_1400_02 = _Integer("u8", 0x1400, 2, "rw", 255)
+    Event_timer_1400_05 = _Integer("u16", 0x1400, 5, "rw", 0)
+    Highest_sub_index_supported_1401_00 = _Integer("u8", 0x1401, 0, "const", 5)
+    COB_ID_1401_01 = _Integer("u32", 0x1401, 1, "rw", 0x300, relative=True)
+    Transmission_type_1401_02 = _Integer("u8", 0x1401, 2, "rw", 255)
+    Event_timer_1401_05 = _Integer("u16", 0x1401, 5, "rw", 0)
+    Number_of_mapped_objects_1600_00 = _Integer("u8", 0x1600, 0, "rw", 2)
+    Mapped_object_1_1600_01 = _Integer("u32", 0x1600, 1, "rw", 0x62000108)
+    Mapped_object_2_1600_02 = _Integer("u32", 0x1600, 2, "rw", 0x62000208)
+    Mapped_object_3_1600_03 = _Integer("u32", 0x1600, 3, "rw", 0)
+    Mapped_object_4_1600_04 = _Integer("u32", 0x1600, 4, "rw", 0)
+    Mapped_object_5_1600_05 = _Integer("u32", 0x1600, 5, "rw", 0)
+    Mapped_object_6_1600_06 = _Integer("u32", 0x1600, 6, "rw", 0)
+    Mapped_object_7_1600_07 = _Integer("u32", 0x1600, 7, "rw", 0)
+    Mapped_object_8_1600_08 = _Integer("u32", 0x1600, 8, "rw", 0)
+    Number_of_mapped_objects_1601_00 = _Integer("u8", 0x1601, 0, "rw", 4)
+    Mapped_object_1_1601_01 = _Integer("u32", 0x1601, 1, "rw", 0x64110110)
+    Mapped_object_2_1601_02 = _Integer("u32", 0x1601, 2, "rw", 0x64110210)
+    Mapped_object_3_1601_03 = _Integer("u32", 0x1601, 3, "rw", 0x64110310)
+    Mapped_object_4_1601_04 = _Integer("u32", 0x1601, 4, "rw", 0x64110410)
+    Mapped_object_5_1601_05 = _Integer("u32", 0x1601, 5, "rw", 0)
+    Mapped_object_6_1601_06 = _Integer("u32", 0x1601, 6, "rw", 0)
+    Mapped_object_7_1601_07 = _Integer("u32", 0x1601, 7, "rw", 0)
+    Mapped_object_8_1601_08 = _Integer("u32", 0x1601, 8, "rw", 0)
+    Highest_sub_index_supported_1800_00 = _Integer("u8", 0x1800, 0, "const", 6)
+    COB_ID_1800_01 = _Integer("u32", 0x1800, 1, "rw", 0x40000180, relative=True)
+    Transmission_type_1800_02 = _Integer("u8", 0x1800, 2, "rw", 255)
+    Inhibit_time_1800_03 = _Integer("u16", 0x1800, 3, "rw", 0)
+    Event_timer_1800_05 = _Integer("u16", 0x1800, 5, "rw", 0)
+    SYNC_start_value_1800_06 = _Integer("u8", 0x1800, 6, "rw", 0)
+    Highest_sub_index_supported_1801_00 = _Integer("u8", 0x1801, 0, "const", 6)
+    COB_ID_1801_01 = _Integer("u32", 0x1801, 1, "rw", 0x40000280, relative=True)
+    Transmission_type_1801_02 = _Integer("u8", 0x1801, 2, "rw", 255)
+    Inhibit_time_1801_03 = _Integer("u16", 0x1801, 3, "rw", 0)
+    Event_timer_1801_05 = _Integer("u16", 0x1801, 5, "rw", 0)
+    SYNC_start_value_1801_06 = _Integer("u8", 0x1801, 6, "rw", 0)
+    Highest_sub_index_supported_1802_00 = _Integer("u8", 0x1802, 0, "const", 6)
+    COB_ID_1802_01 = _Integer("u32", 0x1802, 1, "rw", 0x40000380, relative=True)
+    Transmission_type_1802_02 = _Integer("u8", 0x1802, 2, "rw", 255)
+    Inhibit_time_1802_03 = _Integer("u16", 0x1802, 3, "rw", 0)
+    Event_timer_1802_05 = _Integer("u16", 0x1802, 5, "rw", 0)
+    SYNC_start_value_1802_06 = _Integer("u8", 0x1802, 6, "rw", 0)
+    Highest_sub_index_supported_1803_00 = _Integer("u8", 0x1803, 0, "const", 6)
+    COB_ID_1803_01 = _Integer("u32", 0x1803, 1, "rw", 0xC0000480, relative=True)
+    Transmission_type_1803_02 = _Integer("u8", 0x1803, 2, "rw", 1)
+    Inhibit_time_1803_03 = _Integer("u16", 0x1803, 3, "rw", 0)
+    Event_timer_1803_05 = _Integer("u16", 0x1803, 5, "rw", 0)
+    SYNC_start_value_1803_06 = _Integer("u8", 0x1803, 6, "rw", 0)
+    Number_of_mapped_objects_1A00_00 = _Integer("u8", 0x1A00, 0, "rw", 2)
+    Mapped_object_1_1A00_01 = _Integer("u32", 0x1A00, 1, "rw", 0x60000108)
+    Mapped_object_2_1A00_02 = _Integer("u32", 0x1A00, 2, "rw", 0x60000208)
+    Mapped_object_3_1A00_03 = _Integer("u32", 0x1A00, 3, "rw", 0)
+    Mapped_object_4_1A00_04 = _Integer("u32", 0x1A00, 4, "rw", 0)
+    Mapped_object_5_1A00_05 = _Integer("u32", 0x1A00, 5, "rw", 0)
+    Mapped_object_6_1A00_06 = _Integer("u32", 0x1A00, 6, "rw", 0)
+    Mapped_object_7_1A00_07 = _Integer("u32", 0x1A00, 7, "rw", 0)
+    Mapped_object_8_1A00_08 = _Integer("u32", 0x1A00, 8, "rw", 0)
+    Number_of_mapped_objects_1A01_00 = _Integer("u8", 0x1A01, 0, "rw", 4)
+    Mapped_object_1_1A01_01 = _Integer("u32", 0x1A01, 1, "rw", 0x64010110)
+    Mapped_object_2_1A01_02 = _Integer("u32", 0x1A01, 2, "rw", 0x64010210)
+    Mapped_object_3_1A01_03 = _Integer("u32", 0x1A01, 3, "rw", 0x64010310)
+    Mapped_object_4_1A01_04 = _Integer("u32", 0x1A01, 4, "rw", 0x64010410)
+    Mapped_object_5_1A01_05 = _Integer("u32", 0x1A01, 5, "rw", 0)
+    Mapped_object_6_1A01_06 = _Integer("u32", 0x1A01, 6, "rw", 0)
+    Mapped_object_7_1A01_07 = _Integer("u32", 0x1A01, 7, "rw", 0)
+    Mapped_object_8_1A01_08 = _Integer("u32", 0x1A01, 8, "rw", 0)
+    Number_of_mapped_objects_1A02_00 = _Integer("u8", 0x1A02, 0, "rw", 4)
+    Mapped_object_1_1A02_01 = _Integer("u32", 0x1A02, 1, "rw", 0x64010510)
+    Mapped_object_2_1A02_02 = _Integer("u32", 0x1A02, 2, "rw", 0x64010610)
+    Mapped_object_3_1A02_03 = _Integer("u32", 0x1A02, 3, "rw", 0x64010710)
+    Mapped_object_4_1A02_04 = _Integer("u32", 0x1A02, 4, "rw", 0x64010810)
+    Mapped_object_5_1A02_05 = _Integer("u32", 0x1A02, 5, "rw", 0)
+    Mapped_object_6_1A02_06 = _Integer("u32", 0x1A02, 6, "rw", 0)
+    Mapped_object_7_1A02_07 = _Integer("u32", 0x1A02, 7, "rw", 0)
+    Mapped_object_8_1A02_08 = _Integer("u32", 0x1A02, 8, "rw", 0)
+    Number_of_mapped_objects_1A03_00 = _Integer("u8", 0x1A03, 0, "rw", 1)
+    Mapped_object_1_1A03_01 = _Integer("u32", 0x1A03, 1, "rw", 0x21000020)
+    Mapped_object_2_1A03_02 = _Integer("u32", 0x1A03, 2, "rw", 0)
+    Mapped_object_3_1A03_03 = _Integer("u32", 0x1A03, 3, "rw", 0)
+    Mapped_object_4_1A03_04 = _Integer("u32", 0x1A03, 4, "rw", 0)
+    Mapped_object_5_1A03_05 = _Integer("u32", 0x1A03, 5, "rw", 0)
+    Mapped_object_6_1A03_06 = _Integer("u32", 0x1A03, 6, "rw", 0)
+    Mapped_object_7_1A03_07 = _Integer("u32", 0x1A03, 7, "rw", 0)
+    Mapped_object_8_1A03_08 = _Integer("u32", 0x1A03, 8, "rw", 0)
+    Angle_reference = _Integer("i32", 0x2100, 0, "ro", 0, mappable=True)
+    Angle_reference_input = _Integer("u8", 0x2101, 0, "rw", 1, low=1, high=8)
+    Angle_reference_gain = _Integer("i32", 0x2102, 0, "rw", 180000)
+    Angle_reference_offset = _Integer("i32", 0x2103, 0, "rw", 0)
+    Highest_sub_index_supported_6000_00 = _Integer("u8", 0x6000, 0, "const", 2)
+    Digital_inputs_1_to_8 = _Integer("u8", 0x6000, 1, "ro", 0, mappable=True)
+    Digital_inputs_9_to_16 = _Integer("u8", 0x6000, 2, "ro", 0, mappable=True)
+    Highest_sub_index_supported_6002_00 = _Integer("u8", 0x6002, 0, "const", 2)
+    Polarity_of_inputs_1_to_8 = _Integer("u8", 0x6002, 1, "rw", 0)
+    Polarity_of_inputs_9_to_16 = _Integer("u8", 0x6002, 2, "rw", 0)
+    Global_interrupt_enable_digital = _Boolean("bool", 0x6005, 0, "rw", True)
+    Highest_sub_index_supported_6006_00 = _Integer("u8", 0x6006, 0, "const", 2)
+    Mask_of_inputs_1_to_8 = _Integer("u8", 0x6006, 1, "rw", 255)
+    Mask_of_inputs_9_to_16 = _Integer("u8", 0x6006, 2, "rw", 255)
+    Highest_sub_index_supported_6200_00 = _Integer("u8", 0x6200, 0, "const", 2)
+    Digital_outputs_1_to_8 = _Integer("u8", 0x6200, 1, "rww", 0, mappable=True)
+    Digital_outputs_9_to_16 = _Integer("u8", 0x6200, 2, "rww", 0, mappable=True)
+    Highest_sub_index_supported_6202_00 = _Integer("u8", 0x6202, 0, "const", 2)
+    Polarity_of_outputs_1_to_8 = _Integer("u8", 0x6202, 1, "rw", 0)
+    Polarity_of_outputs_9_to_16 = _Integer("u8", 0x6202, 2, "rw", 0)
+    Highest_sub_index_supported_6206_00 = _Integer("u8", 0x6206, 0, "const", 2)
+    Error_mode_of_outputs_1_to_8 = _Integer("u8", 0x6206, 1, "rw", 255)
+    Error_mode_of_outputs_9_to_16 = _Integer("u8", 0x6206, 2, "rw", 255)
+    Highest_sub_index_supported_6207_00 = _Integer("u8", 0x6207, 0, "const", 2)
+    Error_value_of_outputs_1_to_8 = _Integer("u8", 0x6207, 1, "rw", 0)
+    Error_value_of_outputs_9_to_16 = _Integer("u8", 0x6207, 2, "rw", 0)
+    Highest_sub_index_supported_6401_00 = _Integer("u8", 0x6401, 0, "const", 8)
+    Analogue_input_1 = _Integer("i16", 0x6401, 1, "ro", 0, mappable=True)
+    Analogue_input_2 = _Integer("i16", 0x6401, 2, "ro", 0, mappable=True)
+    Analogue_input_3 = _Integer("i16", 0x6401, 3, "ro", 0, mappable=True)
+    Analogue_input_4 = _Integer("i16", 0x6401, 4, "ro", 0, mappable=True)
+    Analogue_input_5 = _Integer("i16", 0x6401, 5, "ro", 0, mappable=True)
+    Analogue_input_6 = _Integer("i16", 0x6401, 6, "ro", 0, mappable=True)
+    Analogue_input_7 = _Integer("i16", 0x6401, 7, "ro", 0, mappable=True)
+    Analogue_input_8 = _Integer("i16", 0x6401, 8, "ro", 0, mappable=True)
+    Highest_sub_index_supported_6411_00 = _Integer("u8", 0x6411, 0, "const", 4)
+    Analogue_output_1 = _Integer("i16", 0x6411, 1, "rww", 0, mappable=True)
+    Analogue_output_2 = _Integer("i16", 0x6411, 2, "rww", 0, mappable=True)
+    Analogue_output_3 = _Integer("i16", 0x6411, 3, "rww", 0, mappable=True)
+    Analogue_output_4 = _Integer("i16", 0x6411, 4, "rww", 0, mappable=True)
+    Highest_sub_index_supported_6421_00 = _Integer("u8", 0x6421, 0, "const", 8)
+    Trigger_of_analogue_input_1 = _Integer("u8", 0x6421, 1, "rw", 7, low=0, high=31)
+    Trigger_of_analogue_input_2 = _Integer("u8", 0x6421, 2, "rw", 7, low=0, high=31)
+    Trigger_of_analogue_input_3 = _Integer("u8", 0x6421, 3, "rw", 7, low=0, high=31)
+    Trigger_of_analogue_input_4 = _Integer("u8", 0x6421, 4, "rw", 7, low=0, high=31)
+    Trigger_of_analogue_input_5 = _Integer("u8", 0x6421, 5, "rw", 7, low=0, high=31)
+    Trigger_of_analogue_input_6 = _Integer("u8", 0x6421, 6, "rw", 7, low=0, high=31)
+    Trigger_of_analogue_input_7 = _Integer("u8", 0x6421, 7, "rw", 7, low=0, high=31)
+    Trigger_of_analogue_input_8 = _Integer("u8", 0x6421, 8, "rw", 7, low=0, high=31)
+    Analogue_input_global_interrupt_enable = _Boolean("bool", 0x6423, 0, "rw", False)
+    Highest_sub_index_supported_6424_00 = _Integer("u8", 0x6424, 0, "const", 8)
+    Upper_limit_of_analogue_input_1 = _Integer("i32", 0x6424, 1, "rw", 0)
+    Upper_limit_of_analogue_input_2 = _Integer("i32", 0x6424, 2, "rw", 0)
+    Upper_limit_of_analogue_input_3 = _Integer("i32", 0x6424, 3, "rw", 0)
+    Upper_limit_of_analogue_input_4 = _Integer("i32", 0x6424, 4, "rw", 0)
+    Upper_limit_of_analogue_input_5 = _Integer("i32", 0x6424, 5, "rw", 0)
+    Upper_limit_of_analogue_input_6 = _Integer("i32", 0x6424, 6, "rw", 0)
+    Upper_limit_of_analogue_input_7 = _Integer("i32", 0x6424, 7, "rw", 0)
+    Upper_limit_of_analogue_input_8 = _Integer("i32", 0x6424, 8, "rw", 0)
+    Highest_sub_index_supported_6425_00 = _Integer("u8", 0x6425, 0, "const", 8)
+    Lower_limit_of_analogue_input_1 = _Integer("i32", 0x6425, 1, "rw", 0)
+    Lower_limit_of_analogue_input_2 = _Integer("i32", 0x6425, 2, "rw", 0)
+    Lower_limit_of_analogue_input_3 = _Integer("i32", 0x6425, 3, "rw", 0)
+    Lower_limit_of_analogue_input_4 = _Integer("i32", 0x6425, 4, "rw", 0)
+    Lower_limit_of_analogue_input_5 = _Integer("i32", 0x6425, 5, "rw", 0)
+    Lower_limit_of_analogue_input_6 = _Integer("i32", 0x6425, 6, "rw", 0)
+    Lower_limit_of_analogue_input_7 = _Integer("i32", 0x6425, 7, "rw", 0)
+    Lower_limit_of_analogue_input_8 = _Integer("i32", 0x6425, 8, "rw", 0)
+    Highest_sub_index_supported_6426_00 = _Integer("u8", 0x6426, 0, "const", 8)
+    Delta_of_analogue_input_1 = _Integer("u32", 0x6426, 1, "rw", 0)
+    Delta_of_analogue_input_2 = _Integer("u32", 0x6426, 2, "rw", 0)
+    Delta_of_analogue_input_3 = _Integer("u32", 0x6426, 3, "rw", 0)
+    Delta_of_analogue_input_4 = _Integer("u32", 0x6426, 4, "rw", 0)
+    Delta_of_analogue_input_5 = _Integer("u32", 0x6426, 5, "rw", 0)
+    Delta_of_analogue_input_6 = _Integer("u32", 0x6426, 6, "rw", 0)
+    Delta_of_analogue_input_7 = _Integer("u32", 0x6426, 7, "rw", 0)
+    Delta_of_analogue_input_8 = _Integer("u32", 0x6426, 8, "rw", 0)
+    Highest_sub_index_supported_6443_00 = _Integer("u8", 0x6443, 0, "const", 4)
+    Error_mode_of_analogue_output_1 = _Integer("u8", 0x6443, 1, "rw", 1, low=0, high=1)
+    Error_mode_of_analogue_output_2 = _Integer("u8", 0x6443, 2, "rw", 1, low=0, high=1)
+    Error_mode_of_analogue_output_3 = _Integer("u8", 0x6443, 3, "rw", 1, low=0, high=1)
+    Error_mode_of_analogue_output_4 = _Integer("u8", 0x6443, 4, "rw", 1, low=0, high=1)
+    Highest_sub_index_supported_6444_00 = _Integer("u8", 0x6444, 0, "const", 4)
+    Error_value_of_analogue_output_1 = _Integer("i32", 0x6444, 1, "rw", 0)
+    Error_value_of_analogue_output_2 = _Integer("i32", 0x6444, 2, "rw", 0)
+    Error_value_of_analogue_output_3 = _Integer("i32", 0x6444, 3, "rw", 0)
+    Error_value_of_analogue_output_4 = _Integer("i32", 0x6444, 4, "rw", 0)
+
 
 DESCRIPTION = DeviceDescription(
     name="FPalette",
-    objects=(
-        ObjectDescription(0x1000, 0, "Device_type", "u32", "ro", default=0xF0191),
-        ObjectDescription(
-            0x1001,
-            0,
-            "Error_register",
-            "u8",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(0x1003, 0, "Number_of_errors", "u8", "rw", default=0),
-        ObjectDescription(0x1003, 1, "Standard_error_field_1", "u32", "ro", default=0),
-        ObjectDescription(0x1003, 2, "Standard_error_field_2", "u32", "ro", default=0),
-        ObjectDescription(0x1003, 3, "Standard_error_field_3", "u32", "ro", default=0),
-        ObjectDescription(0x1003, 4, "Standard_error_field_4", "u32", "ro", default=0),
-        ObjectDescription(0x1005, 0, "COB_ID_SYNC", "u32", "rw", default=128),
-        ObjectDescription(
-            0x1008,
-            0,
-            "Manufacturer_device_name",
-            "string",
-            "const",
-            default="f-palette",
-        ),
-        ObjectDescription(
-            0x1009,
-            0,
-            "Manufacturer_hardware_version",
-            "string",
-            "const",
-            default="simulated",
-        ),
-        ObjectDescription(
-            0x100A,
-            0,
-            "Manufacturer_software_version",
-            "string",
-            "const",
-            default="1.0",
-        ),
-        ObjectDescription(
-            0x1010,
-            0,
-            "Highest_sub_index_supported_1010_00",
-            "u8",
-            "const",
-            default=1,
-        ),
-        ObjectDescription(0x1010, 1, "Save_all_parameters", "u32", "rw", default=1),
-        ObjectDescription(
-            0x1011,
-            0,
-            "Highest_sub_index_supported_1011_00",
-            "u8",
-            "const",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1011,
-            1,
-            "Restore_all_default_parameters",
-            "u32",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1014,
-            0,
-            "COB_ID_EMCY",
-            "u32",
-            "rw",
-            default=0x80,
-            relative=True,
-        ),
-        ObjectDescription(0x1015, 0, "Inhibit_time_EMCY", "u16", "rw", default=100),
-        ObjectDescription(
-            0x1016,
-            0,
-            "Highest_sub_index_supported_1016_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1016,
-            1,
-            "Consumer_heartbeat_time_1",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x1016,
-            2,
-            "Consumer_heartbeat_time_2",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x1017,
-            0,
-            "Producer_heartbeat_time",
-            "u16",
-            "rw",
-            default=100,
-        ),
-        ObjectDescription(
-            0x1018,
-            0,
-            "Highest_sub_index_supported_1018_00",
-            "u8",
-            "const",
-            default=4,
-        ),
-        ObjectDescription(0x1018, 1, "Vendor_ID", "u32", "ro", default=0xFFFF01),
-        ObjectDescription(0x1018, 2, "Product_code", "u32", "ro", default=0x46504C54),
-        ObjectDescription(0x1018, 3, "Revision_number", "u32", "ro", default=0x10000),
-        ObjectDescription(0x1018, 4, "Serial_number", "u32", "ro", default=0),
-        ObjectDescription(
-            0x1029,
-            0,
-            "Highest_sub_index_supported_1029_00",
-            "u8",
-            "const",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1029,
-            1,
-            "Communication_error",
-            "u8",
-            "rw",
-            default=0,
-            low=0,
-            high=2,
-        ),
-        ObjectDescription(
-            0x1200,
-            0,
-            "Highest_sub_index_supported_1200_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1200,
-            1,
-            "COB_ID_client_to_server",
-            "u32",
-            "ro",
-            default=0x600,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1200,
-            2,
-            "COB_ID_server_to_client",
-            "u32",
-            "ro",
-            default=0x580,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1400,
-            0,
-            "Highest_sub_index_supported_1400_00",
-            "u8",
-            "const",
-            default=5,
-        ),
-        ObjectDescription(
-            0x1400,
-            1,
-            "COB_ID_1400_01",
-            "u32",
-            "rw",
-            default=0x200,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1400,
-            2,
-            "Transmission_type_1400_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(0x1400, 5, "Event_timer_1400_05", "u16", "rw", default=0),
-        ObjectDescription(
-            0x1401,
-            0,
-            "Highest_sub_index_supported_1401_00",
-            "u8",
-            "const",
-            default=5,
-        ),
-        ObjectDescription(
-            0x1401,
-            1,
-            "COB_ID_1401_01",
-            "u32",
-            "rw",
-            default=0x300,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1401,
-            2,
-            "Transmission_type_1401_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(0x1401, 5, "Event_timer_1401_05", "u16", "rw", default=0),
-        ObjectDescription(
-            0x1600,
-            0,
-            "Number_of_mapped_objects_1600_00",
-            "u8",
-            "rw",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1600,
-            1,
-            "Mapped_object_1_1600_01",
-            "u32",
-            "rw",
-            default=0x62000108,
-        ),
-        ObjectDescription(
-            0x1600,
-            2,
-            "Mapped_object_2_1600_02",
-            "u32",
-            "rw",
-            default=0x62000208,
-        ),
-        ObjectDescription(0x1600, 3, "Mapped_object_3_1600_03", "u32", "rw", default=0),
-        ObjectDescription(0x1600, 4, "Mapped_object_4_1600_04", "u32", "rw", default=0),
-        ObjectDescription(0x1600, 5, "Mapped_object_5_1600_05", "u32", "rw", default=0),
-        ObjectDescription(0x1600, 6, "Mapped_object_6_1600_06", "u32", "rw", default=0),
-        ObjectDescription(0x1600, 7, "Mapped_object_7_1600_07", "u32", "rw", default=0),
-        ObjectDescription(0x1600, 8, "Mapped_object_8_1600_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1601,
-            0,
-            "Number_of_mapped_objects_1601_00",
-            "u8",
-            "rw",
-            default=4,
-        ),
-        ObjectDescription(
-            0x1601,
-            1,
-            "Mapped_object_1_1601_01",
-            "u32",
-            "rw",
-            default=0x64110110,
-        ),
-        ObjectDescription(
-            0x1601,
-            2,
-            "Mapped_object_2_1601_02",
-            "u32",
-            "rw",
-            default=0x64110210,
-        ),
-        ObjectDescription(
-            0x1601,
-            3,
-            "Mapped_object_3_1601_03",
-            "u32",
-            "rw",
-            default=0x64110310,
-        ),
-        ObjectDescription(
-            0x1601,
-            4,
-            "Mapped_object_4_1601_04",
-            "u32",
-            "rw",
-            default=0x64110410,
-        ),
-        ObjectDescription(0x1601, 5, "Mapped_object_5_1601_05", "u32", "rw", default=0),
-        ObjectDescription(0x1601, 6, "Mapped_object_6_1601_06", "u32", "rw", default=0),
-        ObjectDescription(0x1601, 7, "Mapped_object_7_1601_07", "u32", "rw", default=0),
-        ObjectDescription(0x1601, 8, "Mapped_object_8_1601_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1800,
-            0,
-            "Highest_sub_index_supported_1800_00",
-            "u8",
-            "const",
-            default=6,
-        ),
-        ObjectDescription(
-            0x1800,
-            1,
-            "COB_ID_1800_01",
-            "u32",
-            "rw",
-            default=0x40000180,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1800,
-            2,
-            "Transmission_type_1800_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(0x1800, 3, "Inhibit_time_1800_03", "u16", "rw", default=0),
-        ObjectDescription(0x1800, 5, "Event_timer_1800_05", "u16", "rw", default=0),
-        ObjectDescription(0x1800, 6, "SYNC_start_value_1800_06", "u8", "rw", default=0),
-        ObjectDescription(
-            0x1801,
-            0,
-            "Highest_sub_index_supported_1801_00",
-            "u8",
-            "const",
-            default=6,
-        ),
-        ObjectDescription(
-            0x1801,
-            1,
-            "COB_ID_1801_01",
-            "u32",
-            "rw",
-            default=0x40000280,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1801,
-            2,
-            "Transmission_type_1801_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(0x1801, 3, "Inhibit_time_1801_03", "u16", "rw", default=0),
-        ObjectDescription(0x1801, 5, "Event_timer_1801_05", "u16", "rw", default=0),
-        ObjectDescription(0x1801, 6, "SYNC_start_value_1801_06", "u8", "rw", default=0),
-        ObjectDescription(
-            0x1802,
-            0,
-            "Highest_sub_index_supported_1802_00",
-            "u8",
-            "const",
-            default=6,
-        ),
-        ObjectDescription(
-            0x1802,
-            1,
-            "COB_ID_1802_01",
-            "u32",
-            "rw",
-            default=0x40000380,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1802,
-            2,
-            "Transmission_type_1802_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(0x1802, 3, "Inhibit_time_1802_03", "u16", "rw", default=0),
-        ObjectDescription(0x1802, 5, "Event_timer_1802_05", "u16", "rw", default=0),
-        ObjectDescription(0x1802, 6, "SYNC_start_value_1802_06", "u8", "rw", default=0),
-        ObjectDescription(
-            0x1803,
-            0,
-            "Highest_sub_index_supported_1803_00",
-            "u8",
-            "const",
-            default=6,
-        ),
-        ObjectDescription(
-            0x1803,
-            1,
-            "COB_ID_1803_01",
-            "u32",
-            "rw",
-            default=0xC0000480,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1803,
-            2,
-            "Transmission_type_1803_02",
-            "u8",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(0x1803, 3, "Inhibit_time_1803_03", "u16", "rw", default=0),
-        ObjectDescription(0x1803, 5, "Event_timer_1803_05", "u16", "rw", default=0),
-        ObjectDescription(0x1803, 6, "SYNC_start_value_1803_06", "u8", "rw", default=0),
-        ObjectDescription(
-            0x1A00,
-            0,
-            "Number_of_mapped_objects_1A00_00",
-            "u8",
-            "rw",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1A00,
-            1,
-            "Mapped_object_1_1A00_01",
-            "u32",
-            "rw",
-            default=0x60000108,
-        ),
-        ObjectDescription(
-            0x1A00,
-            2,
-            "Mapped_object_2_1A00_02",
-            "u32",
-            "rw",
-            default=0x60000208,
-        ),
-        ObjectDescription(0x1A00, 3, "Mapped_object_3_1A00_03", "u32", "rw", default=0),
-        ObjectDescription(0x1A00, 4, "Mapped_object_4_1A00_04", "u32", "rw", default=0),
-        ObjectDescription(0x1A00, 5, "Mapped_object_5_1A00_05", "u32", "rw", default=0),
-        ObjectDescription(0x1A00, 6, "Mapped_object_6_1A00_06", "u32", "rw", default=0),
-        ObjectDescription(0x1A00, 7, "Mapped_object_7_1A00_07", "u32", "rw", default=0),
-        ObjectDescription(0x1A00, 8, "Mapped_object_8_1A00_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1A01,
-            0,
-            "Number_of_mapped_objects_1A01_00",
-            "u8",
-            "rw",
-            default=4,
-        ),
-        ObjectDescription(
-            0x1A01,
-            1,
-            "Mapped_object_1_1A01_01",
-            "u32",
-            "rw",
-            default=0x64010110,
-        ),
-        ObjectDescription(
-            0x1A01,
-            2,
-            "Mapped_object_2_1A01_02",
-            "u32",
-            "rw",
-            default=0x64010210,
-        ),
-        ObjectDescription(
-            0x1A01,
-            3,
-            "Mapped_object_3_1A01_03",
-            "u32",
-            "rw",
-            default=0x64010310,
-        ),
-        ObjectDescription(
-            0x1A01,
-            4,
-            "Mapped_object_4_1A01_04",
-            "u32",
-            "rw",
-            default=0x64010410,
-        ),
-        ObjectDescription(0x1A01, 5, "Mapped_object_5_1A01_05", "u32", "rw", default=0),
-        ObjectDescription(0x1A01, 6, "Mapped_object_6_1A01_06", "u32", "rw", default=0),
-        ObjectDescription(0x1A01, 7, "Mapped_object_7_1A01_07", "u32", "rw", default=0),
-        ObjectDescription(0x1A01, 8, "Mapped_object_8_1A01_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1A02,
-            0,
-            "Number_of_mapped_objects_1A02_00",
-            "u8",
-            "rw",
-            default=4,
-        ),
-        ObjectDescription(
-            0x1A02,
-            1,
-            "Mapped_object_1_1A02_01",
-            "u32",
-            "rw",
-            default=0x64010510,
-        ),
-        ObjectDescription(
-            0x1A02,
-            2,
-            "Mapped_object_2_1A02_02",
-            "u32",
-            "rw",
-            default=0x64010610,
-        ),
-        ObjectDescription(
-            0x1A02,
-            3,
-            "Mapped_object_3_1A02_03",
-            "u32",
-            "rw",
-            default=0x64010710,
-        ),
-        ObjectDescription(
-            0x1A02,
-            4,
-            "Mapped_object_4_1A02_04",
-            "u32",
-            "rw",
-            default=0x64010810,
-        ),
-        ObjectDescription(0x1A02, 5, "Mapped_object_5_1A02_05", "u32", "rw", default=0),
-        ObjectDescription(0x1A02, 6, "Mapped_object_6_1A02_06", "u32", "rw", default=0),
-        ObjectDescription(0x1A02, 7, "Mapped_object_7_1A02_07", "u32", "rw", default=0),
-        ObjectDescription(0x1A02, 8, "Mapped_object_8_1A02_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x1A03,
-            0,
-            "Number_of_mapped_objects_1A03_00",
-            "u8",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1A03,
-            1,
-            "Mapped_object_1_1A03_01",
-            "u32",
-            "rw",
-            default=0x21000020,
-        ),
-        ObjectDescription(0x1A03, 2, "Mapped_object_2_1A03_02", "u32", "rw", default=0),
-        ObjectDescription(0x1A03, 3, "Mapped_object_3_1A03_03", "u32", "rw", default=0),
-        ObjectDescription(0x1A03, 4, "Mapped_object_4_1A03_04", "u32", "rw", default=0),
-        ObjectDescription(0x1A03, 5, "Mapped_object_5_1A03_05", "u32", "rw", default=0),
-        ObjectDescription(0x1A03, 6, "Mapped_object_6_1A03_06", "u32", "rw", default=0),
-        ObjectDescription(0x1A03, 7, "Mapped_object_7_1A03_07", "u32", "rw", default=0),
-        ObjectDescription(0x1A03, 8, "Mapped_object_8_1A03_08", "u32", "rw", default=0),
-        ObjectDescription(
-            0x2100,
-            0,
-            "Angle_reference",
-            "i32",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x2101,
-            0,
-            "Angle_reference_input",
-            "u8",
-            "rw",
-            default=1,
-            low=1,
-            high=8,
-        ),
-        ObjectDescription(
-            0x2102,
-            0,
-            "Angle_reference_gain",
-            "i32",
-            "rw",
-            default=180000,
-        ),
-        ObjectDescription(0x2103, 0, "Angle_reference_offset", "i32", "rw", default=0),
-        ObjectDescription(
-            0x6000,
-            0,
-            "Highest_sub_index_supported_6000_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x6000,
-            1,
-            "Digital_inputs_1_to_8",
-            "u8",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6000,
-            2,
-            "Digital_inputs_9_to_16",
-            "u8",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6002,
-            0,
-            "Highest_sub_index_supported_6002_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x6002,
-            1,
-            "Polarity_of_inputs_1_to_8",
-            "u8",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6002,
-            2,
-            "Polarity_of_inputs_9_to_16",
-            "u8",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6005,
-            0,
-            "Global_interrupt_enable_digital",
-            "bool",
-            "rw",
-            default=True,
-        ),
-        ObjectDescription(
-            0x6006,
-            0,
-            "Highest_sub_index_supported_6006_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(0x6006, 1, "Mask_of_inputs_1_to_8", "u8", "rw", default=255),
-        ObjectDescription(0x6006, 2, "Mask_of_inputs_9_to_16", "u8", "rw", default=255),
-        ObjectDescription(
-            0x6200,
-            0,
-            "Highest_sub_index_supported_6200_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x6200,
-            1,
-            "Digital_outputs_1_to_8",
-            "u8",
-            "rww",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6200,
-            2,
-            "Digital_outputs_9_to_16",
-            "u8",
-            "rww",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6202,
-            0,
-            "Highest_sub_index_supported_6202_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x6202,
-            1,
-            "Polarity_of_outputs_1_to_8",
-            "u8",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6202,
-            2,
-            "Polarity_of_outputs_9_to_16",
-            "u8",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6206,
-            0,
-            "Highest_sub_index_supported_6206_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x6206,
-            1,
-            "Error_mode_of_outputs_1_to_8",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(
-            0x6206,
-            2,
-            "Error_mode_of_outputs_9_to_16",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(
-            0x6207,
-            0,
-            "Highest_sub_index_supported_6207_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x6207,
-            1,
-            "Error_value_of_outputs_1_to_8",
-            "u8",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6207,
-            2,
-            "Error_value_of_outputs_9_to_16",
-            "u8",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6401,
-            0,
-            "Highest_sub_index_supported_6401_00",
-            "u8",
-            "const",
-            default=8,
-        ),
-        ObjectDescription(
-            0x6401,
-            1,
-            "Analogue_input_1",
-            "i16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6401,
-            2,
-            "Analogue_input_2",
-            "i16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6401,
-            3,
-            "Analogue_input_3",
-            "i16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6401,
-            4,
-            "Analogue_input_4",
-            "i16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6401,
-            5,
-            "Analogue_input_5",
-            "i16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6401,
-            6,
-            "Analogue_input_6",
-            "i16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6401,
-            7,
-            "Analogue_input_7",
-            "i16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6401,
-            8,
-            "Analogue_input_8",
-            "i16",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6411,
-            0,
-            "Highest_sub_index_supported_6411_00",
-            "u8",
-            "const",
-            default=4,
-        ),
-        ObjectDescription(
-            0x6411,
-            1,
-            "Analogue_output_1",
-            "i16",
-            "rww",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6411,
-            2,
-            "Analogue_output_2",
-            "i16",
-            "rww",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6411,
-            3,
-            "Analogue_output_3",
-            "i16",
-            "rww",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6411,
-            4,
-            "Analogue_output_4",
-            "i16",
-            "rww",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x6421,
-            0,
-            "Highest_sub_index_supported_6421_00",
-            "u8",
-            "const",
-            default=8,
-        ),
-        ObjectDescription(
-            0x6421,
-            1,
-            "Trigger_of_analogue_input_1",
-            "u8",
-            "rw",
-            default=7,
-            low=0,
-            high=31,
-        ),
-        ObjectDescription(
-            0x6421,
-            2,
-            "Trigger_of_analogue_input_2",
-            "u8",
-            "rw",
-            default=7,
-            low=0,
-            high=31,
-        ),
-        ObjectDescription(
-            0x6421,
-            3,
-            "Trigger_of_analogue_input_3",
-            "u8",
-            "rw",
-            default=7,
-            low=0,
-            high=31,
-        ),
-        ObjectDescription(
-            0x6421,
-            4,
-            "Trigger_of_analogue_input_4",
-            "u8",
-            "rw",
-            default=7,
-            low=0,
-            high=31,
-        ),
-        ObjectDescription(
-            0x6421,
-            5,
-            "Trigger_of_analogue_input_5",
-            "u8",
-            "rw",
-            default=7,
-            low=0,
-            high=31,
-        ),
-        ObjectDescription(
-            0x6421,
-            6,
-            "Trigger_of_analogue_input_6",
-            "u8",
-            "rw",
-            default=7,
-            low=0,
-            high=31,
-        ),
-        ObjectDescription(
-            0x6421,
-            7,
-            "Trigger_of_analogue_input_7",
-            "u8",
-            "rw",
-            default=7,
-            low=0,
-            high=31,
-        ),
-        ObjectDescription(
-            0x6421,
-            8,
-            "Trigger_of_analogue_input_8",
-            "u8",
-            "rw",
-            default=7,
-            low=0,
-            high=31,
-        ),
-        ObjectDescription(
-            0x6423,
-            0,
-            "Analogue_input_global_interrupt_enable",
-            "bool",
-            "rw",
-            default=False,
-        ),
-        ObjectDescription(
-            0x6424,
-            0,
-            "Highest_sub_index_supported_6424_00",
-            "u8",
-            "const",
-            default=8,
-        ),
-        ObjectDescription(
-            0x6424,
-            1,
-            "Upper_limit_of_analogue_input_1",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6424,
-            2,
-            "Upper_limit_of_analogue_input_2",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6424,
-            3,
-            "Upper_limit_of_analogue_input_3",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6424,
-            4,
-            "Upper_limit_of_analogue_input_4",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6424,
-            5,
-            "Upper_limit_of_analogue_input_5",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6424,
-            6,
-            "Upper_limit_of_analogue_input_6",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6424,
-            7,
-            "Upper_limit_of_analogue_input_7",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6424,
-            8,
-            "Upper_limit_of_analogue_input_8",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6425,
-            0,
-            "Highest_sub_index_supported_6425_00",
-            "u8",
-            "const",
-            default=8,
-        ),
-        ObjectDescription(
-            0x6425,
-            1,
-            "Lower_limit_of_analogue_input_1",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6425,
-            2,
-            "Lower_limit_of_analogue_input_2",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6425,
-            3,
-            "Lower_limit_of_analogue_input_3",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6425,
-            4,
-            "Lower_limit_of_analogue_input_4",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6425,
-            5,
-            "Lower_limit_of_analogue_input_5",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6425,
-            6,
-            "Lower_limit_of_analogue_input_6",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6425,
-            7,
-            "Lower_limit_of_analogue_input_7",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6425,
-            8,
-            "Lower_limit_of_analogue_input_8",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6426,
-            0,
-            "Highest_sub_index_supported_6426_00",
-            "u8",
-            "const",
-            default=8,
-        ),
-        ObjectDescription(
-            0x6426,
-            1,
-            "Delta_of_analogue_input_1",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6426,
-            2,
-            "Delta_of_analogue_input_2",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6426,
-            3,
-            "Delta_of_analogue_input_3",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6426,
-            4,
-            "Delta_of_analogue_input_4",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6426,
-            5,
-            "Delta_of_analogue_input_5",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6426,
-            6,
-            "Delta_of_analogue_input_6",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6426,
-            7,
-            "Delta_of_analogue_input_7",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6426,
-            8,
-            "Delta_of_analogue_input_8",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6443,
-            0,
-            "Highest_sub_index_supported_6443_00",
-            "u8",
-            "const",
-            default=4,
-        ),
-        ObjectDescription(
-            0x6443,
-            1,
-            "Error_mode_of_analogue_output_1",
-            "u8",
-            "rw",
-            default=1,
-            low=0,
-            high=1,
-        ),
-        ObjectDescription(
-            0x6443,
-            2,
-            "Error_mode_of_analogue_output_2",
-            "u8",
-            "rw",
-            default=1,
-            low=0,
-            high=1,
-        ),
-        ObjectDescription(
-            0x6443,
-            3,
-            "Error_mode_of_analogue_output_3",
-            "u8",
-            "rw",
-            default=1,
-            low=0,
-            high=1,
-        ),
-        ObjectDescription(
-            0x6443,
-            4,
-            "Error_mode_of_analogue_output_4",
-            "u8",
-            "rw",
-            default=1,
-            low=0,
-            high=1,
-        ),
-        ObjectDescription(
-            0x6444,
-            0,
-            "Highest_sub_index_supported_6444_00",
-            "u8",
-            "const",
-            default=4,
-        ),
-        ObjectDescription(
-            0x6444,
-            1,
-            "Error_value_of_analogue_output_1",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6444,
-            2,
-            "Error_value_of_analogue_output_2",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6444,
-            3,
-            "Error_value_of_analogue_output_3",
-            "i32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(
-            0x6444,
-            4,
-            "Error_value_of_analogue_output_4",
-            "i32",
-            "rw",
-            default=0,
-        ),
-    ),
+    objects=descriptions(FPaletteObjects),
     pdos=(
         PdoDescription(
             "tpdo",
@@ -1318,422 +271,3 @@ DESCRIPTION = DeviceDescription(
     dummies=(0x0002, 0x0003, 0x0004, 0x0005, 0x0006, 0x0007),
     bit_rates=(10, 20, 50, 125, 250, 500, 800, 1000),
 )
-
-_bool = Entry[bool]
-_int = Entry[int]
-_str = Entry[str]
-
-
-class FPaletteObjects(Objects):
-    """The values of FPalette's object dictionary, as they are on the wire."""
-
-    __slots__ = ()
-
-    Device_type = _int(0x1000)
-    """1000 Device type: UNSIGNED32, ro."""
-    Error_register = _int(0x1001)
-    """1001 Error register: UNSIGNED8, ro."""
-    Number_of_errors = _int(0x1003)
-    """1003 Number of errors: UNSIGNED8, rw."""
-    Standard_error_field_1 = _int(0x1003, 1)
-    """1003:1 Standard error field 1: UNSIGNED32, ro."""
-    Standard_error_field_2 = _int(0x1003, 2)
-    """1003:2 Standard error field 2: UNSIGNED32, ro."""
-    Standard_error_field_3 = _int(0x1003, 3)
-    """1003:3 Standard error field 3: UNSIGNED32, ro."""
-    Standard_error_field_4 = _int(0x1003, 4)
-    """1003:4 Standard error field 4: UNSIGNED32, ro."""
-    COB_ID_SYNC = _int(0x1005)
-    """1005 COB-ID SYNC: UNSIGNED32, rw."""
-    Manufacturer_device_name = _str(0x1008)
-    """1008 Manufacturer device name: VISIBLE_STRING, const."""
-    Manufacturer_hardware_version = _str(0x1009)
-    """1009 Manufacturer hardware version: VISIBLE_STRING, const."""
-    Manufacturer_software_version = _str(0x100A)
-    """100A Manufacturer software version: VISIBLE_STRING, const."""
-    Highest_sub_index_supported_1010_00 = _int(0x1010)
-    """1010 Highest sub-index supported: UNSIGNED8, const."""
-    Save_all_parameters = _int(0x1010, 1)
-    """1010:1 Save all parameters: UNSIGNED32, rw."""
-    Highest_sub_index_supported_1011_00 = _int(0x1011)
-    """1011 Highest sub-index supported: UNSIGNED8, const."""
-    Restore_all_default_parameters = _int(0x1011, 1)
-    """1011:1 Restore all default parameters: UNSIGNED32, rw."""
-    COB_ID_EMCY = _int(0x1014)
-    """1014 COB-ID EMCY: UNSIGNED32, rw."""
-    Inhibit_time_EMCY = _int(0x1015)
-    """1015 Inhibit time EMCY: UNSIGNED16, rw."""
-    Highest_sub_index_supported_1016_00 = _int(0x1016)
-    """1016 Highest sub-index supported: UNSIGNED8, const."""
-    Consumer_heartbeat_time_1 = _int(0x1016, 1)
-    """1016:1 Consumer heartbeat time 1: UNSIGNED32, rw."""
-    Consumer_heartbeat_time_2 = _int(0x1016, 2)
-    """1016:2 Consumer heartbeat time 2: UNSIGNED32, rw."""
-    Producer_heartbeat_time = _int(0x1017)
-    """1017 Producer heartbeat time: UNSIGNED16, rw."""
-    Highest_sub_index_supported_1018_00 = _int(0x1018)
-    """1018 Highest sub-index supported: UNSIGNED8, const."""
-    Vendor_ID = _int(0x1018, 1)
-    """1018:1 Vendor-ID: UNSIGNED32, ro."""
-    Product_code = _int(0x1018, 2)
-    """1018:2 Product code: UNSIGNED32, ro."""
-    Revision_number = _int(0x1018, 3)
-    """1018:3 Revision number: UNSIGNED32, ro."""
-    Serial_number = _int(0x1018, 4)
-    """1018:4 Serial number: UNSIGNED32, ro."""
-    Highest_sub_index_supported_1029_00 = _int(0x1029)
-    """1029 Highest sub-index supported: UNSIGNED8, const."""
-    Communication_error = _int(0x1029, 1)
-    """1029:1 Communication error: UNSIGNED8, rw."""
-    Highest_sub_index_supported_1200_00 = _int(0x1200)
-    """1200 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_client_to_server = _int(0x1200, 1)
-    """1200:1 COB-ID client to server: UNSIGNED32, ro."""
-    COB_ID_server_to_client = _int(0x1200, 2)
-    """1200:2 COB-ID server to client: UNSIGNED32, ro."""
-    Highest_sub_index_supported_1400_00 = _int(0x1400)
-    """1400 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1400_01 = _int(0x1400, 1)
-    """1400:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1400_02 = _int(0x1400, 2)
-    """1400:2 Transmission type: UNSIGNED8, rw."""
-    Event_timer_1400_05 = _int(0x1400, 5)
-    """1400:5 Event timer: UNSIGNED16, rw."""
-    Highest_sub_index_supported_1401_00 = _int(0x1401)
-    """1401 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1401_01 = _int(0x1401, 1)
-    """1401:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1401_02 = _int(0x1401, 2)
-    """1401:2 Transmission type: UNSIGNED8, rw."""
-    Event_timer_1401_05 = _int(0x1401, 5)
-    """1401:5 Event timer: UNSIGNED16, rw."""
-    Number_of_mapped_objects_1600_00 = _int(0x1600)
-    """1600 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1600_01 = _int(0x1600, 1)
-    """1600:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1600_02 = _int(0x1600, 2)
-    """1600:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1600_03 = _int(0x1600, 3)
-    """1600:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1600_04 = _int(0x1600, 4)
-    """1600:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1600_05 = _int(0x1600, 5)
-    """1600:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1600_06 = _int(0x1600, 6)
-    """1600:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1600_07 = _int(0x1600, 7)
-    """1600:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1600_08 = _int(0x1600, 8)
-    """1600:8 Mapped object 8: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1601_00 = _int(0x1601)
-    """1601 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1601_01 = _int(0x1601, 1)
-    """1601:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1601_02 = _int(0x1601, 2)
-    """1601:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1601_03 = _int(0x1601, 3)
-    """1601:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1601_04 = _int(0x1601, 4)
-    """1601:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1601_05 = _int(0x1601, 5)
-    """1601:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1601_06 = _int(0x1601, 6)
-    """1601:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1601_07 = _int(0x1601, 7)
-    """1601:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1601_08 = _int(0x1601, 8)
-    """1601:8 Mapped object 8: UNSIGNED32, rw."""
-    Highest_sub_index_supported_1800_00 = _int(0x1800)
-    """1800 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1800_01 = _int(0x1800, 1)
-    """1800:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1800_02 = _int(0x1800, 2)
-    """1800:2 Transmission type: UNSIGNED8, rw."""
-    Inhibit_time_1800_03 = _int(0x1800, 3)
-    """1800:3 Inhibit time: UNSIGNED16, rw."""
-    Event_timer_1800_05 = _int(0x1800, 5)
-    """1800:5 Event timer: UNSIGNED16, rw."""
-    SYNC_start_value_1800_06 = _int(0x1800, 6)
-    """1800:6 SYNC start value: UNSIGNED8, rw."""
-    Highest_sub_index_supported_1801_00 = _int(0x1801)
-    """1801 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1801_01 = _int(0x1801, 1)
-    """1801:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1801_02 = _int(0x1801, 2)
-    """1801:2 Transmission type: UNSIGNED8, rw."""
-    Inhibit_time_1801_03 = _int(0x1801, 3)
-    """1801:3 Inhibit time: UNSIGNED16, rw."""
-    Event_timer_1801_05 = _int(0x1801, 5)
-    """1801:5 Event timer: UNSIGNED16, rw."""
-    SYNC_start_value_1801_06 = _int(0x1801, 6)
-    """1801:6 SYNC start value: UNSIGNED8, rw."""
-    Highest_sub_index_supported_1802_00 = _int(0x1802)
-    """1802 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1802_01 = _int(0x1802, 1)
-    """1802:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1802_02 = _int(0x1802, 2)
-    """1802:2 Transmission type: UNSIGNED8, rw."""
-    Inhibit_time_1802_03 = _int(0x1802, 3)
-    """1802:3 Inhibit time: UNSIGNED16, rw."""
-    Event_timer_1802_05 = _int(0x1802, 5)
-    """1802:5 Event timer: UNSIGNED16, rw."""
-    SYNC_start_value_1802_06 = _int(0x1802, 6)
-    """1802:6 SYNC start value: UNSIGNED8, rw."""
-    Highest_sub_index_supported_1803_00 = _int(0x1803)
-    """1803 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1803_01 = _int(0x1803, 1)
-    """1803:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1803_02 = _int(0x1803, 2)
-    """1803:2 Transmission type: UNSIGNED8, rw."""
-    Inhibit_time_1803_03 = _int(0x1803, 3)
-    """1803:3 Inhibit time: UNSIGNED16, rw."""
-    Event_timer_1803_05 = _int(0x1803, 5)
-    """1803:5 Event timer: UNSIGNED16, rw."""
-    SYNC_start_value_1803_06 = _int(0x1803, 6)
-    """1803:6 SYNC start value: UNSIGNED8, rw."""
-    Number_of_mapped_objects_1A00_00 = _int(0x1A00)
-    """1A00 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1A00_01 = _int(0x1A00, 1)
-    """1A00:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1A00_02 = _int(0x1A00, 2)
-    """1A00:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1A00_03 = _int(0x1A00, 3)
-    """1A00:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1A00_04 = _int(0x1A00, 4)
-    """1A00:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1A00_05 = _int(0x1A00, 5)
-    """1A00:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1A00_06 = _int(0x1A00, 6)
-    """1A00:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1A00_07 = _int(0x1A00, 7)
-    """1A00:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1A00_08 = _int(0x1A00, 8)
-    """1A00:8 Mapped object 8: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1A01_00 = _int(0x1A01)
-    """1A01 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1A01_01 = _int(0x1A01, 1)
-    """1A01:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1A01_02 = _int(0x1A01, 2)
-    """1A01:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1A01_03 = _int(0x1A01, 3)
-    """1A01:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1A01_04 = _int(0x1A01, 4)
-    """1A01:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1A01_05 = _int(0x1A01, 5)
-    """1A01:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1A01_06 = _int(0x1A01, 6)
-    """1A01:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1A01_07 = _int(0x1A01, 7)
-    """1A01:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1A01_08 = _int(0x1A01, 8)
-    """1A01:8 Mapped object 8: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1A02_00 = _int(0x1A02)
-    """1A02 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1A02_01 = _int(0x1A02, 1)
-    """1A02:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1A02_02 = _int(0x1A02, 2)
-    """1A02:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1A02_03 = _int(0x1A02, 3)
-    """1A02:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1A02_04 = _int(0x1A02, 4)
-    """1A02:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1A02_05 = _int(0x1A02, 5)
-    """1A02:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1A02_06 = _int(0x1A02, 6)
-    """1A02:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1A02_07 = _int(0x1A02, 7)
-    """1A02:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1A02_08 = _int(0x1A02, 8)
-    """1A02:8 Mapped object 8: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1A03_00 = _int(0x1A03)
-    """1A03 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1A03_01 = _int(0x1A03, 1)
-    """1A03:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1A03_02 = _int(0x1A03, 2)
-    """1A03:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1A03_03 = _int(0x1A03, 3)
-    """1A03:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1A03_04 = _int(0x1A03, 4)
-    """1A03:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5_1A03_05 = _int(0x1A03, 5)
-    """1A03:5 Mapped object 5: UNSIGNED32, rw."""
-    Mapped_object_6_1A03_06 = _int(0x1A03, 6)
-    """1A03:6 Mapped object 6: UNSIGNED32, rw."""
-    Mapped_object_7_1A03_07 = _int(0x1A03, 7)
-    """1A03:7 Mapped object 7: UNSIGNED32, rw."""
-    Mapped_object_8_1A03_08 = _int(0x1A03, 8)
-    """1A03:8 Mapped object 8: UNSIGNED32, rw."""
-    Angle_reference = _int(0x2100)
-    """2100 Angle reference: INTEGER32, ro."""
-    Angle_reference_input = _int(0x2101)
-    """2101 Angle reference input: UNSIGNED8, rw."""
-    Angle_reference_gain = _int(0x2102)
-    """2102 Angle reference gain: INTEGER32, rw."""
-    Angle_reference_offset = _int(0x2103)
-    """2103 Angle reference offset: INTEGER32, rw."""
-    Highest_sub_index_supported_6000_00 = _int(0x6000)
-    """6000 Highest sub-index supported: UNSIGNED8, const."""
-    Digital_inputs_1_to_8 = _int(0x6000, 1)
-    """6000:1 Digital inputs 1 to 8: UNSIGNED8, ro."""
-    Digital_inputs_9_to_16 = _int(0x6000, 2)
-    """6000:2 Digital inputs 9 to 16: UNSIGNED8, ro."""
-    Highest_sub_index_supported_6002_00 = _int(0x6002)
-    """6002 Highest sub-index supported: UNSIGNED8, const."""
-    Polarity_of_inputs_1_to_8 = _int(0x6002, 1)
-    """6002:1 Polarity of inputs 1 to 8: UNSIGNED8, rw."""
-    Polarity_of_inputs_9_to_16 = _int(0x6002, 2)
-    """6002:2 Polarity of inputs 9 to 16: UNSIGNED8, rw."""
-    Global_interrupt_enable_digital = _bool(0x6005)
-    """6005 Global interrupt enable digital: BOOLEAN, rw."""
-    Highest_sub_index_supported_6006_00 = _int(0x6006)
-    """6006 Highest sub-index supported: UNSIGNED8, const."""
-    Mask_of_inputs_1_to_8 = _int(0x6006, 1)
-    """6006:1 Mask of inputs 1 to 8: UNSIGNED8, rw."""
-    Mask_of_inputs_9_to_16 = _int(0x6006, 2)
-    """6006:2 Mask of inputs 9 to 16: UNSIGNED8, rw."""
-    Highest_sub_index_supported_6200_00 = _int(0x6200)
-    """6200 Highest sub-index supported: UNSIGNED8, const."""
-    Digital_outputs_1_to_8 = _int(0x6200, 1)
-    """6200:1 Digital outputs 1 to 8: UNSIGNED8, rww."""
-    Digital_outputs_9_to_16 = _int(0x6200, 2)
-    """6200:2 Digital outputs 9 to 16: UNSIGNED8, rww."""
-    Highest_sub_index_supported_6202_00 = _int(0x6202)
-    """6202 Highest sub-index supported: UNSIGNED8, const."""
-    Polarity_of_outputs_1_to_8 = _int(0x6202, 1)
-    """6202:1 Polarity of outputs 1 to 8: UNSIGNED8, rw."""
-    Polarity_of_outputs_9_to_16 = _int(0x6202, 2)
-    """6202:2 Polarity of outputs 9 to 16: UNSIGNED8, rw."""
-    Highest_sub_index_supported_6206_00 = _int(0x6206)
-    """6206 Highest sub-index supported: UNSIGNED8, const."""
-    Error_mode_of_outputs_1_to_8 = _int(0x6206, 1)
-    """6206:1 Error mode of outputs 1 to 8: UNSIGNED8, rw."""
-    Error_mode_of_outputs_9_to_16 = _int(0x6206, 2)
-    """6206:2 Error mode of outputs 9 to 16: UNSIGNED8, rw."""
-    Highest_sub_index_supported_6207_00 = _int(0x6207)
-    """6207 Highest sub-index supported: UNSIGNED8, const."""
-    Error_value_of_outputs_1_to_8 = _int(0x6207, 1)
-    """6207:1 Error value of outputs 1 to 8: UNSIGNED8, rw."""
-    Error_value_of_outputs_9_to_16 = _int(0x6207, 2)
-    """6207:2 Error value of outputs 9 to 16: UNSIGNED8, rw."""
-    Highest_sub_index_supported_6401_00 = _int(0x6401)
-    """6401 Highest sub-index supported: UNSIGNED8, const."""
-    Analogue_input_1 = _int(0x6401, 1)
-    """6401:1 Analogue input 1: INTEGER16, ro."""
-    Analogue_input_2 = _int(0x6401, 2)
-    """6401:2 Analogue input 2: INTEGER16, ro."""
-    Analogue_input_3 = _int(0x6401, 3)
-    """6401:3 Analogue input 3: INTEGER16, ro."""
-    Analogue_input_4 = _int(0x6401, 4)
-    """6401:4 Analogue input 4: INTEGER16, ro."""
-    Analogue_input_5 = _int(0x6401, 5)
-    """6401:5 Analogue input 5: INTEGER16, ro."""
-    Analogue_input_6 = _int(0x6401, 6)
-    """6401:6 Analogue input 6: INTEGER16, ro."""
-    Analogue_input_7 = _int(0x6401, 7)
-    """6401:7 Analogue input 7: INTEGER16, ro."""
-    Analogue_input_8 = _int(0x6401, 8)
-    """6401:8 Analogue input 8: INTEGER16, ro."""
-    Highest_sub_index_supported_6411_00 = _int(0x6411)
-    """6411 Highest sub-index supported: UNSIGNED8, const."""
-    Analogue_output_1 = _int(0x6411, 1)
-    """6411:1 Analogue output 1: INTEGER16, rww."""
-    Analogue_output_2 = _int(0x6411, 2)
-    """6411:2 Analogue output 2: INTEGER16, rww."""
-    Analogue_output_3 = _int(0x6411, 3)
-    """6411:3 Analogue output 3: INTEGER16, rww."""
-    Analogue_output_4 = _int(0x6411, 4)
-    """6411:4 Analogue output 4: INTEGER16, rww."""
-    Highest_sub_index_supported_6421_00 = _int(0x6421)
-    """6421 Highest sub-index supported: UNSIGNED8, const."""
-    Trigger_of_analogue_input_1 = _int(0x6421, 1)
-    """6421:1 Trigger of analogue input 1: UNSIGNED8, rw."""
-    Trigger_of_analogue_input_2 = _int(0x6421, 2)
-    """6421:2 Trigger of analogue input 2: UNSIGNED8, rw."""
-    Trigger_of_analogue_input_3 = _int(0x6421, 3)
-    """6421:3 Trigger of analogue input 3: UNSIGNED8, rw."""
-    Trigger_of_analogue_input_4 = _int(0x6421, 4)
-    """6421:4 Trigger of analogue input 4: UNSIGNED8, rw."""
-    Trigger_of_analogue_input_5 = _int(0x6421, 5)
-    """6421:5 Trigger of analogue input 5: UNSIGNED8, rw."""
-    Trigger_of_analogue_input_6 = _int(0x6421, 6)
-    """6421:6 Trigger of analogue input 6: UNSIGNED8, rw."""
-    Trigger_of_analogue_input_7 = _int(0x6421, 7)
-    """6421:7 Trigger of analogue input 7: UNSIGNED8, rw."""
-    Trigger_of_analogue_input_8 = _int(0x6421, 8)
-    """6421:8 Trigger of analogue input 8: UNSIGNED8, rw."""
-    Analogue_input_global_interrupt_enable = _bool(0x6423)
-    """6423 Analogue input global interrupt enable: BOOLEAN, rw."""
-    Highest_sub_index_supported_6424_00 = _int(0x6424)
-    """6424 Highest sub-index supported: UNSIGNED8, const."""
-    Upper_limit_of_analogue_input_1 = _int(0x6424, 1)
-    """6424:1 Upper limit of analogue input 1: INTEGER32, rw."""
-    Upper_limit_of_analogue_input_2 = _int(0x6424, 2)
-    """6424:2 Upper limit of analogue input 2: INTEGER32, rw."""
-    Upper_limit_of_analogue_input_3 = _int(0x6424, 3)
-    """6424:3 Upper limit of analogue input 3: INTEGER32, rw."""
-    Upper_limit_of_analogue_input_4 = _int(0x6424, 4)
-    """6424:4 Upper limit of analogue input 4: INTEGER32, rw."""
-    Upper_limit_of_analogue_input_5 = _int(0x6424, 5)
-    """6424:5 Upper limit of analogue input 5: INTEGER32, rw."""
-    Upper_limit_of_analogue_input_6 = _int(0x6424, 6)
-    """6424:6 Upper limit of analogue input 6: INTEGER32, rw."""
-    Upper_limit_of_analogue_input_7 = _int(0x6424, 7)
-    """6424:7 Upper limit of analogue input 7: INTEGER32, rw."""
-    Upper_limit_of_analogue_input_8 = _int(0x6424, 8)
-    """6424:8 Upper limit of analogue input 8: INTEGER32, rw."""
-    Highest_sub_index_supported_6425_00 = _int(0x6425)
-    """6425 Highest sub-index supported: UNSIGNED8, const."""
-    Lower_limit_of_analogue_input_1 = _int(0x6425, 1)
-    """6425:1 Lower limit of analogue input 1: INTEGER32, rw."""
-    Lower_limit_of_analogue_input_2 = _int(0x6425, 2)
-    """6425:2 Lower limit of analogue input 2: INTEGER32, rw."""
-    Lower_limit_of_analogue_input_3 = _int(0x6425, 3)
-    """6425:3 Lower limit of analogue input 3: INTEGER32, rw."""
-    Lower_limit_of_analogue_input_4 = _int(0x6425, 4)
-    """6425:4 Lower limit of analogue input 4: INTEGER32, rw."""
-    Lower_limit_of_analogue_input_5 = _int(0x6425, 5)
-    """6425:5 Lower limit of analogue input 5: INTEGER32, rw."""
-    Lower_limit_of_analogue_input_6 = _int(0x6425, 6)
-    """6425:6 Lower limit of analogue input 6: INTEGER32, rw."""
-    Lower_limit_of_analogue_input_7 = _int(0x6425, 7)
-    """6425:7 Lower limit of analogue input 7: INTEGER32, rw."""
-    Lower_limit_of_analogue_input_8 = _int(0x6425, 8)
-    """6425:8 Lower limit of analogue input 8: INTEGER32, rw."""
-    Highest_sub_index_supported_6426_00 = _int(0x6426)
-    """6426 Highest sub-index supported: UNSIGNED8, const."""
-    Delta_of_analogue_input_1 = _int(0x6426, 1)
-    """6426:1 Delta of analogue input 1: UNSIGNED32, rw."""
-    Delta_of_analogue_input_2 = _int(0x6426, 2)
-    """6426:2 Delta of analogue input 2: UNSIGNED32, rw."""
-    Delta_of_analogue_input_3 = _int(0x6426, 3)
-    """6426:3 Delta of analogue input 3: UNSIGNED32, rw."""
-    Delta_of_analogue_input_4 = _int(0x6426, 4)
-    """6426:4 Delta of analogue input 4: UNSIGNED32, rw."""
-    Delta_of_analogue_input_5 = _int(0x6426, 5)
-    """6426:5 Delta of analogue input 5: UNSIGNED32, rw."""
-    Delta_of_analogue_input_6 = _int(0x6426, 6)
-    """6426:6 Delta of analogue input 6: UNSIGNED32, rw."""
-    Delta_of_analogue_input_7 = _int(0x6426, 7)
-    """6426:7 Delta of analogue input 7: UNSIGNED32, rw."""
-    Delta_of_analogue_input_8 = _int(0x6426, 8)
-    """6426:8 Delta of analogue input 8: UNSIGNED32, rw."""
-    Highest_sub_index_supported_6443_00 = _int(0x6443)
-    """6443 Highest sub-index supported: UNSIGNED8, const."""
-    Error_mode_of_analogue_output_1 = _int(0x6443, 1)
-    """6443:1 Error mode of analogue output 1: UNSIGNED8, rw."""
-    Error_mode_of_analogue_output_2 = _int(0x6443, 2)
-    """6443:2 Error mode of analogue output 2: UNSIGNED8, rw."""
-    Error_mode_of_analogue_output_3 = _int(0x6443, 3)
-    """6443:3 Error mode of analogue output 3: UNSIGNED8, rw."""
-    Error_mode_of_analogue_output_4 = _int(0x6443, 4)
-    """6443:4 Error mode of analogue output 4: UNSIGNED8, rw."""
-    Highest_sub_index_supported_6444_00 = _int(0x6444)
-    """6444 Highest sub-index supported: UNSIGNED8, const."""
-    Error_value_of_analogue_output_1 = _int(0x6444, 1)
-    """6444:1 Error value of analogue output 1: INTEGER32, rw."""
-    Error_value_of_analogue_output_2 = _int(0x6444, 2)
-    """6444:2 Error value of analogue output 2: INTEGER32, rw."""
-    Error_value_of_analogue_output_3 = _int(0x6444, 3)
-    """6444:3 Error value of analogue output 3: INTEGER32, rw."""
-    Error_value_of_analogue_output_4 = _int(0x6444, 4)
-    """6444:4 Error value of analogue output 4: INTEGER32, rw."""

@@ -10,7 +10,7 @@ from typing import ClassVar
 from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
 from rtgen.runtime.canopen.proxy import CanopenProxy
 
-from ... import eposdrive
+from ... import canopen, eposdrive
 
 
 @dataclass(slots=True)
@@ -136,8 +136,8 @@ class EposDriveProxyBase(CanopenProxy):
                 name="sdo",
                 python_name="sdo",
                 kind="provider",
-                type="EposDrive::ObjectAccess",
-                repository_id="IDL:EposDrive/ObjectAccess:1.0",
+                type="CANopen::ObjectDictionary",
+                repository_id="IDL:CANopen/ObjectDictionary:1.0",
                 port="sdo",
                 instance="sdo",
                 description="The objects of the device, read and written by SDO.",
@@ -282,5 +282,5 @@ class EposDriveProxyBase(CanopenProxy):
         """RPDO 3: Target_velocity."""
         self.rpdo4 = self.add_in_port("rpdo4", eposdrive.Rpdo4)
         """RPDO 4: Target_torque."""
-        self.sdo = self.add_provider("sdo", "sdo", eposdrive.ObjectAccess)
+        self.sdo = self.add_provider("sdo", "sdo", canopen.ObjectDictionary)
         """The objects of the device, read and written by SDO."""

@@ -10,7 +10,7 @@ from typing import ClassVar
 from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
 from rtgen.runtime.canopen.proxy import CanopenProxy
 
-from ... import fpalette
+from ... import canopen, fpalette
 
 
 @dataclass(slots=True)
@@ -114,8 +114,8 @@ class FPaletteProxyBase(CanopenProxy):
                 name="sdo",
                 python_name="sdo",
                 kind="provider",
-                type="FPalette::ObjectAccess",
-                repository_id="IDL:FPalette/ObjectAccess:1.0",
+                type="CANopen::ObjectDictionary",
+                repository_id="IDL:CANopen/ObjectDictionary:1.0",
                 port="sdo",
                 instance="sdo",
                 description="The objects of the device, read and written by SDO.",
@@ -233,5 +233,5 @@ class FPaletteProxyBase(CanopenProxy):
         """RPDO 1: Digital_outputs_1_to_8, Digital_outputs_9_to_16."""
         self.rpdo2 = self.add_in_port("rpdo2", fpalette.Rpdo2)
         """RPDO 2: Analogue_output_1, Analogue_output_2, Analogue_output_3, Analogue_output_4."""
-        self.sdo = self.add_provider("sdo", "sdo", fpalette.ObjectAccess)
+        self.sdo = self.add_provider("sdo", "sdo", canopen.ObjectDictionary)
         """The objects of the device, read and written by SDO."""

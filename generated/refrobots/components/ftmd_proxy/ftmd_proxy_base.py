@@ -10,7 +10,7 @@ from typing import ClassVar
 from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
 from rtgen.runtime.canopen.proxy import CanopenProxy
 
-from ... import ftmd
+from ... import canopen, ftmd
 
 
 @dataclass(slots=True)
@@ -136,8 +136,8 @@ class FtmdProxyBase(CanopenProxy):
                 name="sdo",
                 python_name="sdo",
                 kind="provider",
-                type="Ftmd::ObjectAccess",
-                repository_id="IDL:Ftmd/ObjectAccess:1.0",
+                type="CANopen::ObjectDictionary",
+                repository_id="IDL:CANopen/ObjectDictionary:1.0",
                 port="sdo",
                 instance="sdo",
                 description="The objects of the device, read and written by SDO.",
@@ -282,5 +282,5 @@ class FtmdProxyBase(CanopenProxy):
         """RPDO 3: Target_velocity."""
         self.rpdo4 = self.add_in_port("rpdo4", ftmd.Rpdo4)
         """RPDO 4: Target_torque."""
-        self.sdo = self.add_provider("sdo", "sdo", ftmd.ObjectAccess)
+        self.sdo = self.add_provider("sdo", "sdo", canopen.ObjectDictionary)
         """The objects of the device, read and written by SDO."""

@@ -10,7 +10,7 @@ from typing import ClassVar
 from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
 from rtgen.runtime.canopen.proxy import CanopenProxy
 
-from ... import motorcoreunit
+from ... import canopen, motorcoreunit
 
 
 @dataclass(slots=True)
@@ -132,8 +132,8 @@ class MotorCoreUnitProxyBase(CanopenProxy):
                 name="sdo",
                 python_name="sdo",
                 kind="provider",
-                type="MotorCoreUnit::ObjectAccess",
-                repository_id="IDL:MotorCoreUnit/ObjectAccess:1.0",
+                type="CANopen::ObjectDictionary",
+                repository_id="IDL:CANopen/ObjectDictionary:1.0",
                 port="sdo",
                 instance="sdo",
                 description="The objects of the device, read and written by SDO.",
@@ -262,5 +262,5 @@ class MotorCoreUnitProxyBase(CanopenProxy):
         """RPDO 3: Target_velocity."""
         self.rpdo4 = self.add_in_port("rpdo4", motorcoreunit.Rpdo4)
         """RPDO 4: Target_torque."""
-        self.sdo = self.add_provider("sdo", "sdo", motorcoreunit.ObjectAccess)
+        self.sdo = self.add_provider("sdo", "sdo", canopen.ObjectDictionary)
         """The objects of the device, read and written by SDO."""

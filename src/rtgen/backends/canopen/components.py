@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import isfinite
 from typing import Any
 
-from rtgen.backends.canopen.kinds import SERVICE, file_name, folder_of
+from rtgen.backends.canopen.kinds import file_name, folder_of, service_of
 from rtgen.diagnostics import Span
 from rtgen.model import (
     Bus,
@@ -80,7 +80,7 @@ def device_components(
         kind=PortKind.PROVIDER,
         name=SERVICE_PORT,
         identifier=SERVICE_PORT,
-        type=NamedType((kind.module, SERVICE)),
+        type=NamedType(service_of(kind)),
         port=SERVICE_PORT,
         instance=SERVICE_PORT,
         span=span,

@@ -1,4 +1,4 @@
-"""The IDL of a device: its module with the types of ports and the SDO service, its components."""
+"""The IDL of a device: types of its ports, and operations for objects where they are asked for."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from rtgen.backends.canopen.kinds import SERVICE, file_name
+from rtgen.backends.canopen.kinds import OBJECT_ACCESS, OBJECT_DICTIONARY, file_name
 from rtgen.backends.idl_text import idl_text
 from rtgen.diagnostics import Span
 from rtgen.model import (
@@ -28,15 +28,12 @@ from rtgen.typemap.canopen_ports import (
     STAMP,
     DevicePorts,
     PdoSample,
-    Quantity,
 )
 from rtgen.typemap.canopen_texts import line, told
 
-_BASE = ("CANopen", "ObjectDictionary")
 _OCTETS = NamedType(("CANopen", "Octets"))
 _TIME = NamedType(("RTC", "Time"))
 _RAISED: tuple[ScopedName, ...] = (("CANopen", "SdoAbort"), ("CANopen", "BusGone"))
-_PDO_PARAMETERS = range(0x1400, 0x1C00)
 
 
 def idl_of(ports: DevicePorts) -> str:
@@ -55,24 +52,13 @@ def idl_of(ports: DevicePorts) -> str:
     )
 
 
-def accessible(ports: DevicePorts) -> Iterator[Quantity]:
-    """The variables that the service has operations for.
-
-    Parameters of PDOs are the network's business; `read` and `write` reach them.
-    """
-    return (
-        ports.quantity(variable)
-        for variable in ports.device.variables
-        if variable.index not in _PDO_PARAMETERS
-    )
-
-
 def _declarations(ports: DevicePorts) -> Iterator[Declaration]:
     if ports.per_object:
         yield from _timed(ports)
     else:
         yield from (_struct(ports, sample) for sample in ports.samples)
-    yield _service(ports)
+    if ports.operations:
+        yield _service(ports)
 
 
 def _common(ports: DevicePorts, name: str, span: Span, doc: str) -> dict[str, Any]:
@@ -125,7 +111,7 @@ def _timed(ports: DevicePorts) -> Iterator[Struct]:
 
 def _service(ports: DevicePorts) -> Interface:
     operations: list[Operation] = []
-    for quantity in accessible(ports):
+    for quantity in ports.operations:
         variable = quantity.variable
         common: dict[str, Any] = {
             "raises": _RAISED,
@@ -144,10 +130,10 @@ def _service(ports: DevicePorts) -> Interface:
             operations.append(
                 Operation(name=name, returns=VOID, parameters=(value,), **common)
             )
-    doc = "The objects of the device, by name. What cannot be had is an SdoAbort."
+    doc = "Objects of the device by name, beside all of them by number."
     return Interface(
-        **_common(ports, SERVICE, ports.device.span, doc),
-        bases=(_BASE,),
+        **_common(ports, OBJECT_ACCESS, ports.device.span, doc),
+        bases=(OBJECT_DICTIONARY,),
         operations=tuple(operations),
     )
 

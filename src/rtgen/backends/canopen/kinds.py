@@ -12,13 +12,13 @@ from rtgen.backends.canopen.rules import (
     TAKEN_MODULE,
 )
 from rtgen.diagnostics import Diagnostic, Related
-from rtgen.model import Bus, Device
+from rtgen.model import Bus, Device, ScopedName
 from rtgen.model.can_bus import DeviceKind, kind_of
 from rtgen.typemap.canopen_ports import DevicePorts, can_be_parameter
 from rtgen.typemap.python_names import module_name
 
 _TAKEN = frozenset(
-    {"rtc", "canopen", "corba", "components", "networks", "manager", "_idl"}
+    {"rtc", "canopen", "corba", "components", "networks", "manager", "service", "_idl"}
 )
 
 
@@ -49,8 +49,15 @@ def kinds_of(
     return list(found.values()), findings
 
 
-SERVICE = "ObjectAccess"
-"""The interface of the SDO service, in the module of a device."""
+OBJECT_ACCESS = "ObjectAccess"
+"""The interface with operations for single objects, in the module of a device."""
+OBJECT_DICTIONARY: ScopedName = ("CANopen", "ObjectDictionary")
+"""The interface of the SDO service."""
+
+
+def service_of(kind: DeviceKind) -> ScopedName:
+    """The interface of the SDO service of a kind's proxies."""
+    return (kind.module, OBJECT_ACCESS) if kind.operations else OBJECT_DICTIONARY
 
 
 def file_name(ports: DevicePorts) -> str:
@@ -101,6 +108,7 @@ def _settings(kind: DeviceKind) -> tuple[object, ...]:
         _file(kind.device),
         kind.ports,
         kind.parameters,
+        kind.operations,
         parameters,
         kind.factors,
         kind.units,

@@ -49,7 +49,7 @@ def _artifacts(buses: Sequence[Bus], options: Options) -> Iterator[Artifact]:
         lines = header(options.version, origin)
         text = network_text(bus, header_comment(options.version, origin))
         yield Artifact(f"{folder}/{name}.py", text, origin)
-        for node in bus.nodes:
+        for node in bus.nodes if bus.dcf else ():
             dcf = eds_text(configured(bus, node), lines)
             yield Artifact(f"{folder}/{name}/{node.name}.dcf", dcf, origin)
         report = start_up_text(bus, lines)

@@ -1,4 +1,4 @@
-"""The module `objects` of a device: its description as a table, and typed access to its values."""
+"""The module `objects` of a device: the typed table of its objects, and its description."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from rtgen.backends.canopen.literals import (
     number,
     octets_literal,
 )
+from rtgen.backends.components.imports import import_from
 from rtgen.backends.python_text import fit
 from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.layouts.can_startup import StartWrite, configuration, configured
@@ -28,7 +29,8 @@ from rtgen.model.canopen import (
     Value,
     Variable,
 )
-from rtgen.typemap.canopen_texts import line, type_name
+from rtgen.typemap.canopen_names import identifier
+from rtgen.typemap.canopen_texts import line
 from rtgen.typemap.canopen_values import kind, object_value, python_type
 
 REMAPPED = "REMAPPED"
@@ -36,6 +38,14 @@ REMAPPED = "REMAPPED"
 CONFIGURATION = "CONFIGURATION"
 """The name of what is written to configure it."""
 
+_CLASSES = {
+    "bool": "Boolean",
+    "int": "Integer",
+    "float": "Real",
+    "str": "Text",
+    "bytes": "Octets",
+}
+"""The classes of entries by the types of their values."""
 _IDENTITY = 0x1018
 _MAPPING = 0x200
 _EVENT_DRIVEN = 255
@@ -54,7 +64,6 @@ def objects_text(
     writes = configuration(kind)
     device = as_delivered(kind.device)
     used = ["DeviceDescription"]
-    used += ["ObjectDescription"] * any(device.variables)
     used += ["PdoDescription"] * bool(device.pdos)
     used += ["Write"] * bool(writes)
     lines = [
@@ -63,13 +72,7 @@ def objects_text(
         "from __future__ import annotations",
         "",
         fit(f"from rtgen.runtime.canopen.description import {', '.join(used)}"),
-        "from rtgen.runtime.canopen.objects import Entry, Objects",
-        "",
-        fit(f"DESCRIPTION = {_description(module, device, names)}"),
-        *_remapped(remapped, device),
-        *_configuration(writes),
-        "",
-        *_aliases(device),
+        fit(import_from("rtgen.runtime.canopen.objects", _imported(device))),
         "",
         "",
         fit(f"class {class_name(module)}(Objects):"),
@@ -79,20 +82,21 @@ def objects_text(
         "    __slots__ = ()",
         "",
         *_entries(device, names),
+        "",
+        "",
+        fit(f"DESCRIPTION = {_description(module, device)}"),
+        *_remapped(remapped, device),
+        *_configuration(writes),
     ]
     return "\n".join(lines).rstrip("\n") + "\n"
 
 
-def _description(
-    module: str, device: Device, names: Mapping[tuple[int, int], str]
-) -> str:
+def _description(module: str, device: Device) -> str:
     info = device.info
     return call(
         "DeviceDescription",
         name=string_literal(module),
-        objects=items(
-            [_object(v, names[v.index, v.subindex], device) for v in device.variables]
-        ),
+        objects=call("descriptions", class_name(module)),
         pdos=items([pdo_text(pdo, device) for pdo in device.pdos]),
         vendor_id=_hex(identity_of(device, 1)),
         product_code=_hex(identity_of(device, 2)),
@@ -194,18 +198,18 @@ def _hex(value: int | None) -> str:
     return f"0x{value:X}" if value else ""
 
 
-def _object(variable: Variable, name: str, device: Device) -> str:
+def _entry(variable: Variable, device: Device) -> str:
     value = object_value(variable.data_type, variable.current)
     if not value and variable.index == _IDENTITY and variable.subindex:
         value = identity_of(device, variable.subindex) or value
     relative = isinstance(variable.current, NodeRelative)
+    default = _default_text(variable, value, relative)
     return call(
-        "ObjectDescription",
-        number(variable.index, variable.subindex),
-        string_literal(name),
+        f"_{_class(variable)}",
         string_literal(kind(variable.data_type)),
+        number(variable.index, variable.subindex),
         string_literal(variable.access.value),
-        default=_default_text(variable, value, relative),
+        *([default] if default else []),
         low=_limit(variable.low),
         high=_limit(variable.high),
         relative="True" if relative else "",
@@ -261,24 +265,23 @@ def _number(value: int | None) -> str:
     return str(value) if value else ""
 
 
-def _aliases(device: Device) -> list[str]:
-    """Names for the types of entries that no object has."""
-    used = sorted({python_type(v.data_type) for v in device.variables})
-    return [f"_{type_} = Entry[{type_}]" for type_ in used]
+def _class(variable: Variable) -> str:
+    """The class of entries with its type."""
+    return _CLASSES[python_type(variable.data_type)]
+
+
+def _imported(device: Device) -> list[str]:
+    """What is used of the runtime; no object is called like a class with `_` before it."""
+    classes = {_class(variable) for variable in device.variables}
+    return ["Objects", "descriptions", *(f"{name} as _{name}" for name in classes)]
 
 
 def _entries(device: Device, names: Mapping[tuple[int, int], str]) -> Iterator[str]:
     for variable in device.variables:
-        place = variable.index, variable.subindex
-        arguments = f"0x{variable.index:04X}" + (
-            f", {variable.subindex}" if variable.subindex else ""
-        )
-        alias = f"_{python_type(variable.data_type)}"
-        yield fit(f"{names[place]} = {alias}({arguments})", 4)
-        type_ = type_name(variable.data_type)
-        unit = f" [{line(variable.unit)}]" if variable.unit else ""
-        yield docstring(
-            f"{named(*place)} {line(variable.name)}{unit}: {type_}, "
-            f"{variable.access}.",
-            4,
-        ).rstrip("\n")
+        name = names[variable.index, variable.subindex]
+        yield fit(f"{name} = {_entry(variable, device)}", 4)
+        shown, unit = line(variable.name), line(variable.unit)
+        # In most cases the identifier says it already.
+        if unit or not shown.isascii() or not name.startswith(identifier(shown)):
+            text = f"{named(variable.index, variable.subindex)} {shown}"
+            yield docstring(f"{text} [{unit}]." if unit else f"{text}.", 4).rstrip("\n")

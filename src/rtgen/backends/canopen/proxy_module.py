@@ -6,13 +6,20 @@ from collections.abc import Iterator
 
 from rtgen.backends import Options
 from rtgen.backends.canopen.component_module import ComponentModule
+from rtgen.backends.canopen.components import SERVICE_PORT
 from rtgen.backends.canopen.conversions import is_plain, to_codec, to_object
-from rtgen.backends.canopen.kinds import SERVICE
+from rtgen.backends.canopen.kinds import OBJECT_ACCESS, service_of
 from rtgen.backends.canopen.literals import call, items, literal, number
-from rtgen.backends.canopen.objects_module import CONFIGURATION, REMAPPED, is_remapped
+from rtgen.backends.canopen.objects_module import (
+    CONFIGURATION,
+    REMAPPED,
+    class_name,
+    is_remapped,
+)
+from rtgen.backends.canopen.service_module import SERVANT
 from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.layouts.can_startup import configuration
-from rtgen.model import VOID, Component, Interface, Model, PortKind
+from rtgen.model import Component, Interface, Model, PortKind
 from rtgen.model.canopen import NodeRelative, PdoDirection
 from rtgen.typemap.canopen_ports import DevicePorts, ObjectPort, PdoSample, Quantity
 from rtgen.typemap.canopen_values import kind, object_value, python_type
@@ -56,7 +63,9 @@ class _ProxyModule(ComponentModule):
     ) -> None:
         name = component.name[-1]
         codecs = {f"{c}_{s.name}" for c in ("decode", "encode") for s in ports.samples}
-        taken = {name, f"{name}Base", "SdoAccess", "_ObjectAccess", *codecs}
+        self._objects = class_name(ports.module)
+        own = {name, f"{name}Base", SERVANT, f"_{OBJECT_ACCESS}", self._objects}
+        taken = {*own, "over_sdo", *codecs}
         super().__init__(model, names, component, ports, options, taken)
         self._name = name
         self._received = ports.of(PdoDirection.TPDO)
@@ -70,14 +79,13 @@ class _ProxyModule(ComponentModule):
 
     def proxy(self, header: str, networks: str) -> str:
         """The whole module."""
-        service = self._service()
         body = [
             f"class {self._name}({self._name}Base):",
             docstring(self.component.doc, 4).rstrip("\n"),
             "",
             f"    description = {self._description()}",
             *([f"    networks = {string_literal(networks)}"] if networks else []),
-            *self._constructor(service is not None),
+            *self._constructor(),
             *self._table("_receivers", "Receiver", "_receive", self._received),
             *self._table("_senders", "Sender", "_send", self._sent),
             *self._parameters(),
@@ -86,12 +94,13 @@ class _ProxyModule(ComponentModule):
             body += self._receive(sample)
         for sample in self._sent:
             body += self._send(sample)
-        if service is not None:
-            body += self._servant(service)
-        tables = ["DESCRIPTION", *self._changes.values()]
+        if self.ports.operations:
+            body += self._servant()
+        tables = ["DESCRIPTION", self._objects, *self._changes.values()]
         relative = [
             f"from ...components.{module_name(self._name)} import {self._name}Base",
             f"from .objects import {', '.join(sorted(tables))}",
+            f"from ..service import {SERVANT}",
         ]
         if self._codecs:
             relative.append(f"from .codecs import {', '.join(sorted(self._codecs))}")
@@ -107,27 +116,23 @@ class _ProxyModule(ComponentModule):
         replace = self.use("dataclasses", "replace")
         return call(replace, "DESCRIPTION", **self._changes)
 
-    def _constructor(self, service: bool) -> Iterator[str]:
-        gathered = self._sent if self.ports.per_object else ()
-        if not (gathered or service):
-            return
+    def _constructor(self) -> Iterator[str]:
+        self.use("rtgen.runtime.canopen.objects", "over_sdo")
+        servant = f"_{OBJECT_ACCESS}" if self.ports.operations else SERVANT
         yield ""
         yield "    def __init__(self, instance_name: str | None = None) -> None:"
         yield "        super().__init__(instance_name)"
-        if service:
-            self.use("rtgen.runtime.canopen.sdo_service", "SdoAccess")
-            aborted = self.types.type_name(("CANopen", "SdoAbort"))
-            gone = self.types.type_name(("CANopen", "BusGone"))
-            access = call("SdoAccess", "self", aborted, gone)
-            yield f"        self.sdo.set_servant(_ObjectAccess({access}))"
-        if not gathered:
+        yield f"        self.objects = over_sdo({self._objects}, self)"
+        yield '        """The objects of the device by their names, read and written by SDO."""'
+        yield f"        self.{self._service_port()}.set_servant({servant}(self))"
+        if not self.ports.per_object:
             return
         for port in self._in_ports():
             self.use(_SAMPLES, "Inlet")
             attribute = self.port(PdoDirection.RPDO, port.name)
             pdos = items([str(pdo) for pdo, _ in port.places])
             yield f"        _{attribute} = Inlet(self.{attribute}, {pdos})"
-        for sample in gathered:
+        for sample in self._sent:
             self.use(_SAMPLES, "Gathering")
             fields = [
                 f"(_{self.port(PdoDirection.RPDO, p.name)}, {self._initial(p.quantity)})"
@@ -135,6 +140,9 @@ class _ProxyModule(ComponentModule):
             ]
             values = call("Gathering", str(sample.pdo.number), *fields)
             yield f"        self._{sample.name} = {values}"
+
+    def _service_port(self) -> str:
+        return self.attributes[PortKind.PROVIDER.value, SERVICE_PORT]
 
     def _in_ports(self) -> list[ObjectPort]:
         return [
@@ -232,55 +240,23 @@ class _ProxyModule(ComponentModule):
 
     # The SDO service.
 
-    def _service(self) -> Interface | None:
-        """The interface of the SDO service, if the component provides one."""
-        for port in self.component.ports:
-            if port.kind is PortKind.PROVIDER:
-                name = (self.ports.module, SERVICE)
-                declaration = self.model.find(name)
-                assert isinstance(declaration, Interface)
-                return declaration
-        return None
-
-    def _servant(self, service: Interface) -> Iterator[str]:
+    def _servant(self) -> Iterator[str]:
+        """The servant with the operations that the bus file asks for."""
+        service = self.model.find(service_of(self.ports.kind))
+        assert isinstance(service, Interface)
         names = self.names.operations(service)
-        quantities = {
-            self.ports.names[v.index, v.subindex]: self.ports.quantity(v)
-            for v in self.ports.device.variables
-        }
         yield ""
         yield ""
-        yield f"class _ObjectAccess({self.types.type_name(service.name)}):"
-        yield '    """The objects of the device, by SDO."""'
-        yield ""
-        yield "    def __init__(self, access: SdoAccess) -> None:"
-        yield "        self._access = access"
-        for base in service.bases:
-            yield from self._by_number(base)
-        for operation in service.operations:
-            way, _, name = operation.name.partition("_")
-            quantity = quantities[name]
-            method = names[operation.name]
-            yield ""
-            if way == "get":
-                assert operation.returns != VOID
-                yield from self._getter(method, quantity)
-            else:
-                yield from self._setter(method, quantity)
-
-    def _by_number(self, base: tuple[str, ...]) -> Iterator[str]:
-        declaration = self.model.find(base)
-        assert isinstance(declaration, Interface)
-        names = self.names.operations(declaration)
-        yield ""
-        yield f"    def {names['read']}(self, index: int, subindex: int) -> bytes:"
-        yield "        return self._access.read(index, subindex)"
-        yield ""
-        yield (
-            f"    def {names['write']}"
-            "(self, index: int, subindex: int, value: bytes) -> None:"
-        )
-        yield "        self._access.write(index, subindex, value)"
+        yield f"class _{OBJECT_ACCESS}({SERVANT}, {self.types.type_name(service.name)}):"
+        yield '    """Objects of the device, by SDO."""'
+        for quantity in self.ports.operations:
+            access = quantity.variable.access
+            if access.readable:
+                yield ""
+                yield from self._getter(names[f"get_{quantity.name}"], quantity)
+            if access.writable:
+                yield ""
+                yield from self._setter(names[f"set_{quantity.name}"], quantity)
 
     def _getter(self, method: str, quantity: Quantity) -> Iterator[str]:
         variable = quantity.variable

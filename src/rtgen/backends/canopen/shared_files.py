@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from rtgen.backends import Artifact, Options
 from rtgen.backends.canopen.manager_module import manager_text
+from rtgen.backends.canopen.service_module import service_text
 from rtgen.backends.python_text import header, header_comment
 from rtgen.model import Model
 from rtgen.resources import idl_file
@@ -28,6 +29,10 @@ def shared_files(
         head = "".join(f"// {line}\n" for line in lines)
         text = idl_file(name).read_text(encoding="utf-8")
         yield Artifact(f"{folder}/{name}", f"{head}\n{text}", (file.key,))
+    key = files[_SHARED[1]].key
+    comment = header_comment(options.version, [key])
+    text = service_text(model, names, options, comment)
+    yield Artifact(f"{folder}/service.py", text, (key,))
     if networks:
         origin = tuple(bus.key for bus in model.buses)
         comment = header_comment(options.version, origin)

@@ -154,6 +154,7 @@ class _Reader:
             nodes=tuple(self._linked(nodes, links)),
             links=tuple(links),
             sync_counter=told.get("sync_counter", 0),
+            dcf=told.get("dcf", True),
         )
         self._found += check(bus, self._toml)
         return bus
@@ -191,18 +192,38 @@ class _Reader:
             device=device,
             ports=told.get("ports", "pdo"),
             parameters=tuple(number_of(text) for text in told.get("parameters", ())),
+            operations=tuple(number_of(text) for text in told.get("operations", ())),
             factors=_by_number(told.get("factors", {})),
             units=_by_number(told.get("units", {})),
         )
-        for number in (*kind.parameters, *(n for n, _ in (*kind.factors, *kind.units))):
-            if device.find(*number) is None:
-                message = f"{kind.path} has no object {number[0]:04X}:{number[1]:X}"
-                self._tell(rules.BAD_VALUE, ("device", name), message)
+        self._check_objects(kind)
         for number, factor in kind.factors:
             if not (isfinite(factor) and factor):
                 message = f"the factor of {number[0]:04X}:{number[1]:X} is {factor}"
                 self._tell(rules.BAD_CONTENT, ("device", name), message)
         return kind
+
+    def _check_objects(self, kind: DeviceKind) -> None:
+        """The objects that the settings of a kind name: they exist, and lists name each once."""
+        place: Place = ("device", kind.name)
+        named: list[tuple[tuple[int, int], Place]] = [
+            (number, (*place, key))
+            for key, numbers in (("factors", kind.factors), ("units", kind.units))
+            for number, _ in numbers
+        ]
+        for key, listed in (
+            ("parameters", kind.parameters),
+            ("operations", kind.operations),
+        ):
+            for position, number in enumerate(listed):
+                named.append((number, (*place, key, position)))
+                if number in listed[:position]:
+                    message = f"{number[0]:04X}:{number[1]:X} is listed twice"
+                    self._tell(rules.BAD_CONTENT, (*place, key, position), message)
+        for number, where in named:
+            if kind.device.find(*number) is None:
+                message = f"{kind.path} has no object {number[0]:04X}:{number[1]:X}"
+                self._tell(rules.BAD_VALUE, where, message)
 
     def _written(
         self, device: Device, place: Place

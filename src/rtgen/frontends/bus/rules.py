@@ -78,6 +78,8 @@ the value. Objects are written as index and sub-index in hexadecimal digits.
 [node.left.values]
 "1017" = "fast"                # gives this finding
 ```
+
+Objects that `parameters`, `operations`, `factors` and `units` of a kind name must exist, too.
 """,
 )
 

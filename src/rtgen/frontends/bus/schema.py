@@ -76,6 +76,10 @@ SCHEMA: dict[str, Any] = {
                     "maximum": 240,
                     "description": "SYNC counts from 1 to this number; default: no counter.",
                 },
+                "dcf": {
+                    "type": "boolean",
+                    "description": "Whether each node has a DCF; default true.",
+                },
                 "event": _SECONDS
                 | {
                     "description": "Least time between two event-driven PDOs that tell of none, "
@@ -102,6 +106,12 @@ SCHEMA: dict[str, Any] = {
                         "type": "array",
                         "items": {"type": "string", "pattern": _OBJECT},
                         "description": "Objects that become configuration parameters.",
+                    },
+                    "operations": {
+                        "type": "array",
+                        "items": {"type": "string", "pattern": _OBJECT},
+                        "description": "Objects that have operations of their own in the SDO "
+                        "service: get_<name>, set_<name>.",
                     },
                     "factors": _each(
                         _OBJECT,

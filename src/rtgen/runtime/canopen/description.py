@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, TypeAlias
 
@@ -49,6 +49,10 @@ class ObjectDescription:
     def writable(self) -> bool:
         """Whether SDO may write it."""
         return self.access not in ("ro", "const")
+
+    def named(self, name: str) -> ObjectDescription:
+        """The same with another name."""
+        return replace(self, name=name)
 
     def initial(self, node_id: int) -> ObjectValue | None:
         """The default for a node."""

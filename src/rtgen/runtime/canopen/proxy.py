@@ -211,12 +211,8 @@ class CanopenProxy(ProxyHooks, Component):
         if described is None:
             return self.read_octets(index, subindex)
         octets = self.read_octets(index, subindex)
-        size = values.size(described.kind)
-        if size is not None:
-            # Servers that do not tell the length of an expedited value send 4 octets.
-            octets = octets[:size]
         try:
-            return values.decode(described.kind, octets)
+            return values.uploaded(described.kind, octets)
         except values.ObjectValueError as error:
             raise SdoAbort(error.code) from error
 

@@ -6,14 +6,29 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from rtgen.runtime.canopen import sdo
+from rtgen.runtime.canopen import sdo, values
+from rtgen.runtime.canopen.description import ObjectValue
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.hooks import ProxyHooks
 from rtgen.runtime.canopen.pdo import unscaled
 
 
+def value_kind(value: ObjectValue, *, unsigned: bool) -> int:
+    """Which enumerator of CANopen::ValueKind a value has."""
+    match value:
+        case bool():
+            return 0
+        case int():
+            return 2 if unsigned else 1
+        case float():
+            return 3
+        case str():
+            return 4
+    return 5
+
+
 class SdoAccess:
-    """Reads and writes objects for the generated servant, and tells errors as its IDL does.
+    """Reads and writes objects for the generated servant, and reports errors as its IDL does.
 
     `aborted` and `gone` make the exceptions CANopen::SdoAbort and CANopen::BusGone. With a factor,
     values are physical ones: factor * value.
@@ -34,6 +49,13 @@ class SdoAccess:
         with self._told():
             value: Any = self._proxy.read_object(index, subindex)
         return value if factor is None else value * factor
+
+    def typed(self, index: int, subindex: int) -> tuple[int, ObjectValue]:
+        """The value of an object, behind its CANopen::ValueKind."""
+        value: ObjectValue = self.get(index, subindex)
+        described = self._proxy.description.by_number.get((index, subindex))
+        unsigned = described is not None and described.kind in values.UNSIGNED_BITS
+        return value_kind(value, unsigned=unsigned), value
 
     def set(
         self, index: int, subindex: int, value: Any, factor: float | None = None

@@ -132,6 +132,15 @@ def decode(kind: Kind, octets: bytes) -> ObjectValue:
     return bytes(octets)
 
 
+def uploaded(kind: Kind, octets: bytes) -> ObjectValue:
+    """The value of octets that SDO gave. Raises ObjectValueError, as `decode`.
+
+    Servers that do not indicate the size of an expedited value send 4 octets.
+    """
+    wanted = size(kind)
+    return decode(kind, octets if wanted is None else octets[:wanted])
+
+
 def checked(
     kind: Kind,
     value: ObjectValue,

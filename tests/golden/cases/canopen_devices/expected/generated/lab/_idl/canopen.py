@@ -6,9 +6,10 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass, field
-from typing import ClassVar, Self, TypeAlias
+from typing import Any, ClassVar, Self, TypeAlias
 
 from rtgen.runtime.cdr import (
+    BOOLEAN,
     FAILURES,
     Aggregated,
     Buffer,
@@ -16,6 +17,7 @@ from rtgen.runtime.cdr import (
     Layout,
     PhasedLayout,
     Settled,
+    Union,
     UserException,
     decoding_error,
     encoding_error,
@@ -23,9 +25,10 @@ from rtgen.runtime.cdr import (
     members,
     to_xcdr2,
 )
-from rtgen.runtime.cdr_values import text_octets, text_value
+from rtgen.runtime.cdr_values import text_octets, text_value, wide_octets, wide_value
 from rtgen.runtime.descriptors import (
     AliasDescriptor,
+    BranchDescriptor,
     EnumDescriptor,
     ExceptionDescriptor,
     InterfaceDescriptor,
@@ -34,6 +37,7 @@ from rtgen.runtime.descriptors import (
     SequenceDescriptor,
     StringDescriptor,
     StructDescriptor,
+    UnionDescriptor,
     bind,
 )
 from rtgen.runtime.services import Servant, Skeleton, Stub, operation
@@ -206,6 +210,302 @@ class OctetsCodec:
         return value
 
 
+class ValueKind(Enumeration):
+    """What the value of an object is."""
+
+    VALUE_BOOLEAN = 0
+    VALUE_INTEGER = 1
+    """INTEGER8 to 64; times: ns, of TIME_OF_DAY since 1970 (UTC)."""
+    VALUE_UNSIGNED = 2
+    """UNSIGNED8 to 64."""
+    VALUE_REAL = 3
+    """REAL32, REAL64."""
+    VALUE_TEXT = 4
+    """VISIBLE_STRING, UNICODE_STRING, VISIBLE_CHAR."""
+    VALUE_OCTETS = 5
+    """OCTET_STRING, DOMAIN, and objects that the description does not have."""
+
+
+bind(
+    ValueKind,
+    EnumDescriptor(
+        "IDL:CANopen/ValueKind:1.0",
+        "CANopen::ValueKind",
+        (
+            ("VALUE_BOOLEAN", 0),
+            ("VALUE_INTEGER", 1),
+            ("VALUE_UNSIGNED", 2),
+            ("VALUE_REAL", 3),
+            ("VALUE_TEXT", 4),
+            ("VALUE_OCTETS", 5),
+        ),
+    ),
+)
+
+
+_ValueKind_members = members(ValueKind)
+_ObjectValue_layout = PhasedLayout("I")
+_ObjectValue_layout_2 = Settled("=B")
+_ObjectValue_layout_3 = PhasedLayout("q")
+_ObjectValue_layout_4 = PhasedLayout("Q")
+_ObjectValue_layout_5 = PhasedLayout("d")
+_ObjectValue_layout_6 = PhasedLayout("I", "@0 *s")
+_ObjectValue_layout_7 = PhasedLayout("I", "@0 *s")
+
+
+@dataclass(slots=True)
+class ObjectValue(Union):
+    """The value of an object, as the object dictionary has it."""
+
+    _descriptor_: ClassVar[UnionDescriptor] = UnionDescriptor(
+        "IDL:CANopen/ObjectValue:1.0",
+        "CANopen::ObjectValue",
+        ValueKind._descriptor_,
+        (
+            BranchDescriptor(
+                (ValueKind.VALUE_BOOLEAN,),
+                False,
+                "truth",
+                PrimitiveDescriptor("boolean"),
+            ),
+            BranchDescriptor(
+                (ValueKind.VALUE_INTEGER,),
+                False,
+                "number",
+                PrimitiveDescriptor("long long"),
+            ),
+            BranchDescriptor(
+                (ValueKind.VALUE_UNSIGNED,),
+                False,
+                "count",
+                PrimitiveDescriptor("unsigned long long"),
+            ),
+            BranchDescriptor(
+                (ValueKind.VALUE_REAL,),
+                False,
+                "real",
+                PrimitiveDescriptor("double"),
+            ),
+            BranchDescriptor(
+                (ValueKind.VALUE_TEXT,),
+                False,
+                "text",
+                StringDescriptor(True),
+            ),
+            BranchDescriptor((ValueKind.VALUE_OCTETS,), False, "data", _Octets_alias),
+        ),
+    )
+
+    discriminator: ValueKind = ValueKind.VALUE_BOOLEAN
+    value: bool | int | float | str | Octets = False
+
+    @classmethod
+    def of_truth(cls, value: bool) -> Self:
+        """A value of the branch `truth`."""
+        return cls(ValueKind.VALUE_BOOLEAN, value)
+
+    @property
+    def truth(self) -> bool:
+        """The value, if the branch `truth` is selected."""
+        value: bool = self._selected_("truth")
+        return value
+
+    @classmethod
+    def of_number(cls, value: int) -> Self:
+        """A value of the branch `number`."""
+        return cls(ValueKind.VALUE_INTEGER, value)
+
+    @property
+    def number(self) -> int:
+        """The value, if the branch `number` is selected."""
+        value: int = self._selected_("number")
+        return value
+
+    @classmethod
+    def of_count(cls, value: int) -> Self:
+        """A value of the branch `count`."""
+        return cls(ValueKind.VALUE_UNSIGNED, value)
+
+    @property
+    def count(self) -> int:
+        """The value, if the branch `count` is selected."""
+        value: int = self._selected_("count")
+        return value
+
+    @classmethod
+    def of_real(cls, value: float) -> Self:
+        """A value of the branch `real`."""
+        return cls(ValueKind.VALUE_REAL, value)
+
+    @property
+    def real(self) -> float:
+        """The value, if the branch `real` is selected."""
+        value: float = self._selected_("real")
+        return value
+
+    @classmethod
+    def of_text(cls, value: str) -> Self:
+        """A value of the branch `text`."""
+        return cls(ValueKind.VALUE_TEXT, value)
+
+    @property
+    def text(self) -> str:
+        """The value, if the branch `text` is selected."""
+        value: str = self._selected_("text")
+        return value
+
+    @classmethod
+    def of_data(cls, value: Octets) -> Self:
+        """A value of the branch `data`."""
+        return cls(ValueKind.VALUE_OCTETS, value)
+
+    @property
+    def data(self) -> Octets:
+        """The value, if the branch `data` is selected."""
+        value: Octets = self._selected_("data")
+        return value
+
+    def _write_(self, out: bytearray, little_endian: bool) -> None:
+        discriminator = _ValueKind_members[self.discriminator]
+        value: Any = self.value
+        pack_1 = (
+            _ObjectValue_layout.pack_little
+            if little_endian
+            else _ObjectValue_layout.pack_big
+        )
+        pack_2 = (
+            _ObjectValue_layout_2.pack_little
+            if little_endian
+            else _ObjectValue_layout_2.pack_big
+        )
+        pack_3 = (
+            _ObjectValue_layout_3.pack_little
+            if little_endian
+            else _ObjectValue_layout_3.pack_big
+        )
+        pack_4 = (
+            _ObjectValue_layout_4.pack_little
+            if little_endian
+            else _ObjectValue_layout_4.pack_big
+        )
+        pack_5 = (
+            _ObjectValue_layout_5.pack_little
+            if little_endian
+            else _ObjectValue_layout_5.pack_big
+        )
+        pack_6 = (
+            _ObjectValue_layout_6.pack_little
+            if little_endian
+            else _ObjectValue_layout_6.pack_big
+        )
+        pack_7 = (
+            _ObjectValue_layout_7.pack_little
+            if little_endian
+            else _ObjectValue_layout_7.pack_big
+        )
+        out += pack_1[len(out) & 7](_ValueKind_members[discriminator])
+        match discriminator:
+            case ValueKind.VALUE_BOOLEAN:
+                out += pack_2(BOOLEAN[value])
+            case ValueKind.VALUE_INTEGER:
+                out += pack_3[len(out) & 7](value)
+            case ValueKind.VALUE_UNSIGNED:
+                out += pack_4[len(out) & 7](value)
+            case ValueKind.VALUE_REAL:
+                out += pack_5[len(out) & 7](value)
+            case ValueKind.VALUE_TEXT:
+                text = wide_octets(value)
+                n_text = len(text)
+                out += pack_6[len(out) & 7, n_text](n_text, text)
+            case ValueKind.VALUE_OCTETS:
+                n_data = len(value)
+                out += pack_7[len(out) & 7, n_data](n_data, value)
+            case _ if value is not None:
+                raise ValueError("no branch is selected")
+
+    @classmethod
+    def _read_(cls, data: Buffer, offset: int, little_endian: bool) -> tuple[Self, int]:
+        (read_1,) = (
+            _ObjectValue_layout.read_little
+            if little_endian
+            else _ObjectValue_layout.read_big
+        )
+        (read_2,) = (
+            _ObjectValue_layout_2.read_little
+            if little_endian
+            else _ObjectValue_layout_2.read_big
+        )
+        (read_3,) = (
+            _ObjectValue_layout_3.read_little
+            if little_endian
+            else _ObjectValue_layout_3.read_big
+        )
+        (read_4,) = (
+            _ObjectValue_layout_4.read_little
+            if little_endian
+            else _ObjectValue_layout_4.read_big
+        )
+        (read_5,) = (
+            _ObjectValue_layout_5.read_little
+            if little_endian
+            else _ObjectValue_layout_5.read_big
+        )
+        read_6, read_7 = (
+            _ObjectValue_layout_6.read_little
+            if little_endian
+            else _ObjectValue_layout_6.read_big
+        )
+        read_8, read_9 = (
+            _ObjectValue_layout_7.read_little
+            if little_endian
+            else _ObjectValue_layout_7.read_big
+        )
+        unpack, size = read_1[offset & 7]
+        (discriminator,) = unpack(data, offset)
+        offset += size
+        selected = _ValueKind_members[discriminator]
+        match selected:
+            case ValueKind.VALUE_BOOLEAN:
+                (truth,) = read_2(data, offset)
+                offset += 1
+                return cls(selected, BOOLEAN[truth]), offset
+            case ValueKind.VALUE_INTEGER:
+                unpack, size = read_3[offset & 7]
+                (number,) = unpack(data, offset)
+                offset += size
+                return cls(selected, number), offset
+            case ValueKind.VALUE_UNSIGNED:
+                unpack, size = read_4[offset & 7]
+                (count,) = unpack(data, offset)
+                offset += size
+                return cls(selected, count), offset
+            case ValueKind.VALUE_REAL:
+                unpack, size = read_5[offset & 7]
+                (real,) = unpack(data, offset)
+                offset += size
+                return cls(selected, real), offset
+            case ValueKind.VALUE_TEXT:
+                unpack, size = read_6[offset & 7]
+                (n_text,) = unpack(data, offset)
+                offset += size
+                unpack, size = read_7[n_text]
+                (text,) = unpack(data, offset)
+                offset += size
+                return cls(selected, wide_value(text)), offset
+            case ValueKind.VALUE_OCTETS:
+                unpack, size = read_8[offset & 7]
+                (n_data,) = unpack(data, offset)
+                offset += size
+                unpack, size = read_9[n_data]
+                (data_,) = unpack(data, offset)
+                offset += size
+                return cls(selected, data_), offset
+        return cls(selected, None), offset
+
+    def _snapshot_(self) -> ObjectValue:
+        return ObjectValue(self.discriminator, self.value)
+
+
 class ObjectDictionary(Servant):
     """The object dictionary of a node, by index and sub-index."""
 
@@ -215,6 +515,8 @@ class ObjectDictionary(Servant):
         (
             "CANopen::Octets read(in unsigned short index, in octet subindex) raises (CANopen::SdoAbort, CANopen::BusGone)",
             "void write(in unsigned short index, in octet subindex, in CANopen::Octets value) raises (CANopen::SdoAbort, CANopen::BusGone)",
+            "CANopen::ObjectValue get(in unsigned short index, in octet subindex) raises (CANopen::SdoAbort, CANopen::BusGone)",
+            "void set(in unsigned short index, in octet subindex, in CANopen::ObjectValue value) raises (CANopen::SdoAbort, CANopen::BusGone)",
         ),
         (),
     )
@@ -228,6 +530,18 @@ class ObjectDictionary(Servant):
     @operation(raises=(SdoAbort, BusGone))
     def write(self, index: int, subindex: int, value: Octets) -> None:
         """Writes an object: its octets as on the wire. In blocks where that is worth it."""
+
+    @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
+    def get(self, index: int, subindex: int) -> ObjectValue:
+        """Reads an object: its value, by the data type of the description."""
+
+    @abstractmethod
+    @operation(raises=(SdoAbort, BusGone))
+    def set(self, index: int, subindex: int, value: ObjectValue) -> None:
+        """Writes an object. A value that it cannot have is an SdoAbort; integers are taken for
+        unsigned ones, and for reals, where they fit.
+        """
 
 
 class ObjectDictionaryStub(ObjectDictionary, Stub):

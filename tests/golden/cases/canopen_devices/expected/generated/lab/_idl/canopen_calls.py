@@ -35,6 +35,7 @@ from .canopen import (
     NodePhase,
     NodeState,
     NodeStateSeq,
+    ObjectValue,
     Octets,
     Refused,
     SdoAbort,
@@ -337,6 +338,162 @@ class ObjectDictionary_write_request(Aggregated):
 
     def _snapshot_(self) -> ObjectDictionary_write_request:
         return ObjectDictionary_write_request(self.index, self.subindex, self.value)
+
+
+_ObjectDictionary_get_request_layout = Fixed("HB")
+
+
+@dataclass(slots=True)
+class ObjectDictionary_get_request(Aggregated):
+    """Arguments of `CANopen::ObjectDictionary::get`."""
+
+    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
+        "IDL:CANopen/ObjectDictionary/get:1.0",
+        "CANopen::ObjectDictionary.get request",
+        (
+            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
+            MemberDescriptor("subindex", PrimitiveDescriptor("octet")),
+        ),
+    )
+
+    index: int = 0
+    subindex: int = 0
+
+    def to_cdr(self, little_endian: bool = True) -> bytes:
+        """The value as a CDR body; raises CdrError."""
+        try:
+            pack = (
+                _ObjectDictionary_get_request_layout.pack_little
+                if little_endian
+                else _ObjectDictionary_get_request_layout.pack_big
+            )
+            return pack(self.index, self.subindex)
+        except FAILURES as failure:
+            raise encoding_error(
+                ObjectDictionary_get_request,
+                self,
+                failure,
+            ) from failure
+
+    @classmethod
+    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
+        """The value of a CDR body; raises CdrError."""
+        try:
+            unpack = (
+                _ObjectDictionary_get_request_layout.unpack_little
+                if little_endian
+                else _ObjectDictionary_get_request_layout.unpack_big
+            )
+            index, subindex = unpack(data)
+            return cls(index, subindex)
+        except FAILURES as failure:
+            raise decoding_error(cls, data, little_endian, failure) from failure
+
+    def _snapshot_(self) -> ObjectDictionary_get_request:
+        return ObjectDictionary_get_request(self.index, self.subindex)
+
+
+@dataclass(slots=True)
+class ObjectDictionary_get_reply(Aggregated):
+    """Results of `CANopen::ObjectDictionary::get`."""
+
+    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
+        "IDL:CANopen/ObjectDictionary/get:1.0",
+        "CANopen::ObjectDictionary.get reply",
+        (MemberDescriptor("_result", ObjectValue._descriptor_),),
+    )
+
+    _result: ObjectValue = field(default_factory=ObjectValue)
+
+    def to_cdr(self, little_endian: bool = True) -> bytes:
+        """The value as a CDR body; raises CdrError."""
+        try:
+            out = bytearray()
+            self._result._write_(out, little_endian)
+            return bytes(out)
+        except FAILURES as failure:
+            raise encoding_error(ObjectDictionary_get_reply, self, failure) from failure
+
+    @classmethod
+    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
+        """The value of a CDR body; raises CdrError."""
+        try:
+            offset = 0
+            _result, offset = ObjectValue._read_(data, offset, little_endian)
+            if offset != len(data):
+                raise ValueError("octets too many")
+            return cls(_result)
+        except FAILURES as failure:
+            raise decoding_error(cls, data, little_endian, failure) from failure
+
+    def _snapshot_(self) -> ObjectDictionary_get_reply:
+        return ObjectDictionary_get_reply(self._result._snapshot_())
+
+
+_ObjectDictionary_set_request_layout = Settled("=HB")
+
+
+@dataclass(slots=True)
+class ObjectDictionary_set_request(Aggregated):
+    """Arguments of `CANopen::ObjectDictionary::set`."""
+
+    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
+        "IDL:CANopen/ObjectDictionary/set:1.0",
+        "CANopen::ObjectDictionary.set request",
+        (
+            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
+            MemberDescriptor("subindex", PrimitiveDescriptor("octet")),
+            MemberDescriptor("value", ObjectValue._descriptor_),
+        ),
+    )
+
+    index: int = 0
+    subindex: int = 0
+    value: ObjectValue = field(default_factory=ObjectValue)
+
+    def to_cdr(self, little_endian: bool = True) -> bytes:
+        """The value as a CDR body; raises CdrError."""
+        try:
+            out = bytearray()
+            pack_1 = (
+                _ObjectDictionary_set_request_layout.pack_little
+                if little_endian
+                else _ObjectDictionary_set_request_layout.pack_big
+            )
+            out += pack_1(self.index, self.subindex)
+            self.value._write_(out, little_endian)
+            return bytes(out)
+        except FAILURES as failure:
+            raise encoding_error(
+                ObjectDictionary_set_request,
+                self,
+                failure,
+            ) from failure
+
+    @classmethod
+    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
+        """The value of a CDR body; raises CdrError."""
+        try:
+            (read_1,) = (
+                _ObjectDictionary_set_request_layout.read_little
+                if little_endian
+                else _ObjectDictionary_set_request_layout.read_big
+            )
+            index, subindex = read_1(data)
+            offset = 3
+            value, offset = ObjectValue._read_(data, offset, little_endian)
+            if offset != len(data):
+                raise ValueError("octets too many")
+            return cls(index, subindex, value)
+        except FAILURES as failure:
+            raise decoding_error(cls, data, little_endian, failure) from failure
+
+    def _snapshot_(self) -> ObjectDictionary_set_request:
+        return ObjectDictionary_set_request(
+            self.index,
+            self.subindex,
+            self.value._snapshot_(),
+        )
 
 
 _NodePhase_members = members(NodePhase)
@@ -776,6 +933,21 @@ _CALLS: dict[str, dict[str, Call]] = {
         ),
         "write": Call(
             request=ObjectDictionary_write_request,
+            raises=(
+                (CANopen_SdoAbort_raised, SdoAbort),
+                (CANopen_BusGone_raised, BusGone),
+            ),
+        ),
+        "get": Call(
+            request=ObjectDictionary_get_request,
+            reply=ObjectDictionary_get_reply,
+            raises=(
+                (CANopen_SdoAbort_raised, SdoAbort),
+                (CANopen_BusGone_raised, BusGone),
+            ),
+        ),
+        "set": Call(
+            request=ObjectDictionary_set_request,
             raises=(
                 (CANopen_SdoAbort_raised, SdoAbort),
                 (CANopen_BusGone_raised, BusGone),

@@ -457,25 +457,13 @@ class Rpdo2(Aggregated):
 
 
 class ObjectAccess(ObjectDictionary):
-    """The objects of the device, by name. What cannot be had is an SdoAbort."""
+    """Objects of the device by name, beside all of them by number."""
 
     _descriptor_: ClassVar[InterfaceDescriptor] = InterfaceDescriptor(
         "IDL:Sampler/ObjectAccess:1.0",
         "Sampler::ObjectAccess",
         (
-            "unsigned long get_Device_type() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "octet get_Error_register() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "string get_Manufacturer_device_name() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "octet get_Highest_sub_index_supported_1016_00() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "unsigned long get_Consumer_heartbeat_time_1() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "void set_Consumer_heartbeat_time_1(in unsigned long value) raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "unsigned short get_Producer_heartbeat_time() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "void set_Producer_heartbeat_time(in unsigned short value) raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "octet get_Highest_sub_index_supported_1018_00() raises (CANopen::SdoAbort, CANopen::BusGone)",
             "unsigned long get_Vendor_ID() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "unsigned long get_Product_code() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "unsigned long get_Revision_number() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "unsigned long get_Serial_number() raises (CANopen::SdoAbort, CANopen::BusGone)",
             "boolean get_Switch_2001_00() raises (CANopen::SdoAbort, CANopen::BusGone)",
             "void set_Switch_2001_00(in boolean value) raises (CANopen::SdoAbort, CANopen::BusGone)",
             "short get_Gear() raises (CANopen::SdoAbort, CANopen::BusGone)",
@@ -484,13 +472,8 @@ class ObjectAccess(ObjectDictionary):
             "void set_Level(in unsigned short value) raises (CANopen::SdoAbort, CANopen::BusGone)",
             "octet get_Counter() raises (CANopen::SdoAbort, CANopen::BusGone)",
             "void set_Counter(in octet value) raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "octet get_Highest_sub_index_supported_2010_00() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "short get_Raw_value() raises (CANopen::SdoAbort, CANopen::BusGone)",
             "float get_Scale_factor() raises (CANopen::SdoAbort, CANopen::BusGone)",
             "void set_Scale_factor(in float value) raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "octet get_Highest_sub_index_supported_2011_00() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "long long get_Position_48() raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "unsigned long long get_Time_40() raises (CANopen::SdoAbort, CANopen::BusGone)",
             "unsigned long long get_Ticks_56() raises (CANopen::SdoAbort, CANopen::BusGone)",
             "void set_Ticks_56(in unsigned long long value) raises (CANopen::SdoAbort, CANopen::BusGone)",
             "double get_Distance() raises (CANopen::SdoAbort, CANopen::BusGone)",
@@ -511,7 +494,6 @@ class ObjectAccess(ObjectDictionary):
             "void set_class_2034_00(in char value) raises (CANopen::SdoAbort, CANopen::BusGone)",
             "double get_Double_2040_00() raises (CANopen::SdoAbort, CANopen::BusGone)",
             "void set_Double_2040_00(in double value) raises (CANopen::SdoAbort, CANopen::BusGone)",
-            "string get_Tag() raises (CANopen::SdoAbort, CANopen::BusGone)",
             "RTC::Time get_Time_of_day() raises (CANopen::SdoAbort, CANopen::BusGone)",
             "void set_Time_of_day(in RTC::Time value) raises (CANopen::SdoAbort, CANopen::BusGone)",
         ),
@@ -520,68 +502,8 @@ class ObjectAccess(ObjectDictionary):
 
     @abstractmethod
     @operation(raises=(SdoAbort, BusGone))
-    def get_Device_type(self) -> int:
-        """Device type (1000h, UNSIGNED32)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Error_register(self) -> int:
-        """Error register (1001h, UNSIGNED8)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Manufacturer_device_name(self) -> str:
-        """Manufacturer device name (1008h, VISIBLE_STRING)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Highest_sub_index_supported_1016_00(self) -> int:
-        """Highest sub-index supported (1016h, UNSIGNED8)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Consumer_heartbeat_time_1(self) -> int:
-        """Consumer heartbeat time 1 (1016h:1, UNSIGNED32)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def set_Consumer_heartbeat_time_1(self, value: int) -> None:
-        """Consumer heartbeat time 1 (1016h:1, UNSIGNED32)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Producer_heartbeat_time(self) -> int:
-        """Producer heartbeat time (1017h, UNSIGNED16)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def set_Producer_heartbeat_time(self, value: int) -> None:
-        """Producer heartbeat time (1017h, UNSIGNED16)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Highest_sub_index_supported_1018_00(self) -> int:
-        """Highest sub-index supported (1018h, UNSIGNED8)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
     def get_Vendor_ID(self) -> int:
         """Vendor-ID (1018h:1, UNSIGNED32)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Product_code(self) -> int:
-        """Product code (1018h:2, UNSIGNED32)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Revision_number(self) -> int:
-        """Revision number (1018h:3, UNSIGNED32)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Serial_number(self) -> int:
-        """Serial number (1018h:4, UNSIGNED32)"""
 
     @abstractmethod
     @operation(raises=(SdoAbort, BusGone))
@@ -625,16 +547,6 @@ class ObjectAccess(ObjectDictionary):
 
     @abstractmethod
     @operation(raises=(SdoAbort, BusGone))
-    def get_Highest_sub_index_supported_2010_00(self) -> int:
-        """Highest sub-index supported (2010h, UNSIGNED8)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Raw_value(self) -> int:
-        """Raw value (2010h:1, INTEGER16)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
     def get_Scale_factor(self) -> float:
         """Scale factor (2010h:2, REAL32)"""
 
@@ -642,21 +554,6 @@ class ObjectAccess(ObjectDictionary):
     @operation(raises=(SdoAbort, BusGone))
     def set_Scale_factor(self, value: float) -> None:
         """Scale factor (2010h:2, REAL32)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Highest_sub_index_supported_2011_00(self) -> int:
-        """Highest sub-index supported (2011h, UNSIGNED8)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Position_48(self) -> int:
-        """Position 48 (2011h:1, INTEGER48)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Time_40(self) -> int:
-        """Time 40 (2011h:2, UNSIGNED40)"""
 
     @abstractmethod
     @operation(raises=(SdoAbort, BusGone))
@@ -757,11 +654,6 @@ class ObjectAccess(ObjectDictionary):
     @operation(raises=(SdoAbort, BusGone))
     def set_Double_2040_00(self, value: float) -> None:
         """Double (2040h, REAL64)"""
-
-    @abstractmethod
-    @operation(raises=(SdoAbort, BusGone))
-    def get_Tag(self) -> str:
-        """Tag (2041h, VISIBLE_STRING)"""
 
     @abstractmethod
     @operation(raises=(SdoAbort, BusGone))

@@ -3,19 +3,9 @@
 """The IDL module `SamplerPieces`."""
 
 from .._idl.sampler_pieces import (
-    ObjectAccess as ObjectAccess,
-    ObjectAccessSkeleton as ObjectAccessSkeleton,
-    ObjectAccessStub as ObjectAccessStub,
     TimedLongLong as TimedLongLong,
     TimedTime as TimedTime,
     TimedULongLong as TimedULongLong,
 )
 
-__all__ = [
-    "ObjectAccess",
-    "ObjectAccessSkeleton",
-    "ObjectAccessStub",
-    "TimedLongLong",
-    "TimedTime",
-    "TimedULongLong",
-]
+__all__ = ["TimedLongLong", "TimedTime", "TimedULongLong"]

@@ -4,521 +4,115 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.canopen.description import (
-    DeviceDescription,
-    ObjectDescription,
-    PdoDescription,
+from rtgen.runtime.canopen.description import DeviceDescription, PdoDescription
+from rtgen.runtime.canopen.objects import (
+    Boolean as _Boolean,
+    Integer as _Integer,
+    Objects,
+    Octets as _Octets,
+    Real as _Real,
+    Text as _Text,
+    descriptions,
 )
-from rtgen.runtime.canopen.objects import Entry, Objects
+
+
+class SamplerPiecesObjects(Objects):
+    """The values of SamplerPieces's object dictionary, as they are on the wire."""
+
+    __slots__ = ()
+
+    Device_type = _Integer("u32", 0x1000, 0, "ro", 0)
+    Error_register = _Integer("u8", 0x1001, 0, "ro", 0, mappable=True)
+    Manufacturer_device_name = _Text("string", 0x1008, 0, "const", "Sampler")
+    Highest_sub_index_supported_1016_00 = _Integer("u8", 0x1016, 0, "const", 1)
+    Consumer_heartbeat_time_1 = _Integer("u32", 0x1016, 1, "rw", 0)
+    Producer_heartbeat_time = _Integer("u16", 0x1017, 0, "rw", 0)
+    Highest_sub_index_supported_1018_00 = _Integer("u8", 0x1018, 0, "const", 4)
+    Vendor_ID = _Integer("u32", 0x1018, 1, "ro", 0xFFFF01)
+    Product_code = _Integer("u32", 0x1018, 2, "ro", 0x53414D50)
+    Revision_number = _Integer("u32", 0x1018, 3, "ro", 0x10000)
+    Serial_number = _Integer("u32", 0x1018, 4, "ro", 0)
+    Highest_sub_index_supported_1400_00 = _Integer("u8", 0x1400, 0, "const", 2)
+    COB_ID_1400_01 = _Integer("u32", 0x1400, 1, "rw", 0x200, relative=True)
+    Transmission_type_1400_02 = _Integer("u8", 0x1400, 2, "rw", 255)
+    Highest_sub_index_supported_1401_00 = _Integer("u8", 0x1401, 0, "const", 2)
+    COB_ID_1401_01 = _Integer("u32", 0x1401, 1, "rw", 0x80000300, relative=True)
+    Transmission_type_1401_02 = _Integer("u8", 0x1401, 2, "rw", 1)
+    Number_of_mapped_objects_1600_00 = _Integer("u8", 0x1600, 0, "rw", 4)
+    Mapped_object_1_1600_01 = _Integer("u32", 0x1600, 1, "rw", 0x20010001)
+    Mapped_object_2_1600_02 = _Integer("u32", 0x1600, 2, "rw", 0x20020003)
+    Mapped_object_3_1600_03 = _Integer("u32", 0x1600, 3, "rw", 0x20030004)
+    Mapped_object_4_1600_04 = _Integer("u32", 0x1600, 4, "rw", 0x20120038)
+    Number_of_mapped_objects_1601_00 = _Integer("u8", 0x1601, 0, "rw", 3)
+    Mapped_object_1_1601_01 = _Integer("u32", 0x1601, 1, "rw", 0x50008)
+    Mapped_object_2_1601_02 = _Integer("u32", 0x1601, 2, "rw", 0x20140018)
+    Mapped_object_3_1601_03 = _Integer("u32", 0x1601, 3, "rw", 0x20130020)
+    Highest_sub_index_supported_1800_00 = _Integer("u8", 0x1800, 0, "const", 5)
+    COB_ID_1800_01 = _Integer("u32", 0x1800, 1, "rw", 0x40000180, relative=True)
+    Transmission_type_1800_02 = _Integer("u8", 0x1800, 2, "rw", 254)
+    Inhibit_time = _Integer("u16", 0x1800, 3, "rw", 100)
+    Event_timer = _Integer("u16", 0x1800, 5, "rw", 500)
+    Highest_sub_index_supported_1801_00 = _Integer("u8", 0x1801, 0, "const", 2)
+    COB_ID_1801_01 = _Integer("u32", 0x1801, 1, "rw", 0x280, relative=True)
+    Transmission_type_1801_02 = _Integer("u8", 0x1801, 2, "rw", 1)
+    Highest_sub_index_supported_1802_00 = _Integer("u8", 0x1802, 0, "const", 2)
+    COB_ID_1802_01 = _Integer("u32", 0x1802, 1, "rw", 0x380, relative=True)
+    Transmission_type_1802_02 = _Integer("u8", 0x1802, 2, "rw", 255)
+    Highest_sub_index_supported_1803_00 = _Integer("u8", 0x1803, 0, "const", 2)
+    COB_ID_1803_01 = _Integer("u32", 0x1803, 1, "rw", 0x80000000)
+    Transmission_type_1803_02 = _Integer("u8", 0x1803, 2, "rw", 255)
+    Number_of_mapped_objects_1A00_00 = _Integer("u8", 0x1A00, 0, "rw", 5)
+    Mapped_object_1_1A00_01 = _Integer("u32", 0x1A00, 1, "rw", 0x20010001)
+    Mapped_object_2_1A00_02 = _Integer("u32", 0x1A00, 2, "rw", 0x20020003)
+    Mapped_object_3_1A00_03 = _Integer("u32", 0x1A00, 3, "rw", 0x2003000C)
+    Mapped_object_4_1A00_04 = _Integer("u32", 0x1A00, 4, "rw", 0x20100110)
+    Mapped_object_5 = _Integer("u32", 0x1A00, 5, "rw", 0x20100220)
+    Number_of_mapped_objects_1A01_00 = _Integer("u8", 0x1A01, 0, "rw", 3)
+    Mapped_object_1_1A01_01 = _Integer("u32", 0x1A01, 1, "rw", 0x20050008)
+    Mapped_object_2_1A01_02 = _Integer("u32", 0x1A01, 2, "rw", 0x20140018)
+    Mapped_object_3_1A01_03 = _Integer("u32", 0x1A01, 3, "rw", 0x20130020)
+    Number_of_mapped_objects_1A02_00 = _Integer("u8", 0x1A02, 0, "rw", 2)
+    Mapped_object_1_1A02_01 = _Integer("u32", 0x1A02, 1, "rw", 0x20110130)
+    Mapped_object_2_1A02_02 = _Integer("u32", 0x1A02, 2, "rw", 0x20410010)
+    Number_of_mapped_objects_1A03_00 = _Integer("u8", 0x1A03, 0, "const", 2)
+    Mapped_object_1_1A03_01 = _Integer("u32", 0x1A03, 1, "const", 0x20420030)
+    Mapped_object_2_1A03_02 = _Integer("u32", 0x1A03, 2, "const", 0x10010008)
+    Switch_2001_00 = _Boolean("bool", 0x2001, 0, "rw", False, mappable=True)
+    Gear = _Integer("i8", 0x2002, 0, "rw", -1, low=-4, high=3, mappable=True)
+    Level = _Integer("u16", 0x2003, 0, "rw", 7, mappable=True)
+    Counter = _Integer("u8", 0x2005, 0, "rw", mappable=True)
+    Highest_sub_index_supported_2010_00 = _Integer("u8", 0x2010, 0, "const", 2)
+    Raw_value = _Integer("i16", 0x2010, 1, "ro", -2, mappable=True)
+    Scale_factor = _Real("r32", 0x2010, 2, "rw", 1.5, mappable=True)
+    Highest_sub_index_supported_2011_00 = _Integer("u8", 0x2011, 0, "const", 2)
+    Position_48 = _Integer("i48", 0x2011, 1, "ro", -5, mappable=True)
+    Time_40 = _Integer("u40", 0x2011, 2, "ro", 68719476736, mappable=True)
+    Ticks_56 = _Integer("u56", 0x2012, 0, "rww", mappable=True)
+    Distance = _Integer("i32", 0x2013, 0, "rw", -3, mappable=True)
+    Offset = _Integer(
+        "i24",
+        0x2014,
+        0,
+        "rw",
+        8388607,
+        low=-8388608,
+        high=8388607,
+        mappable=True,
+    )
+    Speed = _Integer("u32", 0x2020, 0, "rw", 1500, low=0, high=100000)
+    Label = _Text("string", 0x2030, 0, "rw", "bench")
+    Title_wide_ = _Text("wstring", 0x2031, 0, "rw")
+    Key = _Octets("octets", 0x2032, 0, "rw", b"\x00\xff")
+    Program = _Octets("octets", 0x2033, 0, "rw")
+    class_2034_00 = _Text("char", 0x2034, 0, "rw", "A")
+    Double_2040_00 = _Real("r64", 0x2040, 0, "rw", 0.1)
+    Tag = _Text("string", 0x2041, 0, "ro", mappable=True)
+    Time_of_day = _Integer("time_of_day", 0x2042, 0, "rw", mappable=True)
+
 
 DESCRIPTION = DeviceDescription(
     name="SamplerPieces",
-    objects=(
-        ObjectDescription(0x1000, 0, "Device_type", "u32", "ro", default=0),
-        ObjectDescription(
-            0x1001,
-            0,
-            "Error_register",
-            "u8",
-            "ro",
-            default=0,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x1008,
-            0,
-            "Manufacturer_device_name",
-            "string",
-            "const",
-            default="Sampler",
-        ),
-        ObjectDescription(
-            0x1016,
-            0,
-            "Highest_sub_index_supported_1016_00",
-            "u8",
-            "const",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1016,
-            1,
-            "Consumer_heartbeat_time_1",
-            "u32",
-            "rw",
-            default=0,
-        ),
-        ObjectDescription(0x1017, 0, "Producer_heartbeat_time", "u16", "rw", default=0),
-        ObjectDescription(
-            0x1018,
-            0,
-            "Highest_sub_index_supported_1018_00",
-            "u8",
-            "const",
-            default=4,
-        ),
-        ObjectDescription(0x1018, 1, "Vendor_ID", "u32", "ro", default=0xFFFF01),
-        ObjectDescription(0x1018, 2, "Product_code", "u32", "ro", default=0x53414D50),
-        ObjectDescription(0x1018, 3, "Revision_number", "u32", "ro", default=0x10000),
-        ObjectDescription(0x1018, 4, "Serial_number", "u32", "ro", default=0),
-        ObjectDescription(
-            0x1400,
-            0,
-            "Highest_sub_index_supported_1400_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1400,
-            1,
-            "COB_ID_1400_01",
-            "u32",
-            "rw",
-            default=0x200,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1400,
-            2,
-            "Transmission_type_1400_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(
-            0x1401,
-            0,
-            "Highest_sub_index_supported_1401_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1401,
-            1,
-            "COB_ID_1401_01",
-            "u32",
-            "rw",
-            default=0x80000300,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1401,
-            2,
-            "Transmission_type_1401_02",
-            "u8",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1600,
-            0,
-            "Number_of_mapped_objects_1600_00",
-            "u8",
-            "rw",
-            default=4,
-        ),
-        ObjectDescription(
-            0x1600,
-            1,
-            "Mapped_object_1_1600_01",
-            "u32",
-            "rw",
-            default=0x20010001,
-        ),
-        ObjectDescription(
-            0x1600,
-            2,
-            "Mapped_object_2_1600_02",
-            "u32",
-            "rw",
-            default=0x20020003,
-        ),
-        ObjectDescription(
-            0x1600,
-            3,
-            "Mapped_object_3_1600_03",
-            "u32",
-            "rw",
-            default=0x20030004,
-        ),
-        ObjectDescription(
-            0x1600,
-            4,
-            "Mapped_object_4_1600_04",
-            "u32",
-            "rw",
-            default=0x20120038,
-        ),
-        ObjectDescription(
-            0x1601,
-            0,
-            "Number_of_mapped_objects_1601_00",
-            "u8",
-            "rw",
-            default=3,
-        ),
-        ObjectDescription(
-            0x1601,
-            1,
-            "Mapped_object_1_1601_01",
-            "u32",
-            "rw",
-            default=0x50008,
-        ),
-        ObjectDescription(
-            0x1601,
-            2,
-            "Mapped_object_2_1601_02",
-            "u32",
-            "rw",
-            default=0x20140018,
-        ),
-        ObjectDescription(
-            0x1601,
-            3,
-            "Mapped_object_3_1601_03",
-            "u32",
-            "rw",
-            default=0x20130020,
-        ),
-        ObjectDescription(
-            0x1800,
-            0,
-            "Highest_sub_index_supported_1800_00",
-            "u8",
-            "const",
-            default=5,
-        ),
-        ObjectDescription(
-            0x1800,
-            1,
-            "COB_ID_1800_01",
-            "u32",
-            "rw",
-            default=0x40000180,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1800,
-            2,
-            "Transmission_type_1800_02",
-            "u8",
-            "rw",
-            default=254,
-        ),
-        ObjectDescription(0x1800, 3, "Inhibit_time", "u16", "rw", default=100),
-        ObjectDescription(0x1800, 5, "Event_timer", "u16", "rw", default=500),
-        ObjectDescription(
-            0x1801,
-            0,
-            "Highest_sub_index_supported_1801_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1801,
-            1,
-            "COB_ID_1801_01",
-            "u32",
-            "rw",
-            default=0x280,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1801,
-            2,
-            "Transmission_type_1801_02",
-            "u8",
-            "rw",
-            default=1,
-        ),
-        ObjectDescription(
-            0x1802,
-            0,
-            "Highest_sub_index_supported_1802_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1802,
-            1,
-            "COB_ID_1802_01",
-            "u32",
-            "rw",
-            default=0x380,
-            relative=True,
-        ),
-        ObjectDescription(
-            0x1802,
-            2,
-            "Transmission_type_1802_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(
-            0x1803,
-            0,
-            "Highest_sub_index_supported_1803_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(0x1803, 1, "COB_ID_1803_01", "u32", "rw", default=0x80000000),
-        ObjectDescription(
-            0x1803,
-            2,
-            "Transmission_type_1803_02",
-            "u8",
-            "rw",
-            default=255,
-        ),
-        ObjectDescription(
-            0x1A00,
-            0,
-            "Number_of_mapped_objects_1A00_00",
-            "u8",
-            "rw",
-            default=5,
-        ),
-        ObjectDescription(
-            0x1A00,
-            1,
-            "Mapped_object_1_1A00_01",
-            "u32",
-            "rw",
-            default=0x20010001,
-        ),
-        ObjectDescription(
-            0x1A00,
-            2,
-            "Mapped_object_2_1A00_02",
-            "u32",
-            "rw",
-            default=0x20020003,
-        ),
-        ObjectDescription(
-            0x1A00,
-            3,
-            "Mapped_object_3_1A00_03",
-            "u32",
-            "rw",
-            default=0x2003000C,
-        ),
-        ObjectDescription(
-            0x1A00,
-            4,
-            "Mapped_object_4_1A00_04",
-            "u32",
-            "rw",
-            default=0x20100110,
-        ),
-        ObjectDescription(
-            0x1A00,
-            5,
-            "Mapped_object_5",
-            "u32",
-            "rw",
-            default=0x20100220,
-        ),
-        ObjectDescription(
-            0x1A01,
-            0,
-            "Number_of_mapped_objects_1A01_00",
-            "u8",
-            "rw",
-            default=3,
-        ),
-        ObjectDescription(
-            0x1A01,
-            1,
-            "Mapped_object_1_1A01_01",
-            "u32",
-            "rw",
-            default=0x20050008,
-        ),
-        ObjectDescription(
-            0x1A01,
-            2,
-            "Mapped_object_2_1A01_02",
-            "u32",
-            "rw",
-            default=0x20140018,
-        ),
-        ObjectDescription(
-            0x1A01,
-            3,
-            "Mapped_object_3_1A01_03",
-            "u32",
-            "rw",
-            default=0x20130020,
-        ),
-        ObjectDescription(
-            0x1A02,
-            0,
-            "Number_of_mapped_objects_1A02_00",
-            "u8",
-            "rw",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1A02,
-            1,
-            "Mapped_object_1_1A02_01",
-            "u32",
-            "rw",
-            default=0x20110130,
-        ),
-        ObjectDescription(
-            0x1A02,
-            2,
-            "Mapped_object_2_1A02_02",
-            "u32",
-            "rw",
-            default=0x20410010,
-        ),
-        ObjectDescription(
-            0x1A03,
-            0,
-            "Number_of_mapped_objects_1A03_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x1A03,
-            1,
-            "Mapped_object_1_1A03_01",
-            "u32",
-            "const",
-            default=0x20420030,
-        ),
-        ObjectDescription(
-            0x1A03,
-            2,
-            "Mapped_object_2_1A03_02",
-            "u32",
-            "const",
-            default=0x10010008,
-        ),
-        ObjectDescription(
-            0x2001,
-            0,
-            "Switch_2001_00",
-            "bool",
-            "rw",
-            default=False,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x2002,
-            0,
-            "Gear",
-            "i8",
-            "rw",
-            default=-1,
-            low=-4,
-            high=3,
-            mappable=True,
-        ),
-        ObjectDescription(0x2003, 0, "Level", "u16", "rw", default=7, mappable=True),
-        ObjectDescription(0x2005, 0, "Counter", "u8", "rw", mappable=True),
-        ObjectDescription(
-            0x2010,
-            0,
-            "Highest_sub_index_supported_2010_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x2010,
-            1,
-            "Raw_value",
-            "i16",
-            "ro",
-            default=-2,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x2010,
-            2,
-            "Scale_factor",
-            "r32",
-            "rw",
-            default=1.5,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x2011,
-            0,
-            "Highest_sub_index_supported_2011_00",
-            "u8",
-            "const",
-            default=2,
-        ),
-        ObjectDescription(
-            0x2011,
-            1,
-            "Position_48",
-            "i48",
-            "ro",
-            default=-5,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x2011,
-            2,
-            "Time_40",
-            "u40",
-            "ro",
-            default=68719476736,
-            mappable=True,
-        ),
-        ObjectDescription(0x2012, 0, "Ticks_56", "u56", "rww", mappable=True),
-        ObjectDescription(
-            0x2013,
-            0,
-            "Distance",
-            "i32",
-            "rw",
-            default=-3,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x2014,
-            0,
-            "Offset",
-            "i24",
-            "rw",
-            default=8388607,
-            low=-8388608,
-            high=8388607,
-            mappable=True,
-        ),
-        ObjectDescription(
-            0x2020,
-            0,
-            "Speed",
-            "u32",
-            "rw",
-            default=1500,
-            low=0,
-            high=100000,
-        ),
-        ObjectDescription(0x2030, 0, "Label", "string", "rw", default="bench"),
-        ObjectDescription(0x2031, 0, "Title_wide_", "wstring", "rw"),
-        ObjectDescription(0x2032, 0, "Key", "octets", "rw", default=b"\x00\xff"),
-        ObjectDescription(0x2033, 0, "Program", "octets", "rw"),
-        ObjectDescription(0x2034, 0, "class_2034_00", "char", "rw", default="A"),
-        ObjectDescription(0x2040, 0, "Double_2040_00", "r64", "rw", default=0.1),
-        ObjectDescription(0x2041, 0, "Tag", "string", "ro", mappable=True),
-        ObjectDescription(0x2042, 0, "Time_of_day", "time_of_day", "rw", mappable=True),
-    ),
+    objects=descriptions(SamplerPiecesObjects),
     pdos=(
         PdoDescription(
             "tpdo",
@@ -579,172 +173,3 @@ DESCRIPTION = DeviceDescription(
     dummies=(0x0005,),
     bit_rates=(250, 500, 1000),
 )
-
-_bool = Entry[bool]
-_bytes = Entry[bytes]
-_float = Entry[float]
-_int = Entry[int]
-_str = Entry[str]
-
-
-class SamplerPiecesObjects(Objects):
-    """The values of SamplerPieces's object dictionary, as they are on the wire."""
-
-    __slots__ = ()
-
-    Device_type = _int(0x1000)
-    """1000 Device type: UNSIGNED32, ro."""
-    Error_register = _int(0x1001)
-    """1001 Error register: UNSIGNED8, ro."""
-    Manufacturer_device_name = _str(0x1008)
-    """1008 Manufacturer device name: VISIBLE_STRING, const."""
-    Highest_sub_index_supported_1016_00 = _int(0x1016)
-    """1016 Highest sub-index supported: UNSIGNED8, const."""
-    Consumer_heartbeat_time_1 = _int(0x1016, 1)
-    """1016:1 Consumer heartbeat time 1: UNSIGNED32, rw."""
-    Producer_heartbeat_time = _int(0x1017)
-    """1017 Producer heartbeat time: UNSIGNED16, rw."""
-    Highest_sub_index_supported_1018_00 = _int(0x1018)
-    """1018 Highest sub-index supported: UNSIGNED8, const."""
-    Vendor_ID = _int(0x1018, 1)
-    """1018:1 Vendor-ID: UNSIGNED32, ro."""
-    Product_code = _int(0x1018, 2)
-    """1018:2 Product code: UNSIGNED32, ro."""
-    Revision_number = _int(0x1018, 3)
-    """1018:3 Revision number: UNSIGNED32, ro."""
-    Serial_number = _int(0x1018, 4)
-    """1018:4 Serial number: UNSIGNED32, ro."""
-    Highest_sub_index_supported_1400_00 = _int(0x1400)
-    """1400 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1400_01 = _int(0x1400, 1)
-    """1400:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1400_02 = _int(0x1400, 2)
-    """1400:2 Transmission type: UNSIGNED8, rw."""
-    Highest_sub_index_supported_1401_00 = _int(0x1401)
-    """1401 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1401_01 = _int(0x1401, 1)
-    """1401:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1401_02 = _int(0x1401, 2)
-    """1401:2 Transmission type: UNSIGNED8, rw."""
-    Number_of_mapped_objects_1600_00 = _int(0x1600)
-    """1600 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1600_01 = _int(0x1600, 1)
-    """1600:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1600_02 = _int(0x1600, 2)
-    """1600:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1600_03 = _int(0x1600, 3)
-    """1600:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1600_04 = _int(0x1600, 4)
-    """1600:4 Mapped object 4: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1601_00 = _int(0x1601)
-    """1601 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1601_01 = _int(0x1601, 1)
-    """1601:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1601_02 = _int(0x1601, 2)
-    """1601:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1601_03 = _int(0x1601, 3)
-    """1601:3 Mapped object 3: UNSIGNED32, rw."""
-    Highest_sub_index_supported_1800_00 = _int(0x1800)
-    """1800 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1800_01 = _int(0x1800, 1)
-    """1800:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1800_02 = _int(0x1800, 2)
-    """1800:2 Transmission type: UNSIGNED8, rw."""
-    Inhibit_time = _int(0x1800, 3)
-    """1800:3 Inhibit time: UNSIGNED16, rw."""
-    Event_timer = _int(0x1800, 5)
-    """1800:5 Event timer: UNSIGNED16, rw."""
-    Highest_sub_index_supported_1801_00 = _int(0x1801)
-    """1801 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1801_01 = _int(0x1801, 1)
-    """1801:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1801_02 = _int(0x1801, 2)
-    """1801:2 Transmission type: UNSIGNED8, rw."""
-    Highest_sub_index_supported_1802_00 = _int(0x1802)
-    """1802 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1802_01 = _int(0x1802, 1)
-    """1802:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1802_02 = _int(0x1802, 2)
-    """1802:2 Transmission type: UNSIGNED8, rw."""
-    Highest_sub_index_supported_1803_00 = _int(0x1803)
-    """1803 Highest sub-index supported: UNSIGNED8, const."""
-    COB_ID_1803_01 = _int(0x1803, 1)
-    """1803:1 COB-ID: UNSIGNED32, rw."""
-    Transmission_type_1803_02 = _int(0x1803, 2)
-    """1803:2 Transmission type: UNSIGNED8, rw."""
-    Number_of_mapped_objects_1A00_00 = _int(0x1A00)
-    """1A00 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1A00_01 = _int(0x1A00, 1)
-    """1A00:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1A00_02 = _int(0x1A00, 2)
-    """1A00:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1A00_03 = _int(0x1A00, 3)
-    """1A00:3 Mapped object 3: UNSIGNED32, rw."""
-    Mapped_object_4_1A00_04 = _int(0x1A00, 4)
-    """1A00:4 Mapped object 4: UNSIGNED32, rw."""
-    Mapped_object_5 = _int(0x1A00, 5)
-    """1A00:5 Mapped object 5: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1A01_00 = _int(0x1A01)
-    """1A01 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1A01_01 = _int(0x1A01, 1)
-    """1A01:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1A01_02 = _int(0x1A01, 2)
-    """1A01:2 Mapped object 2: UNSIGNED32, rw."""
-    Mapped_object_3_1A01_03 = _int(0x1A01, 3)
-    """1A01:3 Mapped object 3: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1A02_00 = _int(0x1A02)
-    """1A02 Number of mapped objects: UNSIGNED8, rw."""
-    Mapped_object_1_1A02_01 = _int(0x1A02, 1)
-    """1A02:1 Mapped object 1: UNSIGNED32, rw."""
-    Mapped_object_2_1A02_02 = _int(0x1A02, 2)
-    """1A02:2 Mapped object 2: UNSIGNED32, rw."""
-    Number_of_mapped_objects_1A03_00 = _int(0x1A03)
-    """1A03 Number of mapped objects: UNSIGNED8, const."""
-    Mapped_object_1_1A03_01 = _int(0x1A03, 1)
-    """1A03:1 Mapped object 1: UNSIGNED32, const."""
-    Mapped_object_2_1A03_02 = _int(0x1A03, 2)
-    """1A03:2 Mapped object 2: UNSIGNED32, const."""
-    Switch_2001_00 = _bool(0x2001)
-    """2001 Switch: BOOLEAN, rw."""
-    Gear = _int(0x2002)
-    """2002 Gear: INTEGER8, rw."""
-    Level = _int(0x2003)
-    """2003 Level: UNSIGNED16, rw."""
-    Counter = _int(0x2005)
-    """2005 Counter: UNSIGNED8, rw."""
-    Highest_sub_index_supported_2010_00 = _int(0x2010)
-    """2010 Highest sub-index supported: UNSIGNED8, const."""
-    Raw_value = _int(0x2010, 1)
-    """2010:1 Raw value: INTEGER16, ro."""
-    Scale_factor = _float(0x2010, 2)
-    """2010:2 Scale factor: REAL32, rw."""
-    Highest_sub_index_supported_2011_00 = _int(0x2011)
-    """2011 Highest sub-index supported: UNSIGNED8, const."""
-    Position_48 = _int(0x2011, 1)
-    """2011:1 Position 48: INTEGER48, ro."""
-    Time_40 = _int(0x2011, 2)
-    """2011:2 Time 40: UNSIGNED40, ro."""
-    Ticks_56 = _int(0x2012)
-    """2012 Ticks 56: UNSIGNED56, rww."""
-    Distance = _int(0x2013)
-    """2013 Distance: INTEGER32, rw."""
-    Offset = _int(0x2014)
-    """2014 Offset: INTEGER24, rw."""
-    Speed = _int(0x2020)
-    """2020 Speed: UNSIGNED32, rw."""
-    Label = _str(0x2030)
-    """2030 Label: VISIBLE_STRING, rw."""
-    Title_wide_ = _str(0x2031)
-    """2031 Title (wide): UNICODE_STRING, rw."""
-    Key = _bytes(0x2032)
-    """2032 Key: OCTET_STRING, rw."""
-    Program = _bytes(0x2033)
-    """2033 Program: DOMAIN, rw."""
-    class_2034_00 = _str(0x2034)
-    """2034 class: VISIBLE_CHAR, rw."""
-    Double_2040_00 = _float(0x2040)
-    """2040 Double: REAL64, rw."""
-    Tag = _str(0x2041)
-    """2041 Tag: VISIBLE_STRING, ro."""
-    Time_of_day = _int(0x2042)
-    """2042 Time of day: TIME_OF_DAY, rw."""

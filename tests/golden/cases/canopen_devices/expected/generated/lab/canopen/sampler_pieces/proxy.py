@@ -9,11 +9,12 @@ from collections.abc import Iterator, Mapping
 from rtgen.runtime.canopen import pdo as _pdo
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.hooks import Receiver, Sender
+from rtgen.runtime.canopen.objects import over_sdo
 from rtgen.runtime.canopen.port_samples import Gathering, Inlet
-from rtgen.runtime.canopen.sdo_service import SdoAccess
 
-from ... import canopen, rtc, samplerpieces
+from ... import rtc, samplerpieces
 from ...components.sampler_pieces_proxy import SamplerPiecesProxyBase
+from ..service import ObjectService
 from .codecs import (
     decode_tpdo1,
     decode_tpdo2,
@@ -22,7 +23,7 @@ from .codecs import (
     encode_rpdo1,
     encode_rpdo2,
 )
-from .objects import DESCRIPTION
+from .objects import DESCRIPTION, SamplerPiecesObjects
 
 
 class SamplerPiecesProxy(SamplerPiecesProxyBase):
@@ -37,9 +38,9 @@ class SamplerPiecesProxy(SamplerPiecesProxyBase):
 
     def __init__(self, instance_name: str | None = None) -> None:
         super().__init__(instance_name)
-        self.sdo.set_servant(
-            _ObjectAccess(SdoAccess(self, canopen.SdoAbort, canopen.BusGone)),
-        )
+        self.objects = over_sdo(SamplerPiecesObjects, self)
+        """The objects of the device by their names, read and written by SDO."""
+        self.sdo.set_servant(ObjectService(self))
         _Switch_2001_00_in = Inlet(self.Switch_2001_00_in, (1,))
         _Gear_in = Inlet(self.Gear_in, (1,))
         _Level_in = Inlet(self.Level_in, (1,))
@@ -115,201 +116,3 @@ class SamplerPiecesProxy(SamplerPiecesProxyBase):
     def _send_rpdo2(self) -> Iterator[bytes]:
         for values in self._rpdo2.rounds():
             yield encode_rpdo2(values[0], _pdo.unscaled("Distance", values[1], 0.25))
-
-
-class _ObjectAccess(samplerpieces.ObjectAccess):
-    """The objects of the device, by SDO."""
-
-    def __init__(self, access: SdoAccess) -> None:
-        self._access = access
-
-    def read(self, index: int, subindex: int) -> bytes:
-        return self._access.read(index, subindex)
-
-    def write(self, index: int, subindex: int, value: bytes) -> None:
-        self._access.write(index, subindex, value)
-
-    def get_Device_type(self) -> int:
-        value: int = self._access.get(0x1000, 0)
-        return value
-
-    def get_Error_register(self) -> int:
-        value: int = self._access.get(0x1001, 0)
-        return value
-
-    def get_Manufacturer_device_name(self) -> str:
-        value: str = self._access.get(0x1008, 0)
-        return value
-
-    def get_Highest_sub_index_supported_1016_00(self) -> int:
-        value: int = self._access.get(0x1016, 0)
-        return value
-
-    def get_Consumer_heartbeat_time_1(self) -> int:
-        value: int = self._access.get(0x1016, 1)
-        return value
-
-    def set_Consumer_heartbeat_time_1(self, value: int) -> None:
-        self._access.set(0x1016, 1, value)
-
-    def get_Producer_heartbeat_time(self) -> int:
-        value: int = self._access.get(0x1017, 0)
-        return value
-
-    def set_Producer_heartbeat_time(self, value: int) -> None:
-        self._access.set(0x1017, 0, value)
-
-    def get_Highest_sub_index_supported_1018_00(self) -> int:
-        value: int = self._access.get(0x1018, 0)
-        return value
-
-    def get_Vendor_ID(self) -> int:
-        value: int = self._access.get(0x1018, 1)
-        return value
-
-    def get_Product_code(self) -> int:
-        value: int = self._access.get(0x1018, 2)
-        return value
-
-    def get_Revision_number(self) -> int:
-        value: int = self._access.get(0x1018, 3)
-        return value
-
-    def get_Serial_number(self) -> int:
-        value: int = self._access.get(0x1018, 4)
-        return value
-
-    def get_Switch_2001_00(self) -> bool:
-        value: bool = self._access.get(0x2001, 0)
-        return value
-
-    def set_Switch_2001_00(self, value: bool) -> None:
-        self._access.set(0x2001, 0, value)
-
-    def get_Gear(self) -> int:
-        value: int = self._access.get(0x2002, 0)
-        return value
-
-    def set_Gear(self, value: int) -> None:
-        self._access.set(0x2002, 0, value)
-
-    def get_Level(self) -> int:
-        value: int = self._access.get(0x2003, 0)
-        return value
-
-    def set_Level(self, value: int) -> None:
-        self._access.set(0x2003, 0, value)
-
-    def get_Counter(self) -> int:
-        value: int = self._access.get(0x2005, 0)
-        return value
-
-    def set_Counter(self, value: int) -> None:
-        self._access.set(0x2005, 0, value)
-
-    def get_Highest_sub_index_supported_2010_00(self) -> int:
-        value: int = self._access.get(0x2010, 0)
-        return value
-
-    def get_Raw_value(self) -> int:
-        value: int = self._access.get(0x2010, 1)
-        return value
-
-    def get_Scale_factor(self) -> float:
-        value: float = self._access.get(0x2010, 2)
-        return value
-
-    def set_Scale_factor(self, value: float) -> None:
-        self._access.set(0x2010, 2, value)
-
-    def get_Highest_sub_index_supported_2011_00(self) -> int:
-        value: int = self._access.get(0x2011, 0)
-        return value
-
-    def get_Position_48(self) -> int:
-        value: int = self._access.get(0x2011, 1)
-        return value
-
-    def get_Time_40(self) -> int:
-        value: int = self._access.get(0x2011, 2)
-        return value
-
-    def get_Ticks_56(self) -> int:
-        value: int = self._access.get(0x2012, 0)
-        return value
-
-    def set_Ticks_56(self, value: int) -> None:
-        self._access.set(0x2012, 0, value)
-
-    def get_Distance(self) -> float:
-        value: float = self._access.get(0x2013, 0, 0.25)
-        return value
-
-    def set_Distance(self, value: float) -> None:
-        self._access.set(0x2013, 0, value, 0.25)
-
-    def get_Offset(self) -> int:
-        value: int = self._access.get(0x2014, 0)
-        return value
-
-    def set_Offset(self, value: int) -> None:
-        self._access.set(0x2014, 0, value)
-
-    def get_Speed(self) -> int:
-        value: int = self._access.get(0x2020, 0)
-        return value
-
-    def set_Speed(self, value: int) -> None:
-        self._access.set(0x2020, 0, value)
-
-    def get_Label(self) -> str:
-        value: str = self._access.get(0x2030, 0)
-        return value
-
-    def set_Label(self, value: str) -> None:
-        self._access.set(0x2030, 0, value)
-
-    def get_Title_wide_(self) -> str:
-        value: str = self._access.get(0x2031, 0)
-        return value
-
-    def set_Title_wide_(self, value: str) -> None:
-        self._access.set(0x2031, 0, value)
-
-    def get_Key(self) -> bytes:
-        value: bytes = self._access.get(0x2032, 0)
-        return value
-
-    def set_Key(self, value: bytes) -> None:
-        self._access.set(0x2032, 0, value)
-
-    def get_Program(self) -> bytes:
-        value: bytes = self._access.get(0x2033, 0)
-        return value
-
-    def set_Program(self, value: bytes) -> None:
-        self._access.set(0x2033, 0, value)
-
-    def get_class_2034_00(self) -> str:
-        value: str = self._access.get(0x2034, 0)
-        return value
-
-    def set_class_2034_00(self, value: str) -> None:
-        self._access.set(0x2034, 0, value)
-
-    def get_Double_2040_00(self) -> float:
-        value: float = self._access.get(0x2040, 0)
-        return value
-
-    def set_Double_2040_00(self, value: float) -> None:
-        self._access.set(0x2040, 0, value)
-
-    def get_Tag(self) -> str:
-        value: str = self._access.get(0x2041, 0)
-        return value
-
-    def get_Time_of_day(self) -> rtc.Time:
-        return rtc.Time(*divmod(self._access.get(0x2042, 0), 1_000_000_000))
-
-    def set_Time_of_day(self, value: rtc.Time) -> None:
-        self._access.set(0x2042, 0, _pdo.nanoseconds(value))

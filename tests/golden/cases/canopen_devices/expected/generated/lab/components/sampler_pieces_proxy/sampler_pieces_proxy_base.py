@@ -10,7 +10,7 @@ from typing import ClassVar
 from rtgen.runtime import ComponentProfile, ParameterProfile, PortProfile
 from rtgen.runtime.canopen.proxy import CanopenProxy
 
-from ... import rtc, samplerpieces
+from ... import canopen, rtc, samplerpieces
 
 
 @dataclass(slots=True)
@@ -210,8 +210,8 @@ class SamplerPiecesProxyBase(CanopenProxy):
                 name="sdo",
                 python_name="sdo",
                 kind="provider",
-                type="SamplerPieces::ObjectAccess",
-                repository_id="IDL:SamplerPieces/ObjectAccess:1.0",
+                type="CANopen::ObjectDictionary",
+                repository_id="IDL:CANopen/ObjectDictionary:1.0",
                 port="sdo",
                 instance="sdo",
                 description="The objects of the device, read and written by SDO.",
@@ -356,5 +356,5 @@ class SamplerPiecesProxyBase(CanopenProxy):
         """Offset (2014h, INTEGER24)"""
         self.Distance_in = self.add_in_port("Distance_in", rtc.TimedDouble)
         """Distance (2013h, INTEGER32, times 0.25)"""
-        self.sdo = self.add_provider("sdo", "sdo", samplerpieces.ObjectAccess)
+        self.sdo = self.add_provider("sdo", "sdo", canopen.ObjectDictionary)
         """The objects of the device, read and written by SDO."""
