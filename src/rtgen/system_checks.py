@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from rtgen.backends.rtc_profile import profile_id
 from rtgen.diagnostics import Diagnostic, Rule, Severity, Span
+from rtgen.facts import connector_properties
 from rtgen.frontends.suggestions import nearest
 from rtgen.model import (
     ConfigurationParameter,
@@ -21,7 +22,6 @@ from rtgen.model import (
 )
 from rtgen.model.declarations import OPAQUE
 from rtgen.model.system_links import DATA_KINDS, Known, interfaces, service_pairs
-from rtgen.typemap import connector_properties
 from rtgen.typemap.parameters import Parameters, ValueMismatchError, split_items
 
 UNKNOWN_COMPONENT = Rule(
@@ -140,7 +140,6 @@ RULES = (
 )
 
 _MILDNESS = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
-_PUSH_RATE = "dataport.publisher.push_rate"
 _TYPE_KEY = "dataport.data_type"
 
 
@@ -170,29 +169,44 @@ def as_warnings(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
 def check_properties(system: System) -> Iterator[Diagnostic]:
     """The findings about connectors that need no definitions."""
     for connection in system.connections:
-        table = connector_properties.table(service=connection.service)
+        table = (
+            connector_properties.SERVICE
+            if connection.service
+            else connector_properties.DATA
+        )
         for written, text in connection.properties:
             key = written.removeprefix(connector_properties.OVERRIDE)
             is_pair = connection.service and connector_properties.is_pair(key)
             if is_pair or key == connector_properties.OWN_PORT:
                 continue
             span = connection.places.get(written, connection.span)
-            value = table.get(key)
-            if value is None:
+            if key not in table:
                 yield from _unknown_property(key, table, span)
-            elif (wanted := value(text.strip())) is not None:
+                continue
+            wanted = connector_properties.violation(table, key, text)
+            if wanted is not None:
                 message = f"`{key}` is {text[:80]!r}; it must be {wanted}"
                 yield PROPERTY_VALUE.at(span, message)
-        yield from _periodic(connection)
+        yield from _subscription(connection)
 
 
-def _periodic(connection: Connection) -> Iterator[Diagnostic]:
-    told = dict(connection.properties)
-    for key in ("dataport.subscription_type", "dataport.io_mode"):
-        if told.get(key) == "periodic" and _PUSH_RATE not in told:
-            span = connection.places.get(key, connection.span)
-            message = f"`{key}` is 'periodic', but there is no `{_PUSH_RATE}`"
-            yield PROPERTY_VALUE.at(span, message, hint="say how often, in Hz")
+def _subscription(connection: Connection) -> Iterator[Diagnostic]:
+    given = dict(connection.properties)
+    meant = connector_properties.subscriptions(given)
+    if connector_properties.lacks_push_rate(given):
+        key = next(k for k in reversed(meant) if meant[k] == "periodic")
+        span = connection.places.get(key, connection.span)
+        rate = connector_properties.PUSH_RATE
+        message = f"`{key}` is 'periodic', but there is no `{rate}`"
+        yield PROPERTY_VALUE.at(span, message, hint="say how often, in Hz")
+    if connector_properties.is_contradictory(given):
+        first, second = meant
+        span = connection.places.get(first, connection.span)
+        message = (
+            f"`{first}` is {given[first].strip()!r}, "
+            f"but `{second}` is {given[second].strip()!r}"
+        )
+        yield PROPERTY_VALUE.at(span, message, hint="state one of them")
 
 
 def _unknown_property(

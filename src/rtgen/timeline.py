@@ -12,10 +12,10 @@ from typing import Any, Final, TypeAlias
 
 from rtgen import measures, toml_text
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
+from rtgen.facts.connector_properties import own_properties
 from rtgen.measures import Measure
 from rtgen.model import PortReference, System
 from rtgen.system_rules import CONDITION, PARAMETER, TIMELINE, UNKNOWN_INSTANCE
-from rtgen.typemap.connector_properties import own_properties
 
 SECOND = 1_000_000_000
 

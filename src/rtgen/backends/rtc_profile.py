@@ -15,14 +15,7 @@ from rtgen.backends.components.places import package_folder, source_of, summary
 from rtgen.backends.python_text import header
 from rtgen.backends.rendering import render
 from rtgen.diagnostics import has_errors
-from rtgen.model import (
-    Component,
-    ConfigurationParameter,
-    Model,
-    Port,
-    PortKind,
-)
-from rtgen.model.constraints import (
+from rtgen.facts.constraints import (
     AllOf,
     AnyOf,
     Between,
@@ -32,6 +25,13 @@ from rtgen.model.constraints import (
     KeyConstraints,
     Operator,
     text_of,
+)
+from rtgen.model import (
+    Component,
+    ConfigurationParameter,
+    Model,
+    Port,
+    PortKind,
 )
 from rtgen.model.rtc_profile import EVENT, EVENT_ARGUMENTS, EVENT_PORT
 from rtgen.typemap import profile_facts

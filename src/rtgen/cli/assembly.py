@@ -20,6 +20,7 @@ from rtgen.diagnostics import (
     ToolError,
     has_errors,
 )
+from rtgen.facts.connector_properties import own_properties
 from rtgen.frontends.suggestions import nearest
 from rtgen.model import Connection, System, SystemComponent
 from rtgen.runtime.conf_file import read as read_conf
@@ -32,7 +33,6 @@ from rtgen.system_rules import (
     UNKNOWN_TYPE,
 )
 from rtgen.timeline import SECOND, Action, Ask, Connect, Disconnect, SetParameter, Step
-from rtgen.typemap.connector_properties import own_properties
 from rtgen.typemap.openrtm_ports import (
     IN,
     OUT,

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from rtgen.diagnostics import Span
-from rtgen.model.constraints import Constraint
+from rtgen.facts.constraints import Constraint
 
 EVENT_PORT, EVENT = "event_port", "event"
 """The annotations of a port for events, and of each of its events."""

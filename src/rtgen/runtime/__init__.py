@@ -1,9 +1,8 @@
 """The embedded runtime: what generated code and behaviours import, free of the compiler."""
 
+from rtgen.facts.connector_properties import EmptyPolicy, FullPolicy
 from rtgen.runtime.buffers import (
     BufferSettings,
-    EmptyPolicy,
-    FullPolicy,
 )
 from rtgen.runtime.clocks import (
     SECOND,

@@ -4,29 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import Generic, TypeVar
 
+from rtgen.facts.connector_properties import EmptyPolicy, FullPolicy
 from rtgen.runtime.guards import SINGLE_THREAD, Guard
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 
 T = TypeVar("T")
-
-
-class FullPolicy(StrEnum):
-    """What a write to a full buffer does (`dataport.buffer.write.full_policy`)."""
-
-    OVERWRITE = "overwrite"
-    DO_NOTHING = "do_nothing"
-    BLOCK = "block"
-
-
-class EmptyPolicy(StrEnum):
-    """What a read from an empty buffer does (`dataport.buffer.read.empty_policy`)."""
-
-    READBACK = "readback"
-    DO_NOTHING = "do_nothing"
-    BLOCK = "block"
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,9 +10,14 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Generic, TypeVar
 
+from rtgen.facts.connector_properties import (
+    Dataflow,
+    EmptyPolicy,
+    FullPolicy,
+    Subscription,
+)
 from rtgen.runtime import connector_properties
-from rtgen.runtime.buffers import EmptyPolicy, FullPolicy, RingBuffer
-from rtgen.runtime.connector_properties import Dataflow, Subscription
+from rtgen.runtime.buffers import RingBuffer
 from rtgen.runtime.descriptors import DataType, difference
 from rtgen.runtime.errors import (
     ConnectionLimitError,

@@ -9,10 +9,15 @@ from decimal import Decimal, InvalidOperation
 from enum import IntEnum
 from typing import Any
 
+from rtgen.facts.constraints import (
+    ConstraintError,
+    Value,
+    allows,
+    check_literals,
+    parse,
+)
 from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES, OCTET_TYPES
-from rtgen.runtime import constraints
-from rtgen.runtime.constraints import Scalar
-from rtgen.runtime.errors import ParameterValueError
+from rtgen.runtime.errors import ConfigurationError, ParameterValueError
 from rtgen.runtime.profiles import ParameterProfile
 
 _TRUE, _FALSE = ("true", "1", "yes", "on"), ("false", "0", "no", "off")
@@ -30,13 +35,22 @@ class Converter:
     """Converts and checks the texts of one parameter.
 
     `example` is a value of the parameter's Python type: it gives the class of an enumeration, and
-    the kind of value where the profile's type is the name of an alias.
+    the kind of value where the profile's type is the name of an alias. Raises ConfigurationError
+    for a constraint that cannot be read.
     """
 
     def __init__(self, profile: ParameterProfile, example: object) -> None:
         self.profile = profile
         self._parse = _parser(profile.type, example)
-        self._checks = constraints.parse(profile.constraint)
+        try:
+            self._constraint = parse(profile.constraint)
+            numeric = _is_numeric(profile.type, example)
+            if self._constraint is not None and numeric is not None:
+                check_literals(self._constraint, profile.type, numeric=numeric)
+        except ConstraintError as reason:
+            raise ConfigurationError(
+                f"the constraint {profile.constraint!r} cannot be understood: {reason}"
+            ) from None
 
     def __call__(self, text: str) -> Any:
         """The value; raises ParameterValueError, which names parameter, text and reason."""
@@ -50,19 +64,15 @@ class Converter:
         return value
 
     def _check(self, value: Any) -> None:
-        elements: list[Scalar] = (
+        elements: list[Value] = (
             list(value) if isinstance(value, list | bytes) else [value]
         )
         for element in elements:
             self._check_range(element)
-        checks = self._checks
-        if len(checks) == 1:
-            checks *= len(elements)
-        for check, element in zip(checks, elements, strict=False):
-            if not check(element):
-                raise _RefusalError(f"its constraint is {self.profile.constraint}")
+        if self._constraint is not None and not allows(self._constraint, elements):
+            raise _RefusalError(f"its constraint is {self.profile.constraint}")
 
-    def _check_range(self, element: Scalar) -> None:
+    def _check_range(self, element: Value) -> None:
         low, high = self.profile.minimum, self.profile.maximum
         if isinstance(element, str):
             return
@@ -73,6 +83,27 @@ class Converter:
 
     def _unit(self) -> str:
         return f" {self.profile.unit}" if self.profile.unit else ""
+
+
+def _is_numeric(type_: str, example: object) -> bool | None:
+    """Whether the values, or the elements, are numbers; None where type and example do not say."""
+    if isinstance(example, IntEnum):
+        return False
+    if match := _SEQUENCE.fullmatch(type_) or _ARRAY.fullmatch(type_):
+        first = example[0] if isinstance(example, list) and example else None
+        return _is_numeric(match["element"].strip(), first)
+    if type_ in INTEGER_RANGES or type_ in FLOAT_LIMITS or _FIXED.fullmatch(type_):
+        return True
+    if type_ == "boolean" or _STRING.fullmatch(type_):
+        return False
+    match example:
+        case bool() | str():
+            return False
+        case int() | float() | Decimal():
+            return True
+        case [first, *_]:
+            return _is_numeric("", first)
+    return None
 
 
 def _parser(type_: str, example: object) -> Callable[[str], Any]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Generic, TypeVar
 
+from rtgen.facts.connector_properties import PushPolicy
 from rtgen.runtime.buffers import RingBuffer
-from rtgen.runtime.connector_properties import ConnectorSettings, PushPolicy
+from rtgen.runtime.connector_properties import ConnectorSettings
 from rtgen.runtime.descriptors import DataType
 from rtgen.runtime.guards import Guard
 from rtgen.runtime.return_codes import PORT_OK

@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 from heapq import heappop, heappush
 from typing import Any
 
+from rtgen.facts.connector_properties import Subscription
 from rtgen.runtime import watchdog
 from rtgen.runtime.clocks import SECOND, RealClock, period_of
 from rtgen.runtime.component import Component
-from rtgen.runtime.connector_properties import Subscription
 from rtgen.runtime.errors import BlockedError
 from rtgen.runtime.execution_context import ExecutionContext, Participant
 from rtgen.runtime.publisher import Publisher

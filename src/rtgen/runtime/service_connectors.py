@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rtgen.runtime.connector_properties import IGNORED
+from rtgen.facts.connector_properties import SERVICE, STRICTNESS, is_pair
+from rtgen.runtime.connector_properties import check
 from rtgen.runtime.descriptors import difference, lineage
 from rtgen.runtime.errors import (
     ConnectionLimitError,
@@ -18,8 +19,6 @@ from rtgen.runtime.service_ports import Carrier, Consumer, Provider, ServicePort
 from rtgen.runtime.transports import Transport
 
 Pair = tuple[Consumer[Any], Provider[Any]]
-
-_STRICTNESS = "port.connection.strictness"
 
 
 class ServiceConnector:
@@ -105,18 +104,9 @@ def read_properties(properties: Mapping[str, str]) -> tuple[dict[str, str], bool
 
     Raises ConnectorPropertyError.
     """
-    named = {key: text for key, text in properties.items() if ".required." in key}
-    strictness = properties.get(_STRICTNESS, "best_effort")
-    for key in properties:
-        if key not in named and key != _STRICTNESS and not key.startswith(IGNORED):
-            raise ConnectorPropertyError(
-                f"unknown property {key!r} of a service connection"
-            )
-    if strictness not in ("strict", "best_effort"):
-        raise ConnectorPropertyError(
-            f"connector property {_STRICTNESS!r} is {strictness!r}; "
-            "it must be strict or best_effort"
-        )
+    named = {key: text for key, text in properties.items() if is_pair(key)}
+    check({k: t for k, t in properties.items() if k not in named}, SERVICE)
+    strictness = properties.get(STRICTNESS, "best_effort").strip()
     return named, strictness == "strict"
 
 

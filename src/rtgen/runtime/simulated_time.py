@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush, heapreplace
 from typing import Any
 
+from rtgen.facts.connector_properties import Subscription
 from rtgen.runtime.clocks import SimulatedClock, period_of
 from rtgen.runtime.component import Component
-from rtgen.runtime.connector_properties import Subscription
 from rtgen.runtime.execution_context import ExecutionContext
 from rtgen.runtime.publisher import Publisher
 from rtgen.runtime.scheduling import Action

@@ -5,6 +5,17 @@ from __future__ import annotations
 from decimal import Decimal
 from math import inf, isfinite
 
+from rtgen.facts.constraints import (
+    Constraint,
+    ConstraintError,
+    KeyConstraints,
+    allows,
+    check_literals,
+    enumeration,
+    interval,
+    literals,
+    parse,
+)
 from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
 from rtgen.model import (
     ConfigurationParameter,
@@ -18,16 +29,6 @@ from rtgen.model import (
     SequenceType,
     StringType,
     Type,
-)
-from rtgen.model.constraints import (
-    Constraint,
-    ConstraintError,
-    Operator,
-    allows,
-    enumeration,
-    interval,
-    literals,
-    parse,
 )
 from rtgen.typemap.parameter_words import WORDS
 
@@ -126,7 +127,13 @@ class Parameters:
         self, parameter: ConfigurationParameter, limit: Constraint
     ) -> bool:
         """Whether the default (of the right type) meets the constraint."""
-        return allows(limit, self.default_items(parameter))
+        item = self.item_type(parameter.type)
+        texts = self.default_items(parameter)
+        return allows(limit, [self._value(item, text) for text in texts])
+
+    def _value(self, type_: Type, text: str) -> bool | int | float | str:
+        value = self.parse_item(type_, text)
+        return text if isinstance(value, Decimal | EnumeratorName) else value
 
     def item_type(self, type_: Type) -> Type:
         """The type of a sequence's elements, or the type itself; typedefs resolved."""
@@ -209,16 +216,15 @@ class Parameters:
             self.check_value(element, self.parse_item(element, item))
 
     def _check_literals(self, type_: Type, constraint: Constraint) -> None:
-        for operator, literal in literals(constraint):
-            if operator is not Operator.EQUAL and not self.is_number(type_):
-                raise ConstraintError(f"{self.canonical_type(type_)} has no order")
+        numeric = self.is_number(type_)
+        check_literals(constraint, self.canonical_type(type_), numeric=numeric)
+        if numeric or isinstance(constraint, KeyConstraints):
+            return
+        item_type = self.item_type(type_)
+        for _, literal in literals(constraint):
             try:
-                item_type = self.item_type(type_)
-                if self.is_number(item_type):
-                    _check_float(Primitive.DOUBLE, float(literal))
-                else:
-                    self.check_value(item_type, self.parse_item(item_type, literal))
-            except ValueError as reason:
+                self.check_value(item_type, self.parse_item(item_type, literal))
+            except ValueMismatchError as reason:
                 raise ConstraintError(str(reason)) from None
 
 

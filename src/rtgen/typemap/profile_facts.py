@@ -15,6 +15,7 @@ from math import isfinite
 from pathlib import PurePosixPath
 from typing import Any, TypeAlias
 
+from rtgen.facts.constraints import text_of
 from rtgen.model import (
     Annotation,
     Component,
@@ -28,7 +29,6 @@ from rtgen.model import (
     PortKind,
     ScopedName,
 )
-from rtgen.model.constraints import text_of
 from rtgen.typemap import profile_texts
 from rtgen.typemap.component_annotations import Told, told
 from rtgen.typemap.component_needs import declarations_of

@@ -301,7 +301,10 @@ def test_names_can_be_joined_by_hand() -> None:
         ),
         ({"taker.port.calls.required.Adder.ghost": "x"}, "names no consumer"),
         ({"port.connection.strictness": "lax"}, "strict or best_effort"),
-        ({"dataport.buffer.length": "8"}, "unknown property 'dataport.buffer.length'"),
+        (
+            {"dataport.buffer.length": "8"},
+            "unknown connector property 'dataport.buffer.length'",
+        ),
     ],
 )
 def test_bad_properties(properties: dict[str, str], reason: str) -> None:

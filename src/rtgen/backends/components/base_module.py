@@ -12,6 +12,7 @@ from rtgen.backends.components.places import heading, source_of, summary
 from rtgen.backends.python_text import fit_text, header_comment
 from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.rendering import render
+from rtgen.facts.constraints import parse, text_of
 from rtgen.model import (
     Component,
     ConfigurationParameter,
@@ -27,7 +28,6 @@ from rtgen.model import (
     SequenceType,
     Type,
 )
-from rtgen.model.constraints import parse, text_of
 from rtgen.typemap.component_names import CONFIGURATION_NAMES
 from rtgen.typemap.idl_python import PythonNames
 from rtgen.typemap.parameters import Parameters

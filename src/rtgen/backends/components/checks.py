@@ -9,6 +9,7 @@ from math import isfinite
 
 from rtgen.backends.components import rules
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
+from rtgen.facts.constraints import ConstraintError, is_enumeration, is_range, text_of
 from rtgen.model import (
     Component,
     ConfigurationParameter,
@@ -20,7 +21,6 @@ from rtgen.model import (
     Struct,
     Union,
 )
-from rtgen.model.constraints import ConstraintError, is_enumeration, is_range, text_of
 from rtgen.typemap.dates import is_date
 from rtgen.typemap.parameters import (
     Parameters,

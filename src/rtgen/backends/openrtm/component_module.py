@@ -19,8 +19,8 @@ from rtgen.backends.openrtm.wire_names import WireNames
 from rtgen.backends.python_text import fit_text, header_comment
 from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.rendering import render
+from rtgen.facts.constraints import text_of
 from rtgen.model import Interface, SequenceType, StringType
-from rtgen.model.constraints import text_of
 from rtgen.typemap.component_actions import ACTIONS
 from rtgen.typemap.parameters import Parameters
 from rtgen.typemap.python_names import identifier

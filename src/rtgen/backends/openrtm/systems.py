@@ -22,6 +22,12 @@ from rtgen.backends.rendering import render
 from rtgen.backends.rtc_profile import profile_id
 from rtgen.backends.rts_profile import InstancePorts, system_text
 from rtgen.diagnostics import Diagnostic, Span, has_errors
+from rtgen.facts.connector_properties import (
+    OVERRIDE,
+    OWN_PORT,
+    STRICTNESS,
+    own_properties,
+)
 from rtgen.model import (
     Activation,
     Connection,
@@ -37,12 +43,6 @@ from rtgen.model.system_links import (
     interface_key,
     interfaces,
     service_pairs,
-)
-from rtgen.typemap.connector_properties import (
-    OVERRIDE,
-    OWN_PORT,
-    STRICTNESS,
-    own_properties,
 )
 from rtgen.typemap.openrtm_ports import SERVICE, key_of, known_name, names_of
 from rtgen.typemap.parameters import Parameters

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator, Sequence
 
 from rtgen.diagnostics import Diagnostic, Rule, Span
+from rtgen.facts.constraints import ConstraintError, parse
 from rtgen.frontends.openrtm_python import rules
 from rtgen.frontends.openrtm_python.modules import Modules
 from rtgen.frontends.openrtm_python.outline import (
@@ -32,7 +33,6 @@ from rtgen.frontends.openrtm_python.walker import (
     Walker,
 )
 from rtgen.frontends.rtc_profile.names import ACTIVITY_TYPES, COMPONENT_TYPES
-from rtgen.model.constraints import ConstraintError, parse
 from rtgen.model.rtc_profile import ProfileParameter, RtcProfile
 
 _BASE = "DataFlowComponentBase"

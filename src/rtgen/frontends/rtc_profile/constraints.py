@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from rtgen.frontends.located_xml import Element
-from rtgen.frontends.rtc_profile.names import RTC
-from rtgen.model.constraints import (
+from rtgen.facts.constraints import (
     AllOf,
     AnyOf,
     Between,
@@ -17,6 +15,8 @@ from rtgen.model.constraints import (
     Operator,
     Unit,
 )
+from rtgen.frontends.located_xml import Element
+from rtgen.frontends.rtc_profile.names import RTC
 
 _OPERATORS = {
     "propertyIsEqualTo": Operator.EQUAL,

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from rtgen.diagnostics import Diagnostic, Related, Rule, Span
+from rtgen.facts.constraints import Constraint, text_of
 from rtgen.frontends.rtc_profile import rules
 from rtgen.frontends.rtc_profile.definitions import Definitions, identifier_of
 from rtgen.model import (
@@ -28,7 +29,6 @@ from rtgen.model import (
     Type,
     Union,
 )
-from rtgen.model.constraints import Constraint, text_of
 from rtgen.model.declarations import OPAQUE
 from rtgen.model.rtc_profile import (
     EVENT,

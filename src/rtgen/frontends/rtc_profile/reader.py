@@ -7,6 +7,7 @@ from math import isfinite
 from pathlib import PureWindowsPath
 
 from rtgen.diagnostics import Diagnostic, Rule, Span
+from rtgen.facts.constraints import Constraint
 from rtgen.frontends.located_xml import Element
 from rtgen.frontends.rtc_profile import rules
 from rtgen.frontends.rtc_profile.constraints import NoTextFormError, constraint
@@ -18,7 +19,6 @@ from rtgen.frontends.rtc_profile.names import (
     RTC_EXT,
     WIDGET,
 )
-from rtgen.model.constraints import Constraint
 from rtgen.model.rtc_profile import (
     EVENT_ARGUMENTS,
     ProfileDataPort,

@@ -6,7 +6,8 @@ import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from rtgen.runtime.buffers import BufferSettings, EmptyPolicy, RingBuffer
+from rtgen.facts.connector_properties import EmptyPolicy
+from rtgen.runtime.buffers import BufferSettings, RingBuffer
 from rtgen.runtime.data_ports import InPort, OutPort
 from rtgen.runtime.failures import log
 from rtgen.runtime.return_codes import PORT_OK, PortStatus

@@ -1,10 +1,12 @@
 """Constraint texts, their trees, and what they allow."""
 
+from decimal import Decimal
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rtgen.model.constraints import (
+from rtgen.facts.constraints import (
     AllOf,
     AnyOf,
     Between,
@@ -15,6 +17,7 @@ from rtgen.model.constraints import (
     KeyConstraints,
     Operator,
     Unit,
+    Value,
     allows,
     is_enumeration,
     is_range,
@@ -133,27 +136,36 @@ def test_text_form_round_trip(tree: Constraint) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "items", "allowed"),
+    ("text", "values", "allowed"),
     [
-        ("0.0<x<=2.0", ["2"], True),
-        ("0.0<x<=2.0", ["0.0"], False),
-        ("x>=1,x<1", ["1", "0"], True),
-        ("x>=1,x<1", ["1", "1"], False),
-        ("x>=1", ["1", "2", "0"], False),
+        ("0.0<x<=2.0", [2], True),
+        ("0.0<x<=2.0", [0.0], False),
+        ("x>=1,x<1", [1, 0], True),
+        ("x>=1,x<1", [1, 1], False),
+        ("x>=1", [1, 2, 0], False),
         ("(clip,drop)", ["drop"], True),
         ("(clip,drop)", ["Drop"], False),
-        ("(1,2)", ["2.0"], True),
+        ("(clip and hold)", ["clip and hold"], True),
+        ("(1,2)", [2.0], True),
+        ("(1,2)", ["2.0"], False),
+        ("9007199254740993", [9007199254740992], False),
+        ("x<9007199254740993", [9007199254740992], True),
+        ("(1.5,2)", [Decimal("1.50")], True),
+        ("x<=1.1", [Decimal("1.1")], True),
+        ("(true)", [True], True),
+        ("(0)", [True], False),
+        ("x<1", ["0"], False),
         ("{k:x>5}", ["anything"], True),
         ("x<=3", [], True),
-        ("x<3", ["3"], False),
-        ("x>3", ["3"], False),
-        ("1<=x<=3", ["4"], False),
+        ("x<3", [3], False),
+        ("x>3", [3], False),
+        ("1<=x<=3", [4], False),
     ],
 )
-def test_what_is_allowed(text: str, items: list[str], allowed: bool) -> None:
+def test_what_is_allowed(text: str, values: list[Value], allowed: bool) -> None:
     constraint = parse(text)
     assert constraint is not None
-    assert allows(constraint, items) is allowed
+    assert allows(constraint, values) is allowed
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Constraints of configuration parameters: the tree of an RtcProfile and its text form.
+"""Constraints of configuration parameters: the tree of an RtcProfile, its text, what it allows.
 
 The text form is that of `conf.__constraints__.<name>` in a component of OpenRTM-aist:
 `100`, `x>=5`, `0<=x<=10`, `(a,b,c)`, `x<1,x>=2` (one for each item), `{k1:0<x<1,k2:x>=3}`.
@@ -9,9 +9,13 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
-from math import isfinite, nan
+from decimal import Decimal
+from enum import IntEnum, StrEnum
+from math import isfinite
 from typing import TypeAlias
+
+Value: TypeAlias = bool | int | float | Decimal | str
+"""A parameter, or an item of one; an enumerator is an `IntEnum`."""
 
 
 class Operator(StrEnum):
@@ -26,7 +30,7 @@ class Operator(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Comparison:
-    """`x < 5`; equality is between texts, the rest between numbers."""
+    """`x < 5`; equality is also between texts, the rest between numbers only."""
 
     operator: Operator
     literal: str
@@ -87,6 +91,8 @@ _MIRRORED = {
 }
 _SPACE = re.compile(r"\s+")
 _RELATION = re.compile(r"(<=|>=|<|>)")
+_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_INTEGER = re.compile(r"[+-]?[0-9]+")
 _NOT_IN_LITERALS = re.compile(r"[<>(){}]")
 _LOWER_BOUNDS = (Operator.GREATER, Operator.GREATER_OR_EQUAL)
 _INCLUSIVE = (Operator.GREATER_OR_EQUAL, Operator.LESS_OR_EQUAL)
@@ -179,48 +185,83 @@ def literals(constraint: Constraint) -> list[tuple[Operator | None, str]]:
             return [found for _, unit in pairs for found in literals(unit)]
 
 
-def allows(constraint: Constraint, items: Sequence[str]) -> bool:
-    """Whether a value meets the constraint; `items` are its items as text, one for a scalar.
+def check_literals(constraint: Constraint, type_: str, *, numeric: bool) -> None:
+    """Checks that the literals fit values of the type: numbers, or what has no order.
+
+    Keyed constraints are not checked: the values of keys have types of their own.
+    Raises ConstraintError.
+    """
+    if isinstance(constraint, KeyConstraints):
+        return
+    for operator, literal in literals(constraint):
+        if numeric:
+            _number(literal)
+        elif operator is not Operator.EQUAL:
+            raise ConstraintError(f"{type_} has no order")
+
+
+def allows(constraint: Constraint, values: Sequence[Value]) -> bool:
+    """Whether a parameter meets the constraint; `values` are its items, one for a scalar.
 
     A unit holds for each item; of a list of constraints each holds for the item at its place.
-    Keyed constraints belong to structured values, which have no text here: they are met.
+    Keyed constraints belong to structured values, which no parameter has here: they are met.
     """
     match constraint:
         case KeyConstraints():
             return True
         case ItemConstraints(units):
             return all(
-                _meets(unit, item) for unit, item in zip(units, items, strict=False)
+                _meets(unit, value) for unit, value in zip(units, values, strict=False)
             )
         case _:
-            return all(_meets(constraint, item) for item in items)
+            return all(_meets(constraint, value) for value in values)
 
 
-def _meets(unit: Unit, item: str) -> bool:
+def _meets(unit: Unit, value: Value) -> bool:
     match unit:
         case Between(lower, upper):
-            return float(lower) <= float(item) <= float(upper)
+            return _meets(
+                Comparison(Operator.GREATER_OR_EQUAL, lower), value
+            ) and _meets(Comparison(Operator.LESS_OR_EQUAL, upper), value)
         case AllOf(items):
-            return all(_meets(each, item) for each in items)
+            return all(_meets(each, value) for each in items)
         case AnyOf(items):
-            return any(_meets(each, item) for each in items)
+            return any(_meets(each, value) for each in items)
         case Comparison(Operator.EQUAL, literal):
-            return _equal(literal, item)
-        case Comparison(Operator.LESS, literal):
-            return float(item) < float(literal)
-        case Comparison(Operator.GREATER, literal):
-            return float(item) > float(literal)
-        case Comparison(Operator.LESS_OR_EQUAL, literal):
-            return float(item) <= float(literal)
-        case Comparison(_, literal):
-            return float(item) >= float(literal)
+            return _equals(literal, value)
+        case Comparison(operator, literal):
+            return _is_ordered(operator, value, literal)
 
 
-def _equal(literal: str, item: str) -> bool:
-    try:
-        return float(literal) == float(item)
-    except ValueError:
-        return _SPACE.sub("", item) == literal
+def _is_ordered(operator: Operator, value: Value, literal: str) -> bool:
+    if isinstance(value, str) or not isinstance(value, int | float | Decimal):
+        return False
+    bound = _comparable(literal, value)
+    match operator:
+        case Operator.LESS:
+            return value < bound
+        case Operator.GREATER:
+            return value > bound
+        case Operator.LESS_OR_EQUAL:
+            return value <= bound
+    return value >= bound
+
+
+def _equals(literal: str, value: Value) -> bool:
+    if isinstance(value, bool):
+        return literal.lower() in (("true", "1") if value else ("false", "0"))
+    if isinstance(value, int | float | Decimal) and _NUMBER.fullmatch(literal):
+        return value == _comparable(literal, value)
+    text = value.name if isinstance(value, IntEnum) else str(value)
+    return _SPACE.sub("", text) == literal
+
+
+def _comparable(literal: str, value: int | float | Decimal) -> int | float | Decimal:
+    """The number of a literal, so that comparing it with the value is exact."""
+    number = float(literal)
+    if isfinite(number) and _INTEGER.fullmatch(literal):
+        return int(literal)
+    return Decimal(str(number)) if isinstance(value, Decimal) else number
 
 
 def _split(text: str) -> list[str]:
@@ -286,10 +327,6 @@ def _literal(text: str) -> str:
 
 
 def _number(text: str) -> str:
-    try:
-        number = nan if "_" in text else float(text)
-    except ValueError:
-        number = nan
-    if not isfinite(number):
+    if not _NUMBER.fullmatch(text) or not isfinite(float(text)):
         raise ConstraintError(f"{text!r} is not a number")
     return text

@@ -1,0 +1,206 @@
+"""CANopen's data types, times, texts and identifiers (CiA 301)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import IntEnum
+from typing import Final, Literal, TypeAlias
+
+SYNC: Final = 0x080
+EMERGENCY: Final = 0x080
+"""To be added to the node-id, as the following ones are (CiA 301, table 40)."""
+NMT: Final = 0x000
+TIME: Final = 0x100
+SDO_RESPONSE: Final = 0x580
+SDO_REQUEST: Final = 0x600
+ERROR_CONTROL: Final = 0x700
+LSS_RESPONSE: Final = 0x7E4
+LSS_REQUEST: Final = 0x7E5
+
+MAX_NODE_ID: Final = 127
+
+INVALID: Final = 1 << 31
+"""Flag of the COB-ID of a PDO, SDO or EMCY: it does not exist."""
+NO_RTR: Final = 1 << 30
+"""Flag of a TPDO's COB-ID: it does not answer remote frames."""
+EXTENDED: Final = 1 << 29
+"""Flag of a COB-ID: it is a CAN identifier of 29 bits."""
+
+RPDO_COMMUNICATION: Final = 0x1400
+RPDO_MAPPING: Final = 0x1600
+TPDO_COMMUNICATION: Final = 0x1800
+TPDO_MAPPING: Final = 0x1A00
+PDOS: Final = 512
+"""How many PDOs of one direction there can be."""
+MAX_SYNC_CYCLIC: Final = 240
+"""The greatest transmission type of a synchronous PDO (CiA 301, table 55)."""
+
+MILLISECOND: Final = 1_000_000
+"""Nanoseconds in the unit of heartbeat and event times."""
+INHIBIT_UNIT: Final = 100_000
+"""Nanoseconds in the unit of inhibit times, 100 us."""
+
+
+def can_id_of(cob_id: int) -> int:
+    """The CAN identifier of a COB-ID with flags."""
+    return cob_id & (0x1FFFFFFF if cob_id & EXTENDED else 0x7FF)
+
+
+class DataType(IntEnum):
+    """The basic data types and their codes (CiA 301, table 44).
+
+    VISIBLE_CHAR is not of CiA 301: RTC-CANopen uses the code for a character.
+    """
+
+    BOOLEAN = 0x01
+    INTEGER8 = 0x02
+    INTEGER16 = 0x03
+    INTEGER32 = 0x04
+    UNSIGNED8 = 0x05
+    UNSIGNED16 = 0x06
+    UNSIGNED32 = 0x07
+    REAL32 = 0x08
+    VISIBLE_STRING = 0x09
+    OCTET_STRING = 0x0A
+    UNICODE_STRING = 0x0B
+    TIME_OF_DAY = 0x0C
+    TIME_DIFFERENCE = 0x0D
+    DOMAIN = 0x0F
+    INTEGER24 = 0x10
+    REAL64 = 0x11
+    INTEGER40 = 0x12
+    INTEGER48 = 0x13
+    INTEGER56 = 0x14
+    INTEGER64 = 0x15
+    UNSIGNED24 = 0x16
+    UNSIGNED40 = 0x18
+    UNSIGNED48 = 0x19
+    UNSIGNED56 = 0x1A
+    UNSIGNED64 = 0x1B
+    VISIBLE_CHAR = 0xA0
+
+
+Kind: TypeAlias = Literal[
+    "bool", "char", "string", "wstring", "octets", "time_of_day", "time_difference",
+    "i8", "i16", "i24", "i32", "i40", "i48", "i56", "i64",
+    "u8", "u16", "u24", "u32", "u40", "u48", "u56", "u64",
+    "r32", "r64",
+]  # fmt: skip
+"""A class of values: an integer or a real of that many bits, text, octets, or a time."""
+
+SIGNED_KINDS: Final[Mapping[Kind, int]] = {
+    "i8": 8, "i16": 16, "i24": 24, "i32": 32,
+    "i40": 40, "i48": 48, "i56": 56, "i64": 64,
+}  # fmt: skip
+"""The kinds of signed integers and their widths in bits."""
+
+UNSIGNED_KINDS: Final[Mapping[Kind, int]] = {
+    "u8": 8, "u16": 16, "u24": 24, "u32": 32,
+    "u40": 40, "u48": 48, "u56": 56, "u64": 64,
+}  # fmt: skip
+"""The kinds of unsigned integers and their widths in bits."""
+
+KIND_BITS: Final[Mapping[Kind, int]] = {
+    "bool": 1, "char": 8, "r32": 32, "r64": 64,
+    "time_of_day": 48, "time_difference": 48,
+    **SIGNED_KINDS, **UNSIGNED_KINDS,
+}  # fmt: skip
+"""The kinds of fixed width, in bits as in a PDO; over SDO a truth value takes an octet."""
+
+KINDS: Final[Mapping[DataType, Kind]] = {
+    DataType.BOOLEAN: "bool",
+    DataType.VISIBLE_CHAR: "char",
+    DataType.VISIBLE_STRING: "string",
+    DataType.UNICODE_STRING: "wstring",
+    DataType.OCTET_STRING: "octets",
+    DataType.DOMAIN: "octets",
+    DataType.TIME_OF_DAY: "time_of_day",
+    DataType.TIME_DIFFERENCE: "time_difference",
+    DataType.REAL32: "r32",
+    DataType.REAL64: "r64",
+    DataType.INTEGER8: "i8",
+    DataType.INTEGER16: "i16",
+    DataType.INTEGER24: "i24",
+    DataType.INTEGER32: "i32",
+    DataType.INTEGER40: "i40",
+    DataType.INTEGER48: "i48",
+    DataType.INTEGER56: "i56",
+    DataType.INTEGER64: "i64",
+    DataType.UNSIGNED8: "u8",
+    DataType.UNSIGNED16: "u16",
+    DataType.UNSIGNED24: "u24",
+    DataType.UNSIGNED32: "u32",
+    DataType.UNSIGNED40: "u40",
+    DataType.UNSIGNED48: "u48",
+    DataType.UNSIGNED56: "u56",
+    DataType.UNSIGNED64: "u64",
+}
+"""The kind of each data type."""
+
+SIGNED: Final[Mapping[DataType, int]] = {
+    t: SIGNED_KINDS[k] for t, k in KINDS.items() if k in SIGNED_KINDS
+}
+"""The signed integer types and their widths in bits."""
+
+UNSIGNED: Final[Mapping[DataType, int]] = {
+    t: UNSIGNED_KINDS[k] for t, k in KINDS.items() if k in UNSIGNED_KINDS
+}
+"""The unsigned integer types and their widths in bits."""
+
+BITS: Final[Mapping[DataType, int]] = {
+    t: KIND_BITS[k] for t, k in KINDS.items() if k in KIND_BITS
+}
+"""The types of fixed width, in bits as in a PDO; over SDO a BOOLEAN takes an octet."""
+
+REAL_CODES: Final[Mapping[Kind, str]] = {"r32": "<f", "r64": "<d"}
+"""The `struct` formats of reals."""
+
+CHARACTER_ENCODING: Final = "latin-1"
+WIDE_ENCODING: Final = "utf-16-le"
+
+
+def visible_octets(text: str) -> bytes:
+    """A VISIBLE_STRING as it is sent: ASCII by CiA 301, else Latin-1, as many devices have it.
+
+    UTF-8 where there are other characters, or Latin-1 would be read back as UTF-8. Raises
+    UnicodeEncodeError for half a character (a surrogate).
+    """
+    try:
+        octets = text.encode("latin-1")
+    except UnicodeEncodeError:
+        return text.encode("utf-8")
+    return octets if visible_text(octets) == text else text.encode("utf-8")
+
+
+def visible_text(octets: bytes) -> str:
+    """The text of a VISIBLE_STRING: UTF-8 if it is valid UTF-8, else Latin-1."""
+    try:
+        return octets.decode("utf-8")
+    except UnicodeDecodeError:
+        return octets.decode("latin-1")
+
+
+DAY: Final = 86_400_000
+"""Milliseconds in a day."""
+EPOCH_DAYS: Final = 5113
+"""1984-01-01, where TIME_OF_DAY and TIME begin, in days since 1970-01-01."""
+MAX_DAYS: Final = 0xFFFF
+MILLISECONDS: Final = (1 << 28) - 1
+"""The bits of a time that are milliseconds; the other four of its first 32 are reserved."""
+
+
+def milliseconds_of(raw: int) -> int:
+    """The milliseconds of a TIME_DIFFERENCE (48 bits; CiA 301, 7.1.6.6)."""
+    return (raw >> 32) * DAY + (raw & MILLISECONDS)
+
+
+def time_bits(milliseconds: int) -> int:
+    """The 48 bits of a TIME_DIFFERENCE: milliseconds, then days. Raises OverflowError."""
+    days, rest = divmod(milliseconds, DAY)
+    if not 0 <= days <= MAX_DAYS:
+        raise OverflowError(days)
+    return days << 32 | rest
+
+
+EPOCH: Final = EPOCH_DAYS * DAY
+"""1984-01-01 in milliseconds since 1970-01-01."""

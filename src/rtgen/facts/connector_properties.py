@@ -1,0 +1,211 @@
+"""Properties of connectors by OpenRTM's names: which exist, and which values they take.
+
+RTC 1.0 leaves them to implementations; these are OpenRTM-aist 2.0's.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from enum import StrEnum
+from math import isfinite
+from typing import Final, TypeAlias
+
+
+class Dataflow(StrEnum):
+    """Who moves a sample: the writer, or the reader when it reads (`dataport.dataflow_type`)."""
+
+    PUSH = "push"
+    PULL = "pull"
+
+
+class Subscription(StrEnum):
+    """When a pushed sample is delivered (`dataport.subscription_type`)."""
+
+    FLUSH = "flush"
+    NEW = "new"
+    PERIODIC = "periodic"
+
+
+class PushPolicy(StrEnum):
+    """Which of the waiting samples `new` and `periodic` deliver at a time."""
+
+    ALL = "all"
+    FIFO = "fifo"
+    SKIP = "skip"
+    NEW = "new"
+
+
+class FullPolicy(StrEnum):
+    """What a write to a full buffer does (`dataport.buffer.write.full_policy`)."""
+
+    OVERWRITE = "overwrite"
+    DO_NOTHING = "do_nothing"
+    BLOCK = "block"
+
+
+class EmptyPolicy(StrEnum):
+    """What a read from an empty buffer does (`dataport.buffer.read.empty_policy`)."""
+
+    READBACK = "readback"
+    DO_NOTHING = "do_nothing"
+    BLOCK = "block"
+
+
+IO_MODES: Final[Mapping[str, Subscription]] = {
+    **{str(each): each for each in Subscription},
+    "block": Subscription.FLUSH,
+    "nonblock": Subscription.NEW,
+}
+"""What the values of `dataport.io_mode` (OpenRTM 2) mean as subscriptions."""
+
+OWN_PORT: Final = "rtgen.own_port"
+"""rtgen's property of a connector with an end, `INSTANCE.PORT`, that no definition has: a behaviour
+makes the port itself."""
+
+OVERRIDE: Final = "rtgen.openrtm."
+"""What stands before a property that is meant for the target openrtm alone."""
+
+STRICTNESS: Final = "port.connection.strictness"
+PUSH_RATE: Final = "dataport.publisher.push_rate"
+
+_IO_MODE = "dataport.io_mode"
+_SUBSCRIPTION_TYPE = "dataport.subscription_type"
+_ENDS = ("", "inport.", "outport.")
+_ADDRESS_PREFIX = "dataport.corba_cdr."
+_PREFIXES = ("dataport.", "port.")
+_INTEGER = re.compile(r"[0-9]{1,18}")
+
+IGNORED: Final = (_ADDRESS_PREFIX, "rtgen.")
+"""How properties begin that mean nothing to the embedded runtime: addresses, which system editors
+save, and what other targets read."""
+
+Check: TypeAlias = Callable[[str], str | None]
+"""What a property must be, where a text is not that; else None."""
+
+
+def _one_of(*words: str) -> Check:
+    wanted = " or ".join(words)
+    return lambda text: None if text in words else wanted
+
+
+def _integer(minimum: int) -> Check:
+    def check(text: str) -> str | None:
+        if _INTEGER.fullmatch(text) and int(text) >= minimum:
+            return None
+        return f"an integer, at least {minimum}"
+
+    return check
+
+
+def _number(wanted: str, *, positive: bool) -> Check:
+    def check(text: str) -> str | None:
+        try:
+            value = float(text)
+        except ValueError:
+            return wanted
+        fits = isfinite(value) and (value > 0 if positive else value >= 0)
+        return None if fits else wanted
+
+    return check
+
+
+def _flag(text: str) -> str | None:
+    return None if text.upper() in ("YES", "NO") else "YES or NO"
+
+
+def _byte_orders(text: str) -> str | None:
+    known = all(order.strip() in ("little", "big") for order in text.split(","))
+    return None if known else "little or big, in order of wish"
+
+
+def _text(_: str) -> None:
+    return None
+
+
+_SECONDS = _number("a time in seconds, 0 or more", positive=False)
+_OF_BUFFERS: Mapping[str, Check] = {
+    "length": _integer(1),
+    "write.full_policy": _one_of(*FullPolicy),
+    "write.timeout": _SECONDS,
+    "read.empty_policy": _one_of(*EmptyPolicy),
+    "read.timeout": _SECONDS,
+}
+
+DATA: Final[Mapping[str, Check]] = {
+    "dataport.interface_type": _one_of(
+        "corba_cdr", "direct", "shared_memory", "data_service", "csp_channel"
+    ),
+    "dataport.dataflow_type": _one_of(*Dataflow, "duplex"),
+    _SUBSCRIPTION_TYPE: _one_of(*Subscription),
+    _IO_MODE: _one_of(*IO_MODES),
+    **{f"dataport.{end}data_type": _text for end in _ENDS},
+    "dataport.publisher.push_policy": _one_of(*PushPolicy),
+    "dataport.publisher.skip_count": _integer(0),
+    PUSH_RATE: _number("a rate in Hz, above 0", positive=True),
+    **{
+        f"dataport.{end}buffer.{key}": check
+        for end in _ENDS
+        for key, check in _OF_BUFFERS.items()
+    },
+    "dataport.serializer.cdr.endian": _byte_orders,
+    **{f"dataport.{end}marshaling_type": _one_of("cdr") for end in _ENDS},
+    "dataport.fan_in": _integer(1),
+    "dataport.fan_out": _integer(1),
+    "dataport.allow_dup_connection": _flag,
+}
+"""The properties of data connectors, as OpenRTM takes them."""
+
+EMBEDDED_DATA: Final[Mapping[str, Check]] = {
+    **DATA,
+    "dataport.dataflow_type": _one_of(*Dataflow),
+}
+"""The same for the embedded runtime, which has no `duplex`."""
+
+SERVICE: Final[Mapping[str, Check]] = {STRICTNESS: _one_of("strict", "best_effort")}
+"""The properties of service connectors, beside the pairs of interfaces."""
+
+
+def violation(table: Mapping[str, Check], key: str, text: str) -> str | None:
+    """What the value of a property in the table must be; None if the text is that.
+
+    Space around the value does not count.
+    """
+    return table[key](text.strip())
+
+
+def subscriptions(properties: Mapping[str, str]) -> dict[str, Subscription]:
+    """The properties that name a subscription, with it; valid values only."""
+    found: dict[str, Subscription] = {}
+    for key in (_IO_MODE, _SUBSCRIPTION_TYPE):
+        text = properties.get(key, "").strip()
+        if text in (IO_MODES if key == _IO_MODE else tuple(Subscription)):
+            found[key] = IO_MODES[text]
+    return found
+
+
+def is_contradictory(properties: Mapping[str, str]) -> bool:
+    """Whether `dataport.io_mode` and `dataport.subscription_type` mean different subscriptions."""
+    return len(set(subscriptions(properties).values())) > 1
+
+
+def lacks_push_rate(properties: Mapping[str, str]) -> bool:
+    """Whether a connection is periodic, but no property says at which rate."""
+    periodic = Subscription.PERIODIC in subscriptions(properties).values()
+    return periodic and PUSH_RATE not in properties
+
+
+def is_pair(key: str) -> bool:
+    """Whether a property of a service connector gives a consumer its provider."""
+    return ".required." in key
+
+
+def own_properties(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """The properties of OpenRTM among those of a connector in a file."""
+    return {key: text for key, text in pairs if not is_foreign(key)}
+
+
+def is_foreign(key: str) -> bool:
+    """Whether a property is none of OpenRTM's: an editor's own, or an address it has saved."""
+    own = key.startswith(_PREFIXES) or is_pair(key)
+    return not own or key.startswith(_ADDRESS_PREFIX)
