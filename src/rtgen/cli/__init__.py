@@ -60,10 +60,27 @@ def run(arguments: Sequence[str]) -> int:
         return error.exit_code
     except (click.Abort, KeyboardInterrupt):
         return _INTERRUPTED
+    except BrokenPipeError as error:
+        return _ended_by(error)
     except Exception as error:
-        if os.environ.get("RTGEN_DEBUG") == "1":
-            raise
-        text = " ".join(f"{type(error).__name__}: {error}".split())
-        click.echo(f"rtgen: internal error: {text}; please report it", err=True)
-        return 3
+        return _internal(error)
     return code if isinstance(code, int) else 0
+
+
+def _ended_by(error: BrokenPipeError) -> int:
+    """The exit code where a reader of the output has left."""
+    from rtgen.cli.common import NO, discard_unread
+    from rtgen.runtime.failures import ends_run
+
+    if not ends_run(error):
+        return _internal(error)
+    discard_unread()
+    return NO
+
+
+def _internal(error: Exception) -> int:
+    if os.environ.get("RTGEN_DEBUG") == "1":
+        raise error
+    text = " ".join(f"{type(error).__name__}: {error}".split())
+    click.echo(f"rtgen: internal error: {text}; please report it", err=True)
+    return 3

@@ -79,6 +79,26 @@ def assemble(
     report = report or FailureReport(Console("text", False, False), FailureOptions())
     system = runtime.System(clock, transport)
     system.on_failure = report
+    try:
+        _fill(system, profile, factories, settings, steps, transport, patience, report)
+    except BaseException:
+        system.close()
+        raise
+    return system
+
+
+def _fill(
+    system: runtime.System,
+    profile: System,
+    factories: Factories,
+    settings: Sequence[SetParameter],
+    steps: Sequence[Step],
+    transport: CorbaTransport | None,
+    patience: float,
+    report: FailureReport,
+) -> None:
+    """Gives the system its components, connections and timeline. Raises as `assemble` does."""
+    findings: list[Diagnostic] = []
     folder = Path(profile.file).absolute().parent
     for c in profile.components:
         findings += _add(
@@ -123,7 +143,6 @@ def assemble(
             before.append(instance)
     for step in steps:
         system.at(step.time, _at_its_place(step, _performing(system, step.action)))
-    return system
 
 
 def _ports(component: runtime.Component) -> InstancePorts:
@@ -228,16 +247,20 @@ def _configure(
 ) -> Iterator[Diagnostic]:
     """Gives the component its values, each source over the one before."""
     sets = component.configuration_sets
-    values = [(s, p, t) for s, pairs in c.parameter_sets for p, t in pairs]
     for name in dict.fromkeys((c.type, c.instance)):
         file = folder / f"{name}.conf"
         if file.is_file():
             yield from _findings(PARAMETER, None, partial(_load_conf, sets, file))
-    for set_id, parameter, text in values:
-        yield from _findings(
-            PARAMETER, c.span, partial(sets.set, parameter, text, set_id)
-        )
-    if values:
+    wrong: set[str] = set()
+    for set_id, pairs in c.parameter_sets:
+        for parameter, text in pairs:
+            span = c.places.get((set_id, parameter), c.span)
+            change = partial(sets.set, parameter, text, set_id)
+            if found := [*_findings(PARAMETER, span, change)]:
+                wrong.add(set_id)
+                yield from found
+    # A set in which everything is wrong does not exist.
+    if any(pairs for _, pairs in c.parameter_sets) and c.active_set not in wrong:
         yield from _findings(PARAMETER, c.span, partial(sets.activate, c.active_set))
     for setting in settings:
         change = partial(sets.set, setting.parameter, setting.text, sets.active)

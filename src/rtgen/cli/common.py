@@ -115,10 +115,18 @@ def write_out(text: str | bytes) -> None:
         sys.stdout.buffer.write(text)
         sys.stdout.buffer.flush()
     except BrokenPipeError:
-        # What is still buffered must not raise again at exit.
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, sys.stdout.fileno())
-        os.close(nowhere)
+        discard_unread()
+
+
+def discard_unread() -> None:
+    """Lets what is still buffered for a reader that has left go nowhere, so that exit is silent."""
+    from rtgen.runtime.failures import has_lost_its_reader
+
+    for stream in (sys.stdout, sys.stderr):
+        if has_lost_its_reader(stream):
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, stream.fileno())
+            os.close(nowhere)
 
 
 def with_console(

@@ -46,7 +46,8 @@ def inspect(
 
     PATH is a definition file (*.idl, *.cdl, *.eds, *.dcf, RTC.xml, a bus file *.toml), a folder of
     them, or a system (RtsProfile, XML or YAML), which is checked against definitions beside it.
-    Without PATH the sources of rtgen.toml are shown.
+    Without PATH the sources of rtgen.toml are shown. Input with errors: these alone are printed;
+    --json prints what could be read, too, with the findings in it.
     """
     profiles = [p for p in definitions.paths if _is_system(Path(p))]
     others = tuple(p for p in definitions.paths if p not in profiles)
@@ -60,6 +61,7 @@ def inspect(
         as_json=as_json,
     )
     console.findings(run.diagnostics, run.sources)
-    for artifact in run.artifacts:
-        write_out(artifact.text)
+    if as_json or not run.failed:
+        for artifact in run.artifacts:
+            write_out(artifact.text)
     return BAD_INPUT if run.failed else OK

@@ -6,8 +6,10 @@ The rule for users is in `docs/runtime.md`, section Failures.
 from __future__ import annotations
 
 import logging
+import select
 import sys
 from dataclasses import dataclass
+from typing import TextIO
 
 from rtgen.runtime.clocks import SECOND
 from rtgen.runtime.errors import ReturnValueError
@@ -56,11 +58,28 @@ def log_failure(failure: Failure) -> None:
 
 
 def ends_run(error: BaseException) -> bool:
-    """Whether an exception ends the run: KeyboardInterrupt, and the debugger's `quit`."""
+    """Whether an exception ends the run.
+
+    KeyboardInterrupt, the debugger's `quit`, and a print to a pipe whose reader has left.
+    """
+    if isinstance(error, BrokenPipeError):
+        return any(map(has_lost_its_reader, (sys.stdout, sys.stderr)))
     debugger = sys.modules.get("bdb")
     return isinstance(error, KeyboardInterrupt) or (
         debugger is not None and isinstance(error, debugger.BdbQuit)
     )
+
+
+def has_lost_its_reader(stream: TextIO | None) -> bool:
+    """Whether a stream is a pipe that nobody reads any more; False where the system cannot say."""
+    if stream is None or not hasattr(select, "poll"):
+        return False
+    poll = select.poll()
+    try:
+        poll.register(stream.fileno(), 0)
+    except (OSError, ValueError):
+        return False  # It is closed, or no file.
+    return any(event & select.POLLERR for _, event in poll.poll(0))
 
 
 def described(error: BaseException) -> str:

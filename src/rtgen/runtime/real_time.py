@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Sequence
 from heapq import heappop, heappush
 from typing import Any
@@ -62,6 +63,8 @@ class PeriodicThread:
         self.longest = 0
         """The longest action so far, in ns."""
         self._stopped = False
+        self._given_up = 0.0
+        """When, by the monotonic clock in seconds, an action under way is given up."""
         self._woken: Action | None = None
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
@@ -85,13 +88,22 @@ class PeriodicThread:
             self._woken = action
             self._wake.notify()
 
-    def stop(self) -> bool:
-        """Ends the thread, after the action that may be under way; False if that goes on."""
+    def halt(self) -> None:
+        """Begins no further action."""
         with self._wake:
-            self._stopped = True
+            if not self._stopped:
+                self._stopped = True
+                self._given_up = time.monotonic() + watchdog.PATIENCE
             self._wake.notify()
+
+    def stop(self) -> bool:
+        """Ends the thread, after the action that may be under way; False if that goes on.
+
+        It is waited for until PATIENCE after the first call of `halt` or `stop`.
+        """
+        self.halt()
         if self._thread.is_alive() and threading.current_thread() is not self._thread:
-            self._thread.join(watchdog.PATIENCE)
+            self._thread.join(max(0.0, self._given_up - time.monotonic()))
             return not self._thread.is_alive()
         return True
 
@@ -268,6 +280,13 @@ class RealTimeScheduler:
                 ends += [self._timeline[0][0]] if self._timeline else []
                 ends += [now + _LOOK_AGAIN] if until is not None else []
                 self._changed.wait(max(0, min(ends) - self._clock.elapsed()) / SECOND)
+
+    def halt(self) -> None:
+        threads = [thread for thread in self._contexts.values() if thread is not None]
+        for thread in threads:
+            thread.halt()
+        for thread in threads:
+            thread.stop()
 
     def close(self) -> None:
         for context in list(self._contexts):

@@ -36,5 +36,8 @@ class Scheduler(Driver, Protocol):
     def run(self, until_ns: int | None, until: Callable[[], bool] | None) -> bool:
         """See `System.run`."""
 
+    def halt(self) -> None:
+        """Ends the ticks of all contexts; one that does not end in time goes on (`stopped`)."""
+
     def close(self) -> None:
         """Ends everything that still runs."""

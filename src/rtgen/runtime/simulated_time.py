@@ -164,6 +164,9 @@ class SimulatedScheduler:
             clock.time = max(clock.time, until_ns)
         return False
 
+    def halt(self) -> None:
+        return None  # Between two runs there are none.
+
     def close(self) -> None:
         self._heap.clear()
 

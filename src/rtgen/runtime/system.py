@@ -6,12 +6,13 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from types import TracebackType
-from typing import Any, cast
+from typing import Any
 
 from rtgen.runtime.clocks import SECOND, Clock, RealClock, SimulatedClock
 from rtgen.runtime.component import Component
 from rtgen.runtime.configuration import DEFAULT_SET
-from rtgen.runtime.data_ports import DataConnector, OutPort
+from rtgen.runtime.data_ports import DataConnector
+from rtgen.runtime.dependencies import Dependencies
 from rtgen.runtime.errors import (
     DuplicateConnectionError,
     DuplicateInstanceError,
@@ -24,19 +25,15 @@ from rtgen.runtime.errors import (
 )
 from rtgen.runtime.execution_context import ExecutionContext, Participant
 from rtgen.runtime.failures import Failure, described, ends_run, log_failure
+from rtgen.runtime.observation import Observation
 from rtgen.runtime.port_names import cannot_join, kinds, port_names, unknown_port
 from rtgen.runtime.real_time import RealTimeScheduler
 from rtgen.runtime.records import (
     Listener,
-    Record,
-    SampleRecord,
-    SampleWriter,
-    StateRecord,
     Statistics,
 )
 from rtgen.runtime.return_codes import (
     CREATED_STATE,
-    ERROR_STATE,
     INACTIVE_STATE,
     RTC_OK,
     ExecutionKind,
@@ -68,8 +65,8 @@ class System:
     connected.
 
     Code of components that fails is reported to `on_failure`, by default to the logger
-    `rtgen.runtime` with its traceback, and never raised by `run`, except KeyboardInterrupt and
-    the debugger's quit, which end the run: see `docs/runtime.md`, Failures.
+    `rtgen.runtime` with its traceback, and never raised by `run`, except what ends the run: see
+    `docs/runtime.md`, Failures.
     """
 
     def __init__(
@@ -81,8 +78,8 @@ class System:
         self._participants: dict[str, Participant] = {}
         self._connectors: dict[str, Connector] = {}
         self._connecting = threading.RLock()
-        self._listeners: tuple[Listener, ...] = ()
-        self._watched: dict[PortAddress, tuple[Callable[[Any], None], ...]] = {}
+        self._dependencies = Dependencies(self._participants, self._connectors)
+        self._observation = Observation(self.clock.elapsed, self.end_run)
         self.on_failure: Callable[[Failure], None] = log_failure
         """Called with each failure of a component's code; in real time from its thread."""
 
@@ -129,10 +126,10 @@ class System:
         component._end_run = self.end_run  # type: ignore[method-assign]
         context.add_component(component)
         participant = self._participants[name] = context.participants[0]
-        participant.provider_awaited = partial(self._provider_awaited, name)
+        participant.provider_awaited = partial(self._dependencies.awaited, name)
         if self._transport is not None:
             self._transport.serve(component)
-        self._observe(component)
+        self._observation.observe(component)
         self._state_changed(context.participants[0], CREATED_STATE, INACTIVE_STATE)
         context.start()
         return context
@@ -150,13 +147,15 @@ class System:
         )
 
     def remove(self, instance: str) -> None:
-        """Cuts a component's connections and lets it exit. Raises UnknownComponentError."""
+        """Lets a component exit, then cuts its connections. Raises UnknownComponentError."""
         component = self.component(instance)
-        for connector in list(self._connectors.values()):
-            if instance in _instances(connector):
-                self.disconnect(connector)
         participant = self._participants[instance]
-        component.exit()
+        try:
+            component.exit()
+        finally:
+            for connector in list(self._connectors.values()):
+                if instance in _instances(connector):
+                    self.disconnect(connector)
         if self._transport is not None:
             self._transport.withdraw(component)
         self._state_changed(participant, participant.state, CREATED_STATE)
@@ -230,21 +229,7 @@ class System:
 
         Instances that depend on each other, or not at all, keep their order.
         """
-        found: list[str] = []
-        under_way: set[str] = set()
-
-        def add(instance: str) -> None:
-            if instance in found or instance in under_way:
-                return
-            under_way.add(instance)
-            for provider in self._providers(instance):
-                if provider in instances:
-                    add(provider)
-            found.append(instance)
-
-        for instance in instances:
-            add(instance)
-        return found
+        return self._dependencies.order(instances)
 
     def deactivate(self, instance: str) -> ReturnCode_t:
         """Requests INACTIVE; PRECONDITION_NOT_MET unless ACTIVE. Raises UnknownComponentError."""
@@ -419,13 +404,18 @@ class System:
         self._scheduler.end_run(error)
 
     def close(self) -> None:
-        """Lets every component exit (deactivate, shut down, finalize), the last added first.
+        """Lets every component exit (deactivate, shut down, finalize) once all ticks have ended.
 
-        A KeyboardInterrupt gives up the component that is at work, and is raised at the end. In
-        real time a component whose callback does not return is given up after two seconds.
+        Those that call services go before those that provide them; otherwise the last added goes
+        first. A KeyboardInterrupt gives up the component that is at work, and is raised at the end.
+        In real time components whose callbacks do not return are given up after two seconds.
         """
         interrupt: KeyboardInterrupt | None = None
-        for instance in reversed(self.instances):
+        try:
+            self._scheduler.halt()
+        except KeyboardInterrupt as error:
+            interrupt = error
+        for instance in reversed(self.activation_order(self.instances)):
             try:
                 self.remove(instance)
             except KeyboardInterrupt as error:
@@ -442,18 +432,11 @@ class System:
 
         In real time it is called from the threads of the components.
         """
-        self._set_listeners((*self._listeners, listener))
+        self._observation.add(listener, self._components())
 
     def remove_listener(self, listener: Listener) -> None:
         """Removes a listener; one that is not there is no error."""
-        self._set_listeners(
-            tuple(known for known in self._listeners if known is not listener)
-        )
-
-    def _set_listeners(self, listeners: tuple[Listener, ...]) -> None:
-        self._listeners = listeners
-        for instance in self.instances:
-            self._observe(self.component(instance))
+        self._observation.remove(listener, self._components())
 
     def watch_port(
         self, instance: str, port: str, action: Callable[[Any], None]
@@ -466,115 +449,16 @@ class System:
         component = self.component(instance)
         if port not in component.out_ports:
             raise unknown_port(component, port)
-        address = instance, port
-        self._watched[address] = (*self._watched.get(address, ()), action)
-        self._observe(component)
-
-    def _observe(self, component: Component) -> None:
-        for port in component.out_ports.values():
-            is_observed = self._listeners or (port.owner, port.name) in self._watched
-            port._observe(self._sample_writer(port) if is_observed else None)
-
-    def _sample_writer(self, port: OutPort[Any]) -> Callable[[Any], None]:
-        """What tells the listeners of a port's samples."""
-        elapsed = self.clock.elapsed
-        writers = [
-            *self._watched.get((port.owner, port.name), ()),
-            *(
-                cast(SampleWriter, one).sample_writer(port, elapsed)
-                for one in self._listeners
-                if isinstance(one, SampleWriter)
-            ),
-        ]
-        others = [one for one in self._listeners if not isinstance(one, SampleWriter)]
-
-        def tell(value: Any) -> None:
-            record = SampleRecord(
-                "sample", elapsed(), port.owner, port.name, value._snapshot_()
-            )
-            for listener in others:
-                listener(record)
-
-        if others:
-            writers.append(tell)
-
-        def write(value: Any) -> None:
-            try:
-                for writer in writers:
-                    writer(value)
-            except BaseException as error:
-                # Not the component's failure that happens to be at work.
-                self.end_run(error)
-
-        return write
+        self._observation.watch(component.out_ports[port], action)
 
     def _state_changed(
         self, participant: Participant, before: LifeCycleState, after: LifeCycleState
     ) -> None:
-        if self._listeners:
-            component = participant.component
-            reason = component.reason if after is ERROR_STATE else ""
-            self._tell(
-                StateRecord(
-                    "state",
-                    self.time,
-                    component.instance_name,
-                    before,
-                    after,
-                    participant.handle,
-                    reason,
-                )
-            )
+        self._observation.state_changed(participant, before, after)
         self._scheduler.changed()
 
-    def _tell(self, record: Record) -> None:
-        for listener in self._listeners:
-            try:
-                listener(record)
-            except BaseException as error:
-                # Not the component's failure that happens to be at work.
-                self.end_run(error)
-
-    def _providers(self, instance: str) -> list[str]:
-        """The instances of this system that provide what a component consumes."""
-        found = []
-        for connector in self.connectors:
-            if isinstance(connector, ServiceConnector):
-                for consumer, provider in connector.pairs:
-                    if consumer.owner == instance and provider.owner != instance:
-                        found.append(provider.owner)
-        return found
-
-    def _provider_awaited(self, instance: str) -> str:
-        """A provider that is being activated, and does not wait for this instance itself."""
-        return next(
-            (
-                provider
-                for provider in self._providers(instance)
-                if self._is_activating(provider)
-                and instance not in self._awaited_by(provider)
-            ),
-            "",
-        )
-
-    def _awaited_by(self, instance: str) -> set[str]:
-        """The providers that an instance waits for, and those that they wait for."""
-        found: set[str] = set()
-        waiting = [instance]
-        while waiting:
-            for provider in self._providers(waiting.pop()):
-                if provider not in found and self._is_activating(provider):
-                    found.add(provider)
-                    waiting.append(provider)
-        return found
-
-    def _is_activating(self, instance: str) -> bool:
-        participant = self._participants.get(instance)
-        return (
-            participant is not None
-            and participant.activating
-            and participant.context.is_running()
-        )
+    def _components(self) -> list[Component]:
+        return [self.component(instance) for instance in self.instances]
 
     def _failed(self, failure: Failure) -> None:
         self.on_failure(failure)

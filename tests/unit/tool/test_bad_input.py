@@ -3,6 +3,7 @@ and an output folder that is as it was."""
 
 from __future__ import annotations
 
+import json
 import random
 import re
 from pathlib import Path
@@ -141,3 +142,18 @@ def test_an_input_with_a_name_of_its_own(generated: Path) -> None:
     odd.write_bytes(GOOD)
     assert run(["generate", "..idl", "-o", "out", "--quiet"]) in (0, 2)
     assert not [f for f in generated.parent.iterdir() if "evil" in f.name]
+
+
+def test_inspect_of_a_file_with_errors_prints_these_and_json_the_rest(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("a.idl").write_text("struct Good { long x; };\nstruct Bad { Foo y; };\n")
+    assert run(["inspect", "a.idl"]) == 2
+    out, err = capfd.readouterr()
+    assert out == ""
+    assert "a.idl:2:14: error[IDL0200]" in err
+    assert run(["inspect", "--json", "a.idl"]) == 2
+    read = json.loads(capfd.readouterr().out)
+    assert [each["name"] for each in read["declarations"]] == ["Good"]
+    assert [each["code"] for each in read["diagnostics"]] == ["IDL0200"]

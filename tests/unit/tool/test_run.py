@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import signal
 import subprocess
@@ -16,6 +17,7 @@ from rtgen.cli import run as rtgen
 
 MODULE = '''
 import math
+import sys
 from dataclasses import dataclass
 
 from rtgen.runtime import RTC_OK, Component, ComponentProfile, ParameterProfile
@@ -54,6 +56,20 @@ class Mover(Component):
         self.x += self.config.speed * 0.01
         if self.x >= self.config.distance - 1e-9:
             return self.fail("arrived")
+        return RTC_OK
+
+
+class Ending(Mover):
+    """Says when it is finalized."""
+
+    def on_finalize(self):
+        sys.stderr.write("finalized.")
+        return RTC_OK
+
+
+class Printing(Ending):
+    def on_execute(self, ec_id):
+        print("x" * 9999, flush=True)
         return RTC_OK
 
 
@@ -128,6 +144,8 @@ def _project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     (tmp_path / "src" / "movers.py").write_text(MODULE)
     names = {
         "Mover": "Mover",
+        "Ending": "Ending",
+        "Printing": "Printing",
         "Broken": "Broken",
         "Waiting": "Waiting",
         "Hindered": "Hindered",
@@ -375,6 +393,36 @@ def test_an_observable_that_raises_in_the_run_ends_it(
     assert "M0" in out
 
 
+@pytest.mark.parametrize(
+    ("other", "code"), [("Broken", 2), ("Raising", 2), ("Gone", 3)]
+)
+def test_what_was_initialized_is_finalized_if_the_rest_fails(
+    other: str, code: int, capfd: pytest.CaptureFixture[str]
+) -> None:
+    Path("m.xml").write_text(profile(("Ending", "M0"), (other, "O0"), until="1"))
+    assert rtgen(["run", "m.xml"]) == code
+    assert capfd.readouterr().err.count("finalized.") == 1
+
+
+@pytest.mark.parametrize("clock", ["sim", "real"])
+@pytest.mark.parametrize("quiet", [[], ["-q"]])
+def test_a_run_ends_when_nobody_reads_what_its_components_print(
+    clock: str, quiet: list[str]
+) -> None:
+    Path("m.xml").write_text(profile(("Printing", "M0"), until="M0=CREATED"))
+    command = [sys.executable, "-m", "rtgen", "run", "m.xml", "--clock", clock, *quiet]
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        command, stdout=write, stderr=subprocess.PIPE, text=True, timeout=60
+    )
+    os.close(write)
+    assert done.returncode == 1
+    assert done.stderr.count("finalized.") == 1
+    for sign_of_a_fault in ("error[", "internal", "Traceback", "Exception ignored"):
+        assert sign_of_a_fault not in done.stderr
+
+
 def test_wrong_connections_parameters_and_conf_files_are_all_told(
     capfd: pytest.CaptureFixture[str],
 ) -> None:
@@ -388,6 +436,30 @@ def test_wrong_connections_parameters_and_conf_files_are_all_told(
     )
     assert rtgen(["run", "m.xml"]) == 2
     assert capfd.readouterr().err.count("error[SYS0004]") == 4
+
+
+@pytest.mark.parametrize(
+    ("set_id", "name", "data"),
+    [
+        ("default", "lenght", "4"),
+        ("other", "lenght", "4"),
+        ("default", "speed", "-1"),
+        ("other", "speed", "fast"),
+    ],
+)
+def test_a_wrong_parameter_of_a_set_is_one_error_at_its_place(
+    set_id: str, name: str, data: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    wrong = f'<rts:ConfigurationData rts:name="{name}" rts:data="{data}"/>'
+    sets = f'<rts:ConfigurationSets rts:id="{set_id}">\n{wrong}</rts:ConfigurationSets>'
+    text = profile(("Mover", "M0"), sets=sets, **MOVER)
+    text = text.replace('Set="default"', f'Set="{set_id}"')
+    Path("m.xml").write_text(text)
+    assert rtgen(["run", "m.xml"]) == 2
+    line = next(n for n, t in enumerate(text.splitlines(), 1) if wrong in t)
+    err = capfd.readouterr().err
+    assert err.count("error[") == 1
+    assert f"m.xml:{line}:34: error[SYS0004]" in err
 
 
 @pytest.mark.parametrize(

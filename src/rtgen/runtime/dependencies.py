@@ -1,0 +1,81 @@
+"""Which components of a system call services of which: the order of activation and of the end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from rtgen.runtime.execution_context import Participant
+from rtgen.runtime.service_connectors import ServiceConnector
+
+
+class Dependencies:
+    """Reads the service connections of a system; both mappings may change meanwhile."""
+
+    def __init__(
+        self, participants: Mapping[str, Participant], connectors: Mapping[str, Any]
+    ) -> None:
+        self._participants = participants
+        self._connectors = connectors
+
+    def order(self, instances: Sequence[str]) -> list[str]:
+        """The instances, each after those that provide what it consumes.
+
+        Instances that depend on each other, or not at all, keep their order.
+        """
+        found: list[str] = []
+        under_way: set[str] = set()
+
+        def add(instance: str) -> None:
+            if instance in found or instance in under_way:
+                return
+            under_way.add(instance)
+            for provider in self._providers(instance):
+                if provider in instances:
+                    add(provider)
+            found.append(instance)
+
+        for instance in instances:
+            add(instance)
+        return found
+
+    def awaited(self, instance: str) -> str:
+        """A provider that is being activated, and does not wait for this instance itself."""
+        return next(
+            (
+                provider
+                for provider in self._providers(instance)
+                if self._is_activating(provider)
+                and instance not in self._awaited_by(provider)
+            ),
+            "",
+        )
+
+    def _providers(self, instance: str) -> list[str]:
+        """The instances of this system that provide what a component consumes."""
+        found = []
+        for connector in tuple(self._connectors.values()):
+            if isinstance(connector, ServiceConnector):
+                for consumer, provider in connector.pairs:
+                    if consumer.owner == instance and provider.owner != instance:
+                        found.append(provider.owner)
+        return found
+
+    def _awaited_by(self, instance: str) -> set[str]:
+        """The providers that an instance waits for, and those that they wait for."""
+        found: set[str] = set()
+        waiting = [instance]
+        while waiting:
+            for provider in self._providers(waiting.pop()):
+                if provider not in found and self._is_activating(provider):
+                    found.add(provider)
+                    waiting.append(provider)
+        return found
+
+    def _is_activating(self, instance: str) -> bool:
+        participant = self._participants.get(instance)
+        return (
+            participant is not None
+            and participant.activating
+            and participant.context.is_running()
+        )

@@ -1,0 +1,121 @@
+"""What a system shows while it runs: records to its listeners, samples to watchers of ports."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any, cast
+
+from rtgen.runtime.component import Component
+from rtgen.runtime.data_ports import OutPort
+from rtgen.runtime.execution_context import Participant
+from rtgen.runtime.records import (
+    Listener,
+    Record,
+    SampleRecord,
+    SampleWriter,
+    StateRecord,
+)
+from rtgen.runtime.return_codes import ERROR_STATE, LifeCycleState
+
+
+class Observation:
+    """The listeners of a system, and who watches which OutPort.
+
+    What they raise goes to `end_run`: it is no failure of the component that happens to be at
+    work.
+    """
+
+    def __init__(
+        self, elapsed: Callable[[], int], end_run: Callable[[BaseException], None]
+    ) -> None:
+        self._elapsed = elapsed
+        self._end_run = end_run
+        self._listeners: tuple[Listener, ...] = ()
+        self._watched: dict[tuple[str, str], tuple[Callable[[Any], None], ...]] = {}
+
+    def add(self, listener: Listener, components: Iterable[Component]) -> None:
+        """Adds a listener for the states of all components, and the samples of these."""
+        self._set_listeners((*self._listeners, listener), components)
+
+    def remove(self, listener: Listener, components: Iterable[Component]) -> None:
+        """Removes a listener; one that is not there is no error."""
+        left = tuple(known for known in self._listeners if known is not listener)
+        self._set_listeners(left, components)
+
+    def watch(self, port: OutPort[Any], action: Callable[[Any], None]) -> None:
+        """Calls an action with each sample that a port writes."""
+        address = port.owner, port.name
+        self._watched[address] = (*self._watched.get(address, ()), action)
+        self._observe(port)
+
+    def observe(self, component: Component) -> None:
+        """Lets the OutPorts of a component show what they write to those who want it."""
+        for port in component.out_ports.values():
+            self._observe(port)
+
+    def state_changed(
+        self, participant: Participant, before: LifeCycleState, after: LifeCycleState
+    ) -> None:
+        """Notifies the listeners of a change of state."""
+        if self._listeners:
+            component = participant.component
+            record = StateRecord(
+                "state",
+                self._elapsed(),
+                component.instance_name,
+                before,
+                after,
+                participant.handle,
+                component.reason if after is ERROR_STATE else "",
+            )
+            self._notify(record)
+
+    def _set_listeners(
+        self, listeners: tuple[Listener, ...], components: Iterable[Component]
+    ) -> None:
+        self._listeners = listeners
+        for component in components:
+            self.observe(component)
+
+    def _observe(self, port: OutPort[Any]) -> None:
+        is_observed = self._listeners or (port.owner, port.name) in self._watched
+        port._observe(self._sample_writer(port) if is_observed else None)
+
+    def _sample_writer(self, port: OutPort[Any]) -> Callable[[Any], None]:
+        """Notifies listeners and watchers of a sample of the port."""
+        elapsed = self._elapsed
+        writers = [
+            *self._watched.get((port.owner, port.name), ()),
+            *(
+                cast(SampleWriter, one).sample_writer(port, elapsed)
+                for one in self._listeners
+                if isinstance(one, SampleWriter)
+            ),
+        ]
+        others = [one for one in self._listeners if not isinstance(one, SampleWriter)]
+
+        def notify(value: Any) -> None:
+            record = SampleRecord(
+                "sample", elapsed(), port.owner, port.name, value._snapshot_()
+            )
+            for listener in others:
+                listener(record)
+
+        if others:
+            writers.append(notify)
+
+        def write(value: Any) -> None:
+            try:
+                for writer in writers:
+                    writer(value)
+            except BaseException as error:
+                self._end_run(error)
+
+        return write
+
+    def _notify(self, record: Record) -> None:
+        for listener in self._listeners:
+            try:
+                listener(record)
+            except BaseException as error:
+                self._end_run(error)
