@@ -1,8 +1,9 @@
 """How much faster than real time the navigation pipeline runs in simulated time.
 
-Three figures: the system as specified; the same system with behaviours that do nothing (ports,
-rates and connections as they are), which is the runtime's share; and the difference, which is
-that of the behaviours with their ports' traffic.
+Four figures: the system as specified; the same system with behaviours that do nothing (ports,
+rates and connections as they are), which is the runtime's share; the difference, which is that of
+the behaviours with their ports' traffic; and the system as specified with a log of all samples, as
+`rtgen run --log` writes it.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from rtgen import compiler, runtime
 from rtgen.cli.assembly import assemble
@@ -27,6 +29,7 @@ GOAL = 100.0
 ROUNDS = 5
 SECONDS = 10
 """Simulated time of a round; the robot is under way all the while."""
+LOGGED = "with a log"
 
 
 class IdleFactories(Factories):
@@ -39,13 +42,18 @@ class IdleFactories(Factories):
         return type(type_name, (kind,), {**body, "on_initialize": lambda self: RTC_OK})
 
 
-def _nothing(self: Component, ec_id: int) -> ReturnCode_t:
+def _nothing(self: Component, *ec_id: int) -> ReturnCode_t:
     return RTC_OK
 
 
-def ratio(profile: System, factories: Factories) -> float:
+def ratio(profile: System, factories: Factories, *, logged: bool = False) -> float:
     """Simulated over real time of one run."""
-    with assemble(profile, factories, runtime.SimulatedClock(), (), ()) as system:
+    with (
+        assemble(profile, factories, runtime.SimulatedClock(), (), ()) as system,
+        TemporaryFile("w", encoding="utf-8") as log,
+    ):
+        if logged:
+            system.add_listener(runtime.JsonLinesRecorder(log))
         begun = time.perf_counter()
         system.run(SECONDS * runtime.SECOND)
         return SECONDS / (time.perf_counter() - begun)
@@ -62,11 +70,12 @@ def main() -> None:
         "as specified": Factories(project),
         "idle behaviours": IdleFactories(project),
     }
-    ratios: dict[str, list[float]] = {name: [] for name in kinds}
+    ratios: dict[str, list[float]] = {name: [] for name in (*kinds, LOGGED)}
     for _ in range(ROUNDS):
         for name, factories in kinds.items():
             ratios[name].append(ratio(profile, factories))
-    whole, idle = (statistics.median(values) for values in ratios.values())
+        ratios[LOGGED].append(ratio(profile, kinds["as specified"], logged=True))
+    whole, idle, logged = (statistics.median(values) for values in ratios.values())
     rates = ", ".join(
         f"{c.instance} {c.rate:g} Hz" for c in profile.components if c.rate
     )
@@ -75,6 +84,7 @@ def main() -> None:
     )
     print(f"as specified     {whole:8.1f} x real time  (goal {GOAL:g}, bound 50)")
     print(f"idle behaviours  {idle:8.1f} x real time")
+    print(f"{LOGGED}       {logged:8.1f} x real time  ({whole / logged - 1:+.0%} time)")
     share = whole / idle
     print(
         f"share            runtime {share:.0%}, behaviours and their traffic {1 - share:.0%}"

@@ -249,7 +249,7 @@ class OutPort(Generic[T]):
             write = self._ways[0]
         else:
             write = self._write_to_all
-        self._write = write if self._record is None else self._write_and_record
+        self._write = write if self._record is None else self._recorded(write)
 
     def _write_to_nobody(self, value: T) -> PortStatus:
         self.unsent += 1
@@ -266,10 +266,17 @@ class OutPort(Generic[T]):
                 outcome = status
         return outcome
 
-    def _write_and_record(self, value: T) -> PortStatus:
-        if self._record is not None:
-            self._record(self._checked(value))
-        return self._write_to_all(value)
+    def _recorded(self, write: Callable[[T], PortStatus]) -> Callable[[T], PortStatus]:
+        type_, record = self.type, self._record
+        assert record is not None
+
+        def write_recorded(value: T) -> PortStatus:
+            if value.__class__ is not type_:
+                self._checked(value)
+            record(value)
+            return write(value)
+
+        return write_recorded
 
     def _checked(self, value: T) -> T:
         if not isinstance(value, self.type):

@@ -79,6 +79,7 @@ class _Compiler:
             "quoted": encode_basestring,
             "octets": _octets,
             "numbers": _numbers,
+            "empty": "[]",
             "truth": ("false", "true"),
         }
 
@@ -144,7 +145,7 @@ class _Compiler:
             case SequenceDescriptor(PrimitiveDescriptor(element)) if (
                 element in _FLOATS or element in INTEGERS
             ):
-                kind, shown = "list", f"numbers({name})"
+                kind, shown = "list", f"numbers({name}) if {name} else empty"
             case _:
                 return False
         self._checks.append(f"type({name}) is {kind}")

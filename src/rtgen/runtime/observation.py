@@ -104,10 +104,15 @@ class Observation:
         if others:
             writers.append(notify)
 
+        def write_to_all(value: Any) -> None:
+            for writer in writers:
+                writer(value)
+
+        chosen = writers[0] if len(writers) == 1 else write_to_all
+
         def write(value: Any) -> None:
             try:
-                for writer in writers:
-                    writer(value)
+                chosen(value)
             except BaseException as error:
                 self._end_run(error)
 
