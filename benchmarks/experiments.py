@@ -12,10 +12,11 @@ import sys
 import time
 from pathlib import Path
 
-from rtgen import compiler, runtime, timeline
+from rtgen import compiler, runtime
 from rtgen.cli.assembly import assemble
 from rtgen.cli.factories import Factories
 from rtgen.project import load
+from rtgen.systems import timeline
 
 ROOT = Path(__file__).resolve().parent.parent
 EXPERIMENTS = Path("specs/experiments")

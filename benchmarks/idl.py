@@ -175,7 +175,7 @@ def stages(file: Path) -> dict[str, float]:
         return wrapped
 
     modules = timed("imports", lambda names: [import_module(name) for name in names])(
-        ["rtgen.cli.inspect", "rtgen.inspect", "rtgen.frontends.idl.pipeline"]
+        ["rtgen.cli.inspect", "rtgen.inspection.models", "rtgen.frontends.idl.pipeline"]
     )
     from rtgen.frontends.idl import checks, lower, names, parser, pipeline, preprocessor
 

@@ -15,11 +15,11 @@ from rtgen.diagnostics import Diagnostic, ToolError, has_errors, in_order
 if TYPE_CHECKING:
     from importlib import metadata
 
-    from rtgen.cache import Cache
     from rtgen.frontends import FrontendResult
     from rtgen.frontends.rtc_profile import Profiles
     from rtgen.model import Model, System
     from rtgen.project import Project
+    from rtgen.project.cache import Cache
 
 BUILT_IN = (
     "rtgen.backends.types",
@@ -195,7 +195,7 @@ def _inspected(
     project: Project | None, profiles: Sequence[Path], as_json: bool
 ) -> Compilation:
     from rtgen.frontends import FrontendResult
-    from rtgen.inspect import json_text, tree
+    from rtgen.inspection.models import json_text, tree
     from rtgen.model import Model
 
     nothing = FrontendResult(Model(), (), {}, ())
@@ -227,7 +227,7 @@ def _looked_at(
     system: System, project: Project | None
 ) -> tuple[Sequence[System], Sequence[Diagnostic]]:
     """See `_checked`; without a project only what needs no definitions is checked."""
-    from rtgen import system_checks
+    from rtgen.systems import checks as system_checks
 
     if project is None:
         found = system_checks.check_properties(system)
@@ -242,7 +242,8 @@ def _checked(
 
     Definitions with errors do not tell what there is.
     """
-    from rtgen import system_checks, systems
+    from rtgen.systems import checks as system_checks
+    from rtgen.systems import reading as systems
 
     if has_errors(definitions.diagnostics):
         found = [d for each in profiles for d in system_checks.check_properties(each)]
@@ -303,7 +304,7 @@ def _with_systems(
 
     if not project.systems or project.target != SYSTEMS_TARGET:
         return result
-    from rtgen import systems
+    from rtgen.systems import reading as systems
 
     found = systems.read(project.systems, root=project.root, output=project.output)
     named, checked = _checked(found.systems, result, options)

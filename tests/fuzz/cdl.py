@@ -12,11 +12,11 @@ from random import Random
 from fuzzing import ViolationError, log_uniform
 
 from rtgen.diagnostics import Diagnostic, Span, has_errors, in_order
-from rtgen.explain import rules
+from rtgen.diagnostics.explain import rules
+from rtgen.diagnostics.report import report
 from rtgen.frontends.cdl import load
 from rtgen.frontends.cdl.words import WORDS
-from rtgen.inspect import inspect, tree
-from rtgen.report import report
+from rtgen.inspection.models import inspect, tree
 
 ROOT = Path(__file__).parents[2]
 

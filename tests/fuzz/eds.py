@@ -14,15 +14,15 @@ from random import Random
 
 from fuzzing import ViolationError, log_uniform
 
-from rtgen import output
 from rtgen.compiler import compile_project
 from rtgen.diagnostics import Diagnostic, has_errors
+from rtgen.diagnostics.report import report
 from rtgen.frontends.eds import load
 from rtgen.frontends.eds.findings import MAX_FINDINGS
 from rtgen.frontends.eds.rules import RULES
-from rtgen.inspect import inspect, tree
+from rtgen.inspection.models import inspect, tree
 from rtgen.project import load as load_project
-from rtgen.report import report
+from rtgen.project import output
 
 ROOT = Path(__file__).parents[2]
 

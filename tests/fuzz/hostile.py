@@ -14,8 +14,8 @@ from hostile_outputs import Content, compare, content
 from hostile_texts import Texts
 
 from rtgen.compiler import compile_project
+from rtgen.diagnostics.report import report
 from rtgen.project import load
-from rtgen.report import report
 
 COUNT = 8
 """Definition files of one project."""

@@ -17,8 +17,8 @@ from generated import Generated
 
 from rtgen.backends import Owner
 from rtgen.compiler import compile_project
+from rtgen.diagnostics.report import report
 from rtgen.project import load
-from rtgen.report import report
 
 ROOT = Path(__file__).parents[2]
 _TARGETS = ("embedded", "openrtm", "small")

@@ -20,14 +20,14 @@ from rtgen.diagnostics import (
     has_errors,
     in_order,
 )
+from rtgen.diagnostics.report import FORMS, report
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import load
 from rtgen.frontends.idl.rules import RULES
-from rtgen.inspect import inspect, tree
+from rtgen.inspection.models import inspect, tree
 from rtgen.lint import lint
 from rtgen.lint import rules as lint_rules
 from rtgen.model import Model
-from rtgen.report import FORMS, report
 
 HELPERS = {
     "guarded.idl": (

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from rtgen.diagnostics.report import report
 from rtgen.frontends.bus import load
 from rtgen.frontends.bus.rules import RULES
-from rtgen.report import report
 
 CASES = Path(__file__).with_name("bus_errors")
 BASE = Path(__file__).with_name("eds_errors") / "base.eds"

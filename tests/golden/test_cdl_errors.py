@@ -17,10 +17,10 @@ from pathlib import Path
 import pytest
 
 from rtgen.diagnostics import Diagnostic
-from rtgen.explain import rules
+from rtgen.diagnostics.explain import rules
+from rtgen.diagnostics.report import report
 from rtgen.frontends.cdl import load
 from rtgen.frontends.cdl.rules import RULES
-from rtgen.report import report
 
 CASES = Path(__file__).with_name("cdl_errors")
 NAMES = sorted(path.name for path in CASES.iterdir() if path.is_dir())

@@ -16,11 +16,11 @@ from typing import Any
 
 import pytest
 
-from rtgen.explain import rules
+from rtgen.diagnostics.explain import rules
+from rtgen.diagnostics.report import report
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.eds import load
 from rtgen.frontends.eds.rules import RULES
-from rtgen.report import report
 
 CASES = Path(__file__).with_name("eds_errors")
 NAMES = sorted(path.name for path in CASES.iterdir() if path.is_dir())

@@ -18,11 +18,11 @@ from typing import Any
 
 import pytest
 
-from rtgen.explain import rules
+from rtgen.diagnostics.explain import rules
+from rtgen.diagnostics.report import report
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import load
 from rtgen.frontends.idl.rules import RULES
-from rtgen.report import report
 
 GOLDEN = Path(__file__).parent
 CASES = GOLDEN / "idl_errors"

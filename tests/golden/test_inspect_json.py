@@ -7,7 +7,7 @@ import pytest
 
 from rtgen.diagnostics import has_errors
 from rtgen.frontends import FrontendResult, cdl, idl
-from rtgen.inspect import inspect, tree
+from rtgen.inspection.models import inspect, tree
 
 FOLDER = Path(__file__).with_name("inspect")
 

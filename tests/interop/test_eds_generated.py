@@ -12,11 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from rtgen import output
 from rtgen.compiler import Compilation, compile_project
 from rtgen.diagnostics import has_errors
 from rtgen.frontends.eds import load as load_eds
-from rtgen.project import load
+from rtgen.project import load, output
 
 GOLDEN = Path(__file__).parents[3] / "shared" / "golden" / "eds"
 FOLDERS = [Path(p) for p in (str(GOLDEN), os.environ.get("RTGEN_EDS_CORPUS", "")) if p]

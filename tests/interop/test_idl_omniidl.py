@@ -9,7 +9,7 @@ from idl_facts import OMNIIDL, facts, omniidl
 
 from rtgen.diagnostics import Severity, has_errors
 from rtgen.frontends.idl import load
-from rtgen.inspect import defined
+from rtgen.inspection.models import defined
 
 ROOT = Path(__file__).parents[2]
 FILES = sorted(

@@ -13,7 +13,7 @@ from idl_probes.probe import Probe, Relation
 
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import load
-from rtgen.inspect import defined, tree
+from rtgen.inspection.models import defined, tree
 
 pytest.importorskip("omniidl", reason="omniidl (jeteve-omniorb) is missing")
 

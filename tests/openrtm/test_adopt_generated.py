@@ -12,7 +12,7 @@ import pytest
 from rtgen import compiler
 from rtgen.cli import run
 from rtgen.cli.adopted import Adopted, adopted
-from rtgen.inspect import inspect
+from rtgen.inspection.models import inspect
 from rtgen.model import Component, Model
 from rtgen.project import load
 

@@ -10,7 +10,6 @@ from pipeline import profile
 
 from rtgen.cli.assembly import assemble
 from rtgen.cli.factories import Factories
-from rtgen.measures import Course, Pose, Result, evaluate
 from rtgen.project import load
 from rtgen.runtime import (
     SECOND,
@@ -21,8 +20,9 @@ from rtgen.runtime import (
     StateRecord,
     System,
 )
-from rtgen.timeline import condition
-from rtgen.timeline import load as load_timeline
+from rtgen.systems.measures import Course, Pose, Result, evaluate
+from rtgen.systems.timeline import condition
+from rtgen.systems.timeline import load as load_timeline
 
 EXPERIMENTS = Path(__file__).parents[2] / "specs" / "experiments"
 PERIOD = SECOND // 50

@@ -21,7 +21,7 @@ from rtgen.runtime import (
     SimulatedClock,
     System,
 )
-from rtgen.timeline import assignment
+from rtgen.systems.timeline import assignment
 
 NAVIGATION = Path(__file__).parents[2] / "specs" / "navigation"
 GOAL = NAVIGATION / "rh3_goal.xml"

@@ -39,7 +39,7 @@ from rtgen.runtime import (
     SimulatedClock,
     System,
 )
-from rtgen.timeline import assignment, parse
+from rtgen.systems.timeline import assignment, parse
 
 TECS = NAVIGATION.parent / "tecs"
 BOARD = TECS / "rh3_board.xml"

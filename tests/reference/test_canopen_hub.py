@@ -28,7 +28,7 @@ from rtgen.runtime import (
     RealClock,
     System,
 )
-from rtgen.timeline import assignment
+from rtgen.systems.timeline import assignment
 
 CANOPEN = NAVIGATION.parent / "canopen"
 BUS = CANOPEN / "pdo_linking.toml"

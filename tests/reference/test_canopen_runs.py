@@ -36,7 +36,7 @@ from rtgen.runtime import (
 )
 from rtgen.runtime.canopen.frames import Frame
 from rtgen.runtime.canopen.links import open_link
-from rtgen.timeline import assignment, parse
+from rtgen.systems.timeline import assignment, parse
 
 CANOPEN = NAVIGATION.parent / "canopen"
 BEEGO = CANOPEN / "rh3_beego.xml"

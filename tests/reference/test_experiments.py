@@ -13,8 +13,8 @@ from experiments import EXPERIMENTS, Experiment, perform
 
 from rtgen.cli import run as rtgen
 from rtgen.diagnostics import InputError
-from rtgen.measures import Pose
 from rtgen.runtime import ACTIVE_STATE, INACTIVE_STATE
+from rtgen.systems.measures import Pose
 
 JOYSTICKS = ("JoystickA0", "JoystickB0", "SegwayJoystick0", "AistJoystick0")
 ROBOTS = ("RefHard0", "OmniWheel0", "SegwayRmp0", "BlackShip0")

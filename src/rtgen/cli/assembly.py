@@ -25,14 +25,22 @@ from rtgen.frontends.suggestions import nearest
 from rtgen.model import Connection, System, SystemComponent
 from rtgen.runtime.conf_file import read as read_conf
 from rtgen.runtime.watchdog import calling
-from rtgen.system_rules import (
+from rtgen.systems.rules import (
     CONNECTION,
     NO_COMPONENT,
     PARAMETER,
     TIMELINE,
     UNKNOWN_TYPE,
 )
-from rtgen.timeline import SECOND, Action, Ask, Connect, Disconnect, SetParameter, Step
+from rtgen.systems.timeline import (
+    SECOND,
+    Action,
+    Ask,
+    Connect,
+    Disconnect,
+    SetParameter,
+    Step,
+)
 from rtgen.typemap.openrtm_ports import (
     IN,
     OUT,

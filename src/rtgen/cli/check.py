@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import click
 
-from rtgen import behaviours, cache, compiler
-from rtgen import output as writer
+from rtgen import compiler
 from rtgen.cli.can.common import counted
 from rtgen.cli.common import (
     BAD_INPUT,
@@ -22,7 +21,8 @@ from rtgen.cli.common import (
     with_target,
     write_out,
 )
-from rtgen.project import shown
+from rtgen.project import behaviours, cache, shown
+from rtgen.project import output as writer
 
 
 @click.command()

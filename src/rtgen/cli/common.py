@@ -81,7 +81,7 @@ class Console:
         if self.form in _DOCUMENTS:
             self._held.append(diagnostics)
         elif diagnostics:
-            from rtgen.report import report, summary
+            from rtgen.diagnostics.report import report, summary
 
             text = report(diagnostics, sources or {}, self.form, colour=self.colour)
             sys.stderr.write(text)
@@ -91,7 +91,7 @@ class Console:
     def close(self) -> None:
         """Prints the document of all findings so far, if there is one to print."""
         if self._held:
-            from rtgen.report import report
+            from rtgen.diagnostics.report import report
 
             found = [d for diagnostics in self._held for d in diagnostics]
             self._held.clear()
@@ -165,7 +165,7 @@ def with_console(
         except ToolError as error:
             if os.environ.get("RTGEN_DEBUG") == "1":
                 raise
-            from rtgen.project_rules import ENVIRONMENT
+            from rtgen.project.rules import ENVIRONMENT
 
             console.findings([ENVIRONMENT.at(None, error.message, hint=error.hint)])
             return FAILED

@@ -60,7 +60,7 @@ def _is_system(path: Path) -> bool:
 
 
 def _wrong_form(form: str, forms: tuple[str, ...], what: str) -> InputError:
-    from rtgen.project_rules import OTHER_FORM
+    from rtgen.project.rules import OTHER_FORM
 
     hint = f"--to {', --to '.join(forms)}"
     return InputError([OTHER_FORM.at(None, f"{what} has no form {form}", hint=hint)])
@@ -71,7 +71,7 @@ def _wrong_form(form: str, forms: tuple[str, ...], what: str) -> InputError:
 
 def _system(console: Console, path: Path, form: str) -> int:
     from rtgen.frontends import located_xml, profile_yaml, rts_profile
-    from rtgen.system_checks import as_warnings, check_properties
+    from rtgen.systems.checks import as_warnings, check_properties
 
     shown = path.as_posix()
     read = rts_profile.load(path)
@@ -130,7 +130,7 @@ def _component(
 
 def _chosen(model: Model, file: str, name: str | None) -> Component:
     """The component that is meant. Raises InputError."""
-    from rtgen.project_rules import WHICH_COMPONENT
+    from rtgen.project.rules import WHICH_COMPONENT
 
     files = {source.name for source in model.files if source.main}
     if is_component_profile(Path(file)):

@@ -22,7 +22,7 @@ from rtgen.diagnostics import InputError
 from rtgen.model import System
 from rtgen.runtime.clocks import SECOND
 from rtgen.runtime.json_printers import plain
-from rtgen.system_rules import OBSERVABLE, UNKNOWN_INSTANCE
+from rtgen.systems.rules import OBSERVABLE, UNKNOWN_INSTANCE
 
 FILES = (*PICTURES, ".csv", ".tsv", ".txt", ".dat")
 """Endings that make an argument a file's name, whatever stands before."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import unified_diff
 
-from rtgen.output import Change
 from rtgen.project import shown
+from rtgen.project.output import Change
 
 _NOWHERE = "/dev/null"
 

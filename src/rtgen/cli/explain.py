@@ -14,7 +14,7 @@ from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
 @with_console
 def explain(console: Console, code: str | None) -> int:
     """Tell what a diagnostic means; without CODE, list all codes."""
-    from rtgen.explain import rules, similar, story
+    from rtgen.diagnostics.explain import rules, similar, story
 
     known = rules()
     if code is None:

@@ -27,7 +27,7 @@ from rtgen.runtime import BlockedError, Failure, ObservableError, ReturnValueErr
 from rtgen.runtime.failures import described, ends_run
 from rtgen.runtime.places import is_rtgens, is_users
 from rtgen.runtime.watchdog import Call, calls_under_way
-from rtgen.system_rules import BLOCKED, IMPORT, NOTICE, RAISED
+from rtgen.systems.rules import BLOCKED, IMPORT, NOTICE, RAISED
 
 _QUIET_STATES = ("on_activated", "on_execute", "on_state_update", "on_rate_changed")
 """Callbacks whose error code leads to ERROR, which the report of the run has."""
@@ -222,7 +222,7 @@ class FailureReport:
         if self._console.form != "text":
             self._console.findings([diagnostic])
             return
-        from rtgen.report import report
+        from rtgen.diagnostics.report import report
 
         # The traceback shows the line.
         span = diagnostic.span

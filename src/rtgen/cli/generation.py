@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rtgen import behaviours, cache, compiler
-from rtgen import output as writer
+from rtgen import compiler
 from rtgen.cli.common import (
     BAD_INPUT,
     OK,
@@ -17,7 +16,8 @@ from rtgen.cli.common import (
     require_target,
     write_out,
 )
-from rtgen.project import Project, shown
+from rtgen.project import Project, behaviours, cache, shown
+from rtgen.project import output as writer
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import click
 
-from rtgen import compiler, timeline
+from rtgen import compiler
 from rtgen.cli.common import BAD_INPUT, OK, Console, with_console, write_out
 from rtgen.diagnostics import Diagnostic, ToolError, has_errors, in_order
 from rtgen.model import Bus, Component
 from rtgen.project import load
+from rtgen.systems import timeline
 
 
 @click.command()
@@ -35,13 +36,13 @@ def graph(
     definitions, if there are any, state the ports that are not connected, the types of all ports,
     and the buses and lines that components are attached to.
     """
-    from rtgen import systems
     from rtgen.backends.wiring import (
         ComponentView,
         TimedConnection,
         render,
         view_of,
     )
+    from rtgen.systems import reading as systems
 
     path = Path(system)
     profile, found, sources = compiler.read_system(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from rtgen import cache, compiler
+from rtgen import compiler
 from rtgen.cli.common import (
     BAD_INPUT,
     OK,
@@ -20,7 +20,7 @@ from rtgen.cli.common import (
     with_node_id,
     write_out,
 )
-from rtgen.project import is_component_profile, is_system
+from rtgen.project import cache, is_component_profile, is_system
 
 
 def _is_system(path: Path) -> bool:

@@ -25,7 +25,7 @@ from rtgen.diagnostics import (
     has_errors,
     in_order,
 )
-from rtgen.project_rules import UNKNOWN_CODE
+from rtgen.project.rules import UNKNOWN_CODE
 
 
 @click.command()
@@ -76,7 +76,7 @@ def _unknown(
     codes: Iterable[str], where: str, spans: dict[str, Span] | None = None
 ) -> Iterator[Diagnostic]:
     """Findings for codes that no rule has."""
-    from rtgen.explain import rules, similar
+    from rtgen.diagnostics.explain import rules, similar
 
     for code in codes:
         if code.upper() not in rules():

@@ -6,7 +6,7 @@ import sys
 from contextlib import ExitStack
 from typing import Protocol
 
-from rtgen.timeline import SECOND
+from rtgen.systems.timeline import SECOND
 
 _LINE_EVERY = 10 * SECOND
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import click
 
-from rtgen import compiler, measures, runtime, timeline
+from rtgen import compiler, runtime
 from rtgen.cli import shares, transports
 from rtgen.cli.assembly import assemble
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
@@ -30,15 +30,16 @@ from rtgen.cli.run_view import View, name_of
 from rtgen.cli.summary import summary
 from rtgen.cli.transports import TransportOptions, with_transport
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
-from rtgen.measures import Measure
 from rtgen.model import System
 from rtgen.project import load
 from rtgen.runtime.failures import ends_run
 from rtgen.runtime.recording import JsonLinesRecorder
 from rtgen.runtime.watchdog import Watchdog
-from rtgen.system_checks import check_properties
-from rtgen.system_rules import CONDITION, MEASURE, OBSERVABLE
-from rtgen.timeline import SECOND, Condition
+from rtgen.systems import measures, timeline
+from rtgen.systems.checks import check_properties
+from rtgen.systems.measures import Measure
+from rtgen.systems.rules import CONDITION, MEASURE, OBSERVABLE
+from rtgen.systems.timeline import SECOND, Condition
 
 _LONGEST = 600 * SECOND
 """Where a run in simulated time ends that waits for a state only."""

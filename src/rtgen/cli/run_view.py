@@ -6,14 +6,15 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rtgen import runtime, timeline
+from rtgen import runtime
 from rtgen.cli.recording import Pose, Sample
 from rtgen.cli.summary import Outcome, Row, Tolerance
 from rtgen.diagnostics import InputError
-from rtgen.measures import Course, Result
 from rtgen.model import System
-from rtgen.system_rules import OBSERVABLE, TOLERANCE
-from rtgen.timeline import SECOND
+from rtgen.systems import timeline
+from rtgen.systems.measures import Course, Result
+from rtgen.systems.rules import OBSERVABLE, TOLERANCE
+from rtgen.systems.timeline import SECOND
 
 _NOWHERE = (math.nan, math.nan, math.nan)
 _POSE = 3

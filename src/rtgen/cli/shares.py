@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
-from rtgen import timeline
 from rtgen.diagnostics import Diagnostic, InputError, Span
-from rtgen.measures import Measure
 from rtgen.model import Connection, PortReference, System
-from rtgen.system_rules import ELSEWHERE
-from rtgen.timeline import (
+from rtgen.systems import timeline
+from rtgen.systems.measures import Measure
+from rtgen.systems.rules import ELSEWHERE
+from rtgen.systems.timeline import (
     Action,
     Ask,
     Condition,

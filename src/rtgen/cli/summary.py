@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from rtgen.cli.recording import Pose
-from rtgen.measures import Result
+from rtgen.systems.measures import Result
 
 _MEASURES = ("measure", "from", "until", "least", "greatest", "allowed", "kept")
 _NEVER = 1e9

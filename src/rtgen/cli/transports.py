@@ -15,7 +15,7 @@ from rtgen.cli.common import Console, FiniteRange, Refusal
 from rtgen.cli.signals import terminable
 from rtgen.diagnostics import InputError, ToolError
 from rtgen.runtime.errors import NoNamingServiceError
-from rtgen.system_rules import CONNECTION
+from rtgen.systems.rules import CONNECTION
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import CorbaTransport

@@ -65,7 +65,7 @@ def _attempt(console: Console, request: Request) -> tuple[Path, ...]:
     except InputError as error:
         console.findings(error.diagnostics)
     except ToolError as error:
-        from rtgen.project_rules import ENVIRONMENT
+        from rtgen.project.rules import ENVIRONMENT
 
         console.findings([ENVIRONMENT.at(None, error.message, hint=error.hint)])
     finally:

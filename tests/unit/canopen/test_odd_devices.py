@@ -13,10 +13,9 @@ import black
 import pytest
 from eds_files import WIDTHS, Thing, eds, entry
 
-from rtgen import output
 from rtgen.compiler import Compilation, compile_project
 from rtgen.frontends.eds import load as load_eds
-from rtgen.project import load
+from rtgen.project import load, output
 from rtgen.typemap.canopen_ports import DevicePorts
 
 NAMES = (

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from rtgen import systems
 from rtgen.cli import run
 from rtgen.cli.can.writing_rates import writings
 from rtgen.frontends import bus as front_end
 from rtgen.layouts.can_messages import Writing
 from rtgen.model import System
 from rtgen.model.can_bus import Bus
+from rtgen.systems import reading as systems
 
 ROOT = Path(__file__).parents[3]
 FOLDER = ROOT / "specs/canopen"

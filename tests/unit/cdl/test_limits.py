@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rtgen.frontends.cdl import read_text
-from rtgen.inspect import tree
+from rtgen.inspection.models import tree
 from rtgen.model import Model
 
 SIZE = "signature s { void f( [in,size_is(%s)] const int8_t *a, [in] int32_t n ); };"

@@ -17,7 +17,7 @@ from rtgen import compiler
 from rtgen.cli.component_text import component_idl, component_profile
 from rtgen.diagnostics import Diagnostic, has_errors
 from rtgen.frontends import located_xml, profile_yaml
-from rtgen.inspect import inspect
+from rtgen.inspection.models import inspect
 from rtgen.model import Component, Model
 from rtgen.project import Project
 

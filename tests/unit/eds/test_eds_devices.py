@@ -11,7 +11,7 @@ import pytest
 from rtgen.cli import run
 from rtgen.diagnostics import has_errors
 from rtgen.frontends.eds import load
-from rtgen.inspect import inspect, tree
+from rtgen.inspection.models import inspect, tree
 from rtgen.model.canopen import (
     Access,
     DataType,

@@ -7,7 +7,7 @@ import pytest
 from rtgen.diagnostics import Severity
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import load
-from rtgen.inspect import inspect, tree
+from rtgen.inspection.models import inspect, tree
 from rtgen.model import (
     Component,
     Const,

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from rtgen.diagnostics.report import report
 from rtgen.frontends.idl import load
-from rtgen.report import report
 
 pytestmark = pytest.mark.skipif(
     not hasattr(os, "mkfifo"), reason="the system has no named pipes"

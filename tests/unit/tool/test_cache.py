@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from small_pipeline import Pipeline
 
-from rtgen import cache, compiler
+from rtgen import compiler
 from rtgen.cli import run
 from rtgen.compiler import Compilation, build
-from rtgen.project import Project, load, with_arguments
+from rtgen.project import Project, cache, load, with_arguments
 
 
 def project(*paths: str) -> Project:

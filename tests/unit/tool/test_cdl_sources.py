@@ -7,9 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from rtgen import cache
 from rtgen.compiler import build, inspect, read
-from rtgen.project import Project, load, with_arguments
+from rtgen.project import Project, cache, load, with_arguments
 
 
 @pytest.fixture(autouse=True)

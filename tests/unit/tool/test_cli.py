@@ -290,9 +290,9 @@ def test_colour(
 
 def test_what_is_not_needed_is_not_imported() -> None:
     code = (
-        "import sys, rtgen.cli.generate, rtgen.cli.check, rtgen.cli.inspect, rtgen.output\n"
+        "import sys, rtgen.cli.generate, rtgen.cli.check, rtgen.cli.inspect, rtgen.project.output\n"
         "heavy = {'lark', 'jinja2', 'rich', 'lxml', 'black', 'matplotlib', 'tomllib', 'difflib'}\n"
-        "parts = {'rtgen.model', 'rtgen.runtime', 'rtgen.frontends', 'rtgen.report'}\n"
+        "parts = {'rtgen.model', 'rtgen.runtime', 'rtgen.frontends', 'rtgen.diagnostics.report'}\n"
         "print(sorted((heavy | parts) & set(sys.modules)))\n"
     )
     done = subprocess.run(

@@ -10,7 +10,7 @@ import pytest
 
 import rtgen
 from rtgen.cli import run
-from rtgen.explain import MODULES, rules
+from rtgen.diagnostics.explain import MODULES, rules
 
 SOURCES = Path(rtgen.__file__).parent
 

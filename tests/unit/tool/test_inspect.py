@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from rtgen import indented_json
 from rtgen.diagnostics import Span
-from rtgen.inspect import inspect, tree
+from rtgen.inspection import indented_json
+from rtgen.inspection.models import inspect, tree
 from rtgen.model import (
     VOID,
     Annotation,

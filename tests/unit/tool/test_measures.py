@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from rtgen.diagnostics import InputError, Span
-from rtgen.measures import Course, Measure, Pose, Result, evaluate, parse
+from rtgen.systems.measures import Course, Measure, Pose, Result, evaluate, parse
 
 TIMES = [0.0, 1.0, 2.0, 3.0]
 

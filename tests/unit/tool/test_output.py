@@ -14,10 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from rtgen import output
 from rtgen.backends import Artifact, Owner
 from rtgen.diagnostics import InputError, ToolError
-from rtgen.project import Project
+from rtgen.project import Project, output
 
 INPUTS = {"a.idl": "0" * 64}
 
@@ -316,7 +315,7 @@ def test_a_failing_disk_leaves_the_old_file_and_no_leftover(
 WRITER = """
 import sys
 from pathlib import Path
-from rtgen import output
+from rtgen.project import output
 from rtgen.backends import Artifact
 from rtgen.project import Project
 root = Path(sys.argv[1])

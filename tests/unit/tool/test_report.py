@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span
-from rtgen.report import report, summary
+from rtgen.diagnostics.report import report, summary
 
 
 def finding(

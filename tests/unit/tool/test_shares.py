@@ -9,9 +9,16 @@ import pytest
 
 from rtgen.cli import shares
 from rtgen.diagnostics import InputError, Span
-from rtgen.measures import parse
 from rtgen.model import Connection, PortReference, System, SystemComponent
-from rtgen.timeline import Ask, Condition, Connect, Disconnect, SetParameter, Step
+from rtgen.systems.measures import parse
+from rtgen.systems.timeline import (
+    Ask,
+    Condition,
+    Connect,
+    Disconnect,
+    SetParameter,
+    Step,
+)
 
 PLACE = Span("s.xml", 1, 1, 1, 2)
 

@@ -8,7 +8,7 @@ import pytest
 
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.model import Connection, PortReference, System, SystemComponent
-from rtgen.timeline import (
+from rtgen.systems.timeline import (
     SECOND,
     Ask,
     Condition,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import signal
 import subprocess
@@ -250,10 +251,10 @@ def test_a_callback_that_blocks_is_named_and_ctrl_c_ends_the_run(
 ) -> None:
     for change in blocking(callback):
         apply(change, project)
-    # Long enough for the watchdog to see it, however busy the machine is.
-    end = "0.5" if callback in AT_THE_END else "60"
-    code, output = _interrupted("run", "warm.xml", "--until", end, "--clock", clock)
-    assert f"Controller0.{callback} has not returned for 0 s" in output
+    # What is called at the end must come soon; all else must come before the end.
+    until = "0.5" if callback in AT_THE_END else "60"
+    code, output = _interrupted("run", "warm.xml", "--until", until, "--clock", clock)
+    assert re.search(rf"Controller0\.{callback} has not returned for \d+ s", output)
     assert f"{CONTROLLER}:" in output
     if callback in BEFORE_THE_RUN:
         assert code == 130

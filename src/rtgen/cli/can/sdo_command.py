@@ -27,7 +27,7 @@ from rtgen.cli.common import (
 )
 from rtgen.diagnostics import ToolError
 from rtgen.model.canopen import Access
-from rtgen.project_rules import SUPERVISED
+from rtgen.project.rules import SUPERVISED
 from rtgen.runtime.canopen.description import Kind
 from rtgen.runtime.canopen.frames import ERROR_CONTROL, SDO_REQUEST, SECOND, Frame
 from rtgen.runtime.canopen.sdo import SdoAbort

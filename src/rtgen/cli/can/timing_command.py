@@ -8,12 +8,12 @@ from pathlib import Path
 
 import click
 
-from rtgen import systems
 from rtgen.backends.canopen.reports import timing_text
 from rtgen.cli.can.writing_rates import writings
 from rtgen.cli.common import BAD_INPUT, NO, OK, Console, with_console, write_out
 from rtgen.layouts.can_messages import messages
 from rtgen.layouts.can_timing import Timing, load, response_times
+from rtgen.systems import reading as systems
 
 _BIT_RATES = (10, 20, 50, 100, 125, 250, 500, 800, 1000)
 

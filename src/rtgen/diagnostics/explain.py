@@ -26,10 +26,10 @@ MODULES = (
     "rtgen.frontends.rtc_profile.rules",
     "rtgen.frontends.rts_profile",
     "rtgen.lint.rules",
-    "rtgen.project_rules",
+    "rtgen.project.rules",
     "rtgen.adapter_rules",
-    "rtgen.system_checks",
-    "rtgen.system_rules",
+    "rtgen.systems.checks",
+    "rtgen.systems.rules",
 )
 """The modules with `RULES`."""
 

@@ -7,8 +7,12 @@ from collections.abc import Iterable, Iterator, Sequence
 from decimal import Decimal
 from typing import Any, TypeAlias
 
-from rtgen import bus_inspect, device_inspect, indented_json, tecs_inspect
 from rtgen.diagnostics import Diagnostic
+from rtgen.diagnostics.report import as_json
+from rtgen.inspection import buses as bus_inspect
+from rtgen.inspection import devices as device_inspect
+from rtgen.inspection import indented_json
+from rtgen.inspection import tecs as tecs_inspect
 from rtgen.model import (
     Attribute,
     Bitmask,
@@ -41,7 +45,6 @@ from rtgen.model import (
     Valuetype,
 )
 from rtgen.model.tecs import TecsDeclaration
-from rtgen.report import as_json
 
 FORMAT = "rtgen-inspect/1"
 

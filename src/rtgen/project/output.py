@@ -23,7 +23,7 @@ from rtgen import __version__
 from rtgen.backends import Artifact, Owner
 from rtgen.diagnostics import Diagnostic, InputError, Rule, ToolError
 from rtgen.project import Project, shown
-from rtgen.project_rules import (
+from rtgen.project.rules import (
     ENCODING,
     FOREIGN_FILE,
     LEAVES_OUTPUT,

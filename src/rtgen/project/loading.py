@@ -4,20 +4,25 @@ from __future__ import annotations
 
 import keyword
 import os
-import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Diagnostic, InputError, Span
-from rtgen.project_rules import PATH_OVERLAP, PROJECT_NAME, SOURCE_KIND, SOURCE_NONE
+from rtgen.project.kinds import (
+    FILE_NAME,
+    SUFFIXES,
+    XML_DEVICES,
+    is_definition,
+    is_system,
+)
+from rtgen.project.rules import PATH_OVERLAP, PROJECT_NAME, SOURCE_KIND, SOURCE_NONE
 
 if TYPE_CHECKING:
-    from rtgen import project_file
+    from rtgen.project import file as project_file
 
-FILE_NAME = "rtgen.toml"
 TARGETS = ("embedded", "openrtm", "small", "dds")
 """What components run on, as rtgen.toml may say it."""
 
@@ -33,22 +38,6 @@ PRELUDES = ("kernel", "none")
 KCODES = ("auto", "euc", "sjis", "utf8", "none")
 """The encodings of CDL files."""
 
-SUFFIXES = (".idl", ".cdl", ".eds", ".dcf")
-"""What the front ends read, in lower case."""
-
-_XML_DEVICES = (".xdd", ".xdc", ".xpd")
-
-_BUS = re.compile(rb"^[ \t]*(\[[ \t]*bus[ \t]*\]|bus[ \t]*[.=])", re.MULTILINE)
-_MOST_OF_BUS = 1024 * 1024
-_PROFILES = {
-    ".xml": re.compile(rb"<(\w+:)?RtcProfile[\s>]"),
-    **dict.fromkeys((".yaml", ".yml"), re.compile(rb"^rtcProfile\s*:", re.MULTILINE)),
-}
-_MOST_OF_PROLOG = 64 * 1024
-_SYSTEMS = {
-    ".xml": re.compile(rb"<(\w+:)?RtsProfile[\s>]"),
-    **dict.fromkeys((".yaml", ".yml"), re.compile(rb"^rtsProfile\s*:", re.MULTILINE)),
-}
 _RESERVED_PACKAGES = frozenset({"generated", "RTC", "rtgen"})
 
 
@@ -144,7 +133,7 @@ def load(start: Path | None = None) -> Project:
             skeletons=folder / "src",
             tecs_path=_tecs_path(),
         )
-    from rtgen import project_file
+    from rtgen.project import file as project_file
 
     settings = project_file.read(file, shown(file))
     root = file.parent
@@ -332,53 +321,9 @@ def _below(folder: Path, skip: Path) -> list[Path]:
             if not f.startswith(".") and _normal((here / f).absolute()) != skip
         ]
         found += [
-            here / f
-            for f in files
-            if not f.startswith(".") and _is_definition(here / f)
+            here / f for f in files if not f.startswith(".") and is_definition(here / f)
         ]
     return sorted(found, key=lambda p: p.parts)
-
-
-def _is_definition(path: Path) -> bool:
-    return (
-        path.name.lower().endswith(SUFFIXES)
-        or is_bus_file(path)
-        or is_component_profile(path)
-        or is_system(path)
-    )
-
-
-def is_component_profile(path: Path) -> bool:
-    """Whether it describes a component (RtcProfile, in XML or YAML), and is no other such file."""
-    return _begins_as(path, _PROFILES)
-
-
-def is_system(path: Path) -> bool:
-    """Whether it describes a system (RtsProfile, in XML or YAML), and is no other such file."""
-    return _begins_as(path, _SYSTEMS)
-
-
-def _begins_as(path: Path, forms: Mapping[str, re.Pattern[bytes]]) -> bool:
-    form = forms.get(path.suffix.lower())
-    if form is None:
-        return False
-    try:
-        with path.open("rb") as stream:
-            head = stream.read(_MOST_OF_PROLOG)
-    except OSError:
-        return False
-    return form.search(head.replace(b"\0", b"")) is not None
-
-
-def is_bus_file(path: Path) -> bool:
-    """Whether it is a TOML file with a table `[bus]`."""
-    if path.suffix.lower() != ".toml" or path.name == FILE_NAME:
-        return False
-    try:
-        with path.open("rb") as stream:
-            return _BUS.search(stream.read(_MOST_OF_BUS)) is not None
-    except OSError:
-        return False
 
 
 def _check_kind(path: Path, target: str) -> Diagnostic | None:
@@ -386,7 +331,7 @@ def _check_kind(path: Path, target: str) -> Diagnostic | None:
         message = f"{path.as_posix()} is a system, of which {target!r} makes nothing"
         hint = f"--target {SYSTEMS_TARGET}; or rtgen run, rtgen graph"
         return SOURCE_KIND.at(None, message, hint=hint)
-    if path.is_dir() or _is_definition(path):
+    if path.is_dir() or is_definition(path):
         return None
     if path.suffix.lower() == ".toml" and path.name != FILE_NAME:
         return None  # named as a bus file: its reader says what is wrong with it
@@ -394,7 +339,7 @@ def _check_kind(path: Path, target: str) -> Diagnostic | None:
         return (
             None  # CDL as the editor tecscde writes it, beside a CDL file of that name
         )
-    if path.suffix.lower() in _XML_DEVICES:
+    if path.suffix.lower() in XML_DEVICES:
         hint = (
             "this is a CANopen device in XML (CiA 311): export it as an EDS, with CANopenEditor "
             "for example"

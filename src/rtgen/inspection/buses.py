@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeAlias
 
-from rtgen.device_inspect import value_of
+from rtgen.inspection.devices import value_of
 from rtgen.layouts.can_messages import identifier_of, messages
 from rtgen.layouts.can_timing import Timing, load, response_times
 from rtgen.model.can_bus import Bus, BusNode, DeviceKind, PdoLink

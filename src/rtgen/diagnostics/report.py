@@ -247,7 +247,7 @@ def _sarif(found: Sequence[Diagnostic]) -> dict[str, object]:
 
 
 def _rules() -> Mapping[str, Rule]:
-    from rtgen.explain import rules
+    from rtgen.diagnostics.explain import rules
 
     return rules()
 

@@ -10,7 +10,7 @@ from itertools import pairwise
 from typing import Any, Final, TypeAlias
 
 from rtgen.diagnostics import InputError, Span
-from rtgen.system_rules import MEASURE
+from rtgen.systems.rules import MEASURE
 
 Pose: TypeAlias = tuple[float, float, float]
 """x [m], y [m], heading [rad]."""

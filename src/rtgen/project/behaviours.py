@@ -9,7 +9,7 @@ from pathlib import PurePosixPath
 from rtgen.backends import Artifact, Owner
 from rtgen.diagnostics import Diagnostic, Span, ToolError
 from rtgen.project import Project, shown
-from rtgen.project_rules import LEFTOVER_SKELETON, UNKNOWN_PORT
+from rtgen.project.rules import LEFTOVER_SKELETON, UNKNOWN_PORT
 
 _USE = re.compile(r"\bself\.(\w+)\.(?:read|read_newest|is_new|write)\(")
 _SET = re.compile(r"\bself\.(\w+)\s*[,:=]")

@@ -12,7 +12,7 @@ from rtgen.diagnostics import Diagnostic
 from rtgen.frontends import Dependency, key_of, located_xml, rts_profile
 from rtgen.model import Model, System, SystemComponent
 from rtgen.model.system_links import known_components
-from rtgen.system_checks import check
+from rtgen.systems.checks import check
 from rtgen.typemap.openrtm_ports import ports_of, with_definition_names
 
 _MOST_OF_CONF = 1024 * 1024

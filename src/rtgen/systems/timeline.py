@@ -10,12 +10,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
-from rtgen import measures, toml_text
+from rtgen import toml_text
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
 from rtgen.facts.connector_properties import own_properties
-from rtgen.measures import Measure
 from rtgen.model import PortReference, System
-from rtgen.system_rules import CONDITION, PARAMETER, TIMELINE, UNKNOWN_INSTANCE
+from rtgen.systems import measures
+from rtgen.systems.measures import Measure
+from rtgen.systems.rules import CONDITION, PARAMETER, TIMELINE, UNKNOWN_INSTANCE
 
 SECOND = 1_000_000_000
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from rtgen.diagnostics import Diagnostic, InputError, Span, ToolError
-from rtgen.project_rules import FILE_UNREADABLE, PATH_MISSING, UNKNOWN_KEY, WRONG_TYPE
+from rtgen.project.rules import FILE_UNREADABLE, PATH_MISSING, UNKNOWN_KEY, WRONG_TYPE
 from rtgen.toml_text import TomlError, parse
 
 _HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")

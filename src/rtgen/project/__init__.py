@@ -1,0 +1,36 @@
+"""A project: `rtgen.toml`, the files it names, the cache, and the tree that it owns."""
+
+from rtgen.project.kinds import FILE_NAME, is_bus_file, is_component_profile, is_system
+from rtgen.project.loading import (
+    AVAILABLE_TARGETS,
+    KCODES,
+    PRELUDES,
+    SYSTEMS_TARGET,
+    TARGETS,
+    AdapterEntry,
+    Project,
+    find,
+    load,
+    require_sources,
+    shown,
+    with_arguments,
+)
+
+__all__ = [
+    "AVAILABLE_TARGETS",
+    "FILE_NAME",
+    "KCODES",
+    "PRELUDES",
+    "SYSTEMS_TARGET",
+    "TARGETS",
+    "AdapterEntry",
+    "Project",
+    "find",
+    "is_bus_file",
+    "is_component_profile",
+    "is_system",
+    "load",
+    "require_sources",
+    "shown",
+    "with_arguments",
+]

@@ -1,0 +1,69 @@
+"""What a file of a project is, by its suffix and its first bytes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+FILE_NAME = "rtgen.toml"
+
+SUFFIXES = (".idl", ".cdl", ".eds", ".dcf")
+"""What the front ends read, in lower case."""
+
+XML_DEVICES = (".xdd", ".xdc", ".xpd")
+
+_BUS = re.compile(rb"^[ \t]*(\[[ \t]*bus[ \t]*\]|bus[ \t]*[.=])", re.MULTILINE)
+_MOST_OF_BUS = 1024 * 1024
+_PROFILES = {
+    ".xml": re.compile(rb"<(\w+:)?RtcProfile[\s>]"),
+    **dict.fromkeys((".yaml", ".yml"), re.compile(rb"^rtcProfile\s*:", re.MULTILINE)),
+}
+_MOST_OF_PROLOG = 64 * 1024
+_SYSTEMS = {
+    ".xml": re.compile(rb"<(\w+:)?RtsProfile[\s>]"),
+    **dict.fromkeys((".yaml", ".yml"), re.compile(rb"^rtsProfile\s*:", re.MULTILINE)),
+}
+
+
+def is_definition(path: Path) -> bool:
+    """Whether a front end reads it, or it is a system."""
+    return (
+        path.name.lower().endswith(SUFFIXES)
+        or is_bus_file(path)
+        or is_component_profile(path)
+        or is_system(path)
+    )
+
+
+def is_component_profile(path: Path) -> bool:
+    """Whether it describes a component (RtcProfile, in XML or YAML), and is no other such file."""
+    return _begins_as(path, _PROFILES)
+
+
+def is_system(path: Path) -> bool:
+    """Whether it describes a system (RtsProfile, in XML or YAML), and is no other such file."""
+    return _begins_as(path, _SYSTEMS)
+
+
+def _begins_as(path: Path, forms: Mapping[str, re.Pattern[bytes]]) -> bool:
+    form = forms.get(path.suffix.lower())
+    if form is None:
+        return False
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(_MOST_OF_PROLOG)
+    except OSError:
+        return False
+    return form.search(head.replace(b"\0", b"")) is not None
+
+
+def is_bus_file(path: Path) -> bool:
+    """Whether it is a TOML file with a table `[bus]`."""
+    if path.suffix.lower() != ".toml" or path.name == FILE_NAME:
+        return False
+    try:
+        with path.open("rb") as stream:
+            return _BUS.search(stream.read(_MOST_OF_BUS)) is not None
+    except OSError:
+        return False

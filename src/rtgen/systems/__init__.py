@@ -1,0 +1,1 @@
+"""Systems (RtsProfile): reading, checks against definitions, timelines and their measures."""
