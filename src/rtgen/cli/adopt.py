@@ -1,4 +1,4 @@
-"""`rtgen adopt`."""
+"""The command `rtgen adopt`: derives an IDL definition from an OpenRTM-aist-Python component."""
 
 from __future__ import annotations
 

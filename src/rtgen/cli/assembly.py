@@ -1,4 +1,4 @@
-"""A system of the model made into one that runs: components, values, connections, start."""
+"""Builds a runnable system from the model: components, configuration, connections, start."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import CorbaTransport
 
 _MILLISECOND = 1_000_000
-_LOOK_AGAIN = 20 * _MILLISECOND
+_POLL_PERIOD = 20 * _MILLISECOND
 
 
 def assemble(
@@ -67,12 +67,11 @@ def assemble(
     patience: float = 0.0,
     report: FailureReport | None = None,
 ) -> runtime.System:
-    """The system, its components INACTIVE, with its start and the steps on its timeline.
+    """Assemble the system: all components INACTIVE, their start scheduled on its timeline.
 
-    A component that calls providers of other processes is activated when those that come before
-    it in the order of activation are ACTIVE, after `patience` [s] in any case. Raises InputError
-    with everything that does not fit together, ToolError if a factory cannot be loaded or the
-    transport does not work.
+    A component that calls providers of other processes is activated once the components before it
+    in the order of activation are ACTIVE, after `patience` [s] at the latest. Raises InputError
+    with all inconsistencies, ToolError if a factory cannot be loaded or the transport fails.
     """
     findings = [
         UNKNOWN_TYPE.at(
@@ -132,7 +131,7 @@ def _fill(
             connection.target,
             own_properties(connection.properties),
         )
-        span, hint = _blamed(system, connection)
+        span, hint = _failed_end(system, connection)
         found = _findings(CONNECTION, span, _performing(system, action))
         findings += (replace(finding, hint=hint) for finding in found)
     for step in steps:
@@ -154,7 +153,7 @@ def _fill(
 
 
 def _ports(component: runtime.Component) -> InstancePorts:
-    """The names of a component's ports, and the types of its interfaces."""
+    """The port names of a component, and the types of its interfaces."""
     providers, consumers = component.providers, component.consumers
     keys = [
         *((IN, name) for name in component.in_ports),
@@ -174,8 +173,8 @@ def _ports(component: runtime.Component) -> InstancePorts:
     )
 
 
-def _blamed(system: runtime.System, connection: Connection) -> tuple[Span, str | None]:
-    """Where to say that a connection fails: at an end without a port, with the likely one."""
+def _failed_end(system: runtime.System, connection: Connection) -> tuple[Span, str | None]:
+    """Where to report a failed connection: the end whose port is missing, with a suggestion."""
     for end in (connection.source, connection.target):
         if end.instance not in system.instances:
             continue
@@ -200,7 +199,7 @@ def _raise_if_any(findings: Sequence[Diagnostic]) -> None:
 def _findings(
     rule: Rule, span: Span | None, action: Callable[[], object]
 ) -> Iterator[Diagnostic]:
-    """What the runtime says against an action."""
+    """Diagnostics for the runtime's errors in an action."""
     try:
         action()
     except runtime.TransportError as error:
@@ -253,7 +252,7 @@ def _configure(
     folder: Path,
     settings: Iterable[SetParameter],
 ) -> Iterator[Diagnostic]:
-    """Gives the component its values, each source over the one before."""
+    """Apply configuration values; later sources override earlier ones."""
     sets = component.configuration_sets
     for name in dict.fromkeys((c.type, c.instance)):
         file = folder / f"{name}.conf"
@@ -280,9 +279,9 @@ def _load_conf(sets: runtime.ConfigurationSets, file: Path) -> None:
 
 
 def _start(profile: System, system: runtime.System) -> Iterator[tuple[int, str]]:
-    """When each component is activated, in ns: all at once, unless the system says otherwise.
+    """The activation times in ns; all components start at 0 unless the profile has an order.
 
-    At one instant those that provide services come before those that consume them.
+    At one instant, providers of services are activated before their consumers.
     """
     instants: dict[int, list[str]] = {}
     if not profile.activation:
@@ -301,7 +300,7 @@ def _when(
     action: Callable[[], None],
     patience: float,
 ) -> Callable[[], None]:
-    """The action, put off until the condition holds, at most so many seconds."""
+    """Postpone the action until the condition holds, for at most `patience` seconds."""
     latest: int | None = None
 
     def perform() -> None:
@@ -309,7 +308,7 @@ def _when(
         now = system.time
         latest = now + round(patience * SECOND) if latest is None else latest
         if now < latest and not condition():
-            system.at(now + _LOOK_AGAIN, perform)
+            system.at(now + _POLL_PERIOD, perform)
         else:
             action()
 
@@ -347,8 +346,8 @@ def _performing(
     return perform
 
 
-def _at_its_place(step: Step, action: Callable[[], None]) -> Callable[[], None]:
-    """The action, with what the runtime says against it turned into a finding."""
+def _with_place(step: Step, action: Callable[[], None]) -> Callable[[], None]:
+    """The action, with errors of the runtime turned into diagnostics at the step's place."""
 
     def perform() -> None:
         findings = [*_findings(TIMELINE, step.span, action)]

@@ -1,4 +1,4 @@
-"""`rtgen check`."""
+"""The command `rtgen check`: compares generated files on disk with a fresh run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the commands share: options, and the console that findings and messages go to."""
+"""Options shared by the commands, and the console for diagnostics and messages."""
 
 from __future__ import annotations
 
@@ -34,18 +34,18 @@ _DOCUMENTS = ("json", "sarif")
 
 
 class Refusal(click.ClickException):
-    """What the command line names is not there, or is no such thing."""
+    """An argument of the command line that does not exist or has the wrong form."""
 
     exit_code = BAD_INPUT
 
 
 class FiniteRange(click.FloatRange):
-    """A range of numbers, in which `nan` and `inf` are not."""
+    """A range of numbers that excludes `nan` and `inf`."""
 
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> float:
-        """The number. Raises click.BadParameter."""
+        """Convert the option's text. Raises click.BadParameter."""
         number: float = super().convert(value, param, ctx)
         if not math.isfinite(number):
             self.fail(f"{value} is no number of that range.", param, ctx)
@@ -53,7 +53,7 @@ class FiniteRange(click.FloatRange):
 
 
 class ReportedError(Exception):
-    """What ends a command is on the console already; `code` is the exit code."""
+    """Ends a command whose failure has already been reported; `code` is the exit code."""
 
     def __init__(self, code: int) -> None:
         self.code = code
@@ -62,7 +62,7 @@ class ReportedError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Console:
-    """Standard error, as the options want it: its form for findings, colour, and quiet."""
+    """Standard error with the options for it: form of diagnostics, colour, quiet."""
 
     form: str
     colour: bool
@@ -74,9 +74,9 @@ class Console:
         diagnostics: Sequence[Diagnostic],
         sources: Mapping[str, str] | None = None,
     ) -> None:
-        """Prints findings: text at once, forms of a single document when the command ends.
+        """Print diagnostics; forms with a single document (JSON, SARIF) are printed by `close`.
 
-        A document is printed even if there are no findings.
+        A document is printed even without diagnostics.
         """
         if self.form in _DOCUMENTS:
             self._held.append(diagnostics)
@@ -89,7 +89,7 @@ class Console:
                 sys.stderr.write(f"{summary(diagnostics)}\n")
 
     def close(self) -> None:
-        """Prints the document of all findings so far, if there is one to print."""
+        """Print the document of all diagnostics so far, if the form has one."""
         if self._held:
             from rtgen.diagnostics.report import report
 
@@ -98,15 +98,15 @@ class Console:
             sys.stderr.write(report(found, {}, self.form))
 
     def say(self, text: str) -> None:
-        """Prints a line for people: not if quiet, nor beside findings for machines."""
+        """Print a line for people, unless quiet or in a machine-readable form."""
         if not self.quiet and self.form == "text":
             sys.stderr.write(f"{text}\n")
 
 
 def write_out(text: str | bytes) -> None:
-    """Writes text to standard output, in UTF-8 whatever the locale, or octets as they are.
+    """Write text to standard output in UTF-8, regardless of the locale, or octets unchanged.
 
-    A reader that has left is no reason to end otherwise.
+    A closed pipe does not change the exit code.
     """
     try:
         sys.stdout.flush()
@@ -132,7 +132,7 @@ def discard_unread() -> None:
 def with_console(
     function: Callable[Concatenate[Console, P], int],
 ) -> Callable[..., int]:
-    """Adds the options of the console, and turns failures into findings and exit codes."""
+    """Add the options of the console; turn exceptions into diagnostics and exit codes."""
 
     @click.option(
         "--diagnostics",
@@ -177,7 +177,7 @@ def with_console(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Definitions:
-    """The definitions that the command line names, and how they are read."""
+    """The definitions named on the command line, with the options for reading them."""
 
     paths: tuple[str, ...]
     include: tuple[str, ...]
@@ -188,9 +188,9 @@ class Definitions:
 
 
 def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
-    """Adds PATH and the options that say how definitions are read; the function gets `definitions`.
+    """Add PATH and the options for reading definitions; the function gets `definitions`.
 
-    What a definition becomes lives until the end, so no garbage is looked for meanwhile.
+    The model lives until the end, so garbage collection is off meanwhile.
     """
 
     @functools.wraps(command)
@@ -199,7 +199,7 @@ def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
         given["define"] = tuple(given["define"])
         return command(*args, definitions=Definitions(**given), **kwargs)
 
-    function = _uncollected(wrapped)
+    function = _without_garbage_collection(wrapped)
     for decorate in (
         click.option(
             "--kcode",
@@ -237,7 +237,7 @@ def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
     return function
 
 
-def _uncollected(function: Callable[P, int]) -> Callable[P, int]:
+def _without_garbage_collection(function: Callable[P, int]) -> Callable[P, int]:
     @functools.wraps(function)
     def wrapped(*args: P.args, **kwargs: P.kwargs) -> int:
         enabled = gc.isenabled()
@@ -252,7 +252,7 @@ def _uncollected(function: Callable[P, int]) -> Callable[P, int]:
 
 
 def with_output(function: Callable[P, int]) -> Callable[P, int]:
-    """Adds -o and --no-cache; the function gets `output` and `no_cache`."""
+    """Add -o and --no-cache; the function gets `output` and `no_cache`."""
     return click.option(
         "-o",
         "output",
@@ -262,14 +262,14 @@ def with_output(function: Callable[P, int]) -> Callable[P, int]:
 
 
 def with_cache(function: Callable[P, int]) -> Callable[P, int]:
-    """Adds --no-cache; the function gets `no_cache`."""
+    """Add --no-cache; the function gets `no_cache`."""
     return click.option(
         "--no-cache", is_flag=True, help="Neither read nor write the cache."
     )(function)
 
 
 def with_target(function: Callable[P, int]) -> Callable[P, int]:
-    """Adds --target; the function gets `target`."""
+    """Add --target; the function gets `target`."""
     return click.option(
         "--target",
         type=click.Choice(TARGETS),
@@ -279,7 +279,7 @@ def with_target(function: Callable[P, int]) -> Callable[P, int]:
 
 
 def with_node_id(function: Callable[P, int]) -> Callable[P, int]:
-    """Adds --node-id; the function gets `node_id`."""
+    """Add --node-id; the function gets `node_id`."""
     return click.option(
         "--node-id",
         type=click.IntRange(1, 127),
@@ -295,9 +295,9 @@ def project_of(
     node_id: int | None = None,
     target: str | None = None,
 ) -> Project:
-    """The project around the working folder, as the command line changes it, with sources.
+    """The project of the working folder, with the settings of the command line.
 
-    `add`: the paths are read beside the project's sources, not in place of them.
+    `add`: the paths are read in addition to the project's sources instead of replacing them.
     """
     project = with_arguments(
         load(),
@@ -317,7 +317,7 @@ def project_of(
 
 
 def require_target(project: Project) -> None:
-    """Raises ToolError for a target that this version does not have."""
+    """Raise ToolError for a target that this version lacks."""
     if project.target not in AVAILABLE_TARGETS:
         raise ToolError(
             f"the target {project.target!r} is not available in this version",

@@ -1,4 +1,4 @@
-"""A component of a model as text in the forms that people exchange."""
+"""Prints a component of a model as IDL or as RTC.xml."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from rtgen.typemap.component_needs import declarations_of
 
 
 def component_idl(model: Model, component: Component) -> str:
-    """The component in IDL: includes of the files that declare its types, placeholders, itself.
+    """The component as IDL: includes for its types, placeholders for unknown ones, itself.
 
-    What stands in the file that defines the component itself is written out, since including
-    that one would define it twice.
+    Declarations from the component's own file are written out, because including that file would
+    define the component twice.
     """
     needed = declarations_of(model, component)
     opaque = [d for d in needed if d.annotation(OPAQUE) is not None]
@@ -39,7 +39,7 @@ def _is_beside(declaration: Declaration, files: set[str]) -> bool:
 
 
 def _ancestors(model: Model, component: Component) -> Iterator[ScopedName]:
-    """The bases that stand in the component's own file."""
+    """The bases that are defined in the component's own file."""
     while component.base is not None:
         base = model.find(component.base)
         if not isinstance(base, Component) or base.file != component.file:

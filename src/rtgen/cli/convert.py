@@ -1,4 +1,4 @@
-"""`rtgen convert`."""
+"""The command `rtgen convert`: writes a component or a system in another form."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def _wrong_form(form: str, forms: tuple[str, ...], what: str) -> InputError:
     return InputError([OTHER_FORM.at(None, f"{what} has no form {form}", hint=hint)])
 
 
-# Systems.
+# Systems
 
 
 def _system(console: Console, path: Path, form: str) -> int:
@@ -95,7 +95,7 @@ def _system(console: Console, path: Path, form: str) -> int:
     return OK
 
 
-# Components.
+# Components
 
 
 def _component(

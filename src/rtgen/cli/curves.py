@@ -1,4 +1,4 @@
-"""Values of ports and observables over time: `--plot INSTANCE.PORT`, `--csv INSTANCE.PORT`."""
+"""Records values over time for `--plot INSTANCE.PORT` and `--csv INSTANCE.PORT`."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from rtgen.runtime.json_printers import plain
 from rtgen.systems.rules import OBSERVABLE, UNKNOWN_INSTANCE
 
 FILES = (*PICTURES, ".csv", ".tsv", ".txt", ".dat")
-"""Endings that make an argument a file's name, whatever stands before."""
+"""Suffixes that mark an argument as a file name."""
 _SELECTOR = re.compile(
     r"(?P<instance>[^.]+)\.(?P<name>[^.\[]+)(?P<path>(\.\w+|\[\d+\])*)"
 )
@@ -38,7 +38,7 @@ Number: TypeAlias = float | int
 
 @dataclass(slots=True)
 class Curve:
-    """Values over time [s]; `unit` is empty where the definition says none."""
+    """Values over time [s]; `unit` is empty if the definition has none."""
 
     name: str
     unit: str = ""
@@ -49,10 +49,10 @@ class Curve:
 def divided(
     arguments: Sequence[str], option: str, system: System
 ) -> tuple[str | None, tuple[str, ...]]:
-    """The file among the arguments of an option, and what is to be shown.
+    """Separate the file name among an option's arguments from the selectors.
 
-    An argument is INSTANCE.NAME of the system unless it has an ending of FILES or a folder. Raises
-    InputError for two files, or a name that is likely a misspelt instance.
+    An argument is a selector INSTANCE.NAME unless it has a suffix of FILES or a folder. Raises
+    InputError for two files, or for a name that looks like a misspelt instance.
     """
     names = [component.instance for component in system.components]
     files, selectors = [], []
@@ -77,11 +77,11 @@ def divided(
 
 
 class Curves:
-    """The curves of what a command line selects: of an OutPort each sample that is written, of an
-    InPort each that is read, of an observable its value 50 times a second.
+    """Records the curves selected on the command line.
 
-    `INSTANCE.NAME` has all numbers of a sample but its time stamp, `.member` and `[index]` lead to
-    some of them. Raises InputError for a name that the component does not have.
+    An OutPort gives each sample written, an InPort each sample read, an observable its value 50
+    times a second. `INSTANCE.NAME` selects all numbers of a sample except its time stamp;
+    `.member` and `[index]` select some. Raises InputError for a name that the component lacks.
     """
 
     def __init__(self, running: runtime.System, selectors: Sequence[str]) -> None:
@@ -92,7 +92,7 @@ class Curves:
             self._select(selector)
 
     def of(self, selectors: Sequence[str]) -> list[Curve]:
-        """The curves of selectors. Raises InputError if one has no numbers."""
+        """The curves of some selectors. Raises InputError if a selector has no numbers."""
         found = []
         for selector in dict.fromkeys(selectors):
             curves = [*self._of[selector].values()]
@@ -168,7 +168,7 @@ class Curves:
 
 
 def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
-    """The part of a sample that a path leads to; None where there is none."""
+    """The part of a sample that a path selects, with its label; None if the sample lacks it."""
     for step in path:
         label += f"[{step}]" if isinstance(step, int) else f".{step}"
         if isinstance(step, int):
@@ -180,7 +180,7 @@ def _inside(value: Any, label: str, path: list[str | int]) -> tuple[Any, str]:
 
 
 def _numbers(value: Any, label: str) -> Iterator[tuple[str, Number]]:
-    """The numbers in a sample with their labels; a time stamp beside others is left out."""
+    """The numbers in a sample with their labels; a time stamp beside other members is left out."""
     match value:
         case bool():
             yield label, int(value)
@@ -199,7 +199,7 @@ def _numbers(value: Any, label: str) -> Iterator[tuple[str, Number]]:
 
 
 def write_curves(stream: TextIO, curves: Sequence[Curve]) -> None:
-    """A column for each curve, a row for each time at which one has a value; numbers of seconds."""
+    """Write a column for each curve and a row for each time at which any curve has a value."""
     rows: dict[float, dict[int, Number]] = {}
     for column, curve in enumerate(curves):
         for time, value in zip(curve.times, curve.values, strict=True):
@@ -211,7 +211,7 @@ def write_curves(stream: TextIO, curves: Sequence[Curve]) -> None:
 
 
 def draw_curves(path: str, title: str, curves: Sequence[Curve], time: str) -> None:
-    """Curves over time, those of one unit in one frame; `time` names the axis."""
+    """Draw curves over time, one frame for each unit; `time` is the label of the axis."""
     from matplotlib.figure import Figure
 
     units = [*dict.fromkeys(curve.unit for curve in curves)]

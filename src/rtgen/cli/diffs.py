@@ -1,4 +1,4 @@
-"""Planned changes as a unified diff."""
+"""Formats planned changes as a unified diff."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _NOWHERE = "/dev/null"
 
 
 def diff(changes: Iterable[Change]) -> str:
-    """The diff from what the tree holds to what rtgen makes."""
+    """The diff from the files on disk to the generated ones."""
     return "".join(map(_one, changes))
 
 

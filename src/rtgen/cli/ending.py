@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM in a run: it ends in order, and within a bound if code does not return."""
+"""Handles Ctrl-C and SIGTERM during a run: it ends in order, within a bound if a call hangs."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ from rtgen.runtime.watchdog import Call, Since, calls_under_way, followed
 
 _LOOK = 0.1
 _SHORT = 0.3
-"""After how many seconds a call is named that the end of the run waits for."""
+"""Seconds after which a call that delays the end of the run is reported."""
 
 
 class Ending:
-    """What Ctrl-C does: once, the run ends; a call that lasts is named, interrupted, given up.
+    """The signal handler of a run: the first signal ends the run.
 
-    Before the run has begun, and from the second time on, it raises KeyboardInterrupt at once.
+    A call that delays the end is reported, then interrupted, then abandoned. Before the run has
+    begun, and from the second signal on, it raises KeyboardInterrupt immediately.
     """
 
     def __init__(self, say: Callable[[Call, str], None]) -> None:
@@ -35,15 +36,15 @@ class Ending:
         self._asked = False
 
     def of(self, end_run: Callable[[BaseException], None]) -> None:
-        """From now on it ends a run."""
+        """Set the function that ends the run."""
         self._end_run = end_run
 
     def close(self) -> None:
-        """Nothing is waited for any more."""
+        """Stop waiting for calls."""
         self._over.set()
 
     def signalled(self, number: int, frame: FrameType | None) -> None:
-        """Handles a signal, in the main thread."""
+        """Handle a signal, in the main thread."""
         if self._end_run is None or self._asked:
             for call in calls_under_way():
                 if call.thread == threading.main_thread().ident:
@@ -76,7 +77,7 @@ class Ending:
 
 
 def _interrupt(thread: int | None) -> None:
-    """Lets the main thread raise KeyboardInterrupt, also out of a system call."""
+    """Make the main thread raise KeyboardInterrupt, even from a system call."""
     if thread is not None and hasattr(signal, "pthread_kill"):
         signal.pthread_kill(thread, signal.SIGINT)
     else:
@@ -85,7 +86,7 @@ def _interrupt(thread: int | None) -> None:
 
 @contextmanager
 def ending(say: Callable[[Call, str], None]) -> Iterator[Ending]:
-    """Handles Ctrl-C and SIGTERM meanwhile."""
+    """Handle Ctrl-C and SIGTERM within the block."""
     handler = Ending(say)
     with handled(handler.signalled, signal.SIGINT, signal.SIGTERM):
         try:

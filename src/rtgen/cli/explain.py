@@ -1,4 +1,4 @@
-"""`rtgen explain`."""
+"""The command `rtgen explain`: documentation of diagnostic codes."""
 
 from __future__ import annotations
 

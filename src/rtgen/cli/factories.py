@@ -1,4 +1,4 @@
-"""Where components come from: the project, then what is installed."""
+"""Finds the factories of component types: in the project first, then in installed packages."""
 
 from __future__ import annotations
 
@@ -22,8 +22,11 @@ Factory = Callable[[str], Component]
 
 
 class Factories:
-    """The factories of component types by name. What stands first wins: `[components]` of
-    rtgen.toml, the project's generated entry points, the installed entry points."""
+    """The factories of component types by name.
+
+    Precedence: `[components]` of rtgen.toml, entry points generated in the project, installed
+    entry points.
+    """
 
     def __init__(self, project: Project) -> None:
         self._targets: dict[str, str] = {
@@ -41,7 +44,7 @@ class Factories:
         return self._targets
 
     def hint(self, type_name: str) -> str:
-        """What helps someone who asked for an unknown type."""
+        """A hint for an unknown type."""
         close = get_close_matches(type_name, self._targets, n=1)
         if close:
             return f"did you mean {close[0]!r}?"
@@ -53,7 +56,8 @@ class Factories:
     def __getitem__(self, type_name: str) -> Factory:
         """The factory of a known type.
 
-        Raises FactoryImportError if it cannot be imported, ToolError if it cannot be called.
+        Raises FactoryImportError if its module cannot be imported, ToolError if it is not
+        callable.
         """
         target = self._targets[type_name]
         module, _, attribute = target.partition(":")
@@ -72,11 +76,11 @@ class Factories:
 
 
 class FactoryImportError(ToolError):
-    """The module of a component cannot be imported; the cause is what it raised."""
+    """The module of a component cannot be imported; its cause is the original exception."""
 
 
 def _advice(error: BaseException, module: str) -> str | None:
-    """What helps if a factory cannot be imported."""
+    """A hint for a failed import."""
     match error:
         case ModuleNotFoundError(name=str(missing)):
             if module == missing or module.startswith(f"{missing}."):
@@ -94,7 +98,7 @@ class _EntryPoints(configparser.ConfigParser):
 
 
 def _generated(project: Project) -> Mapping[str, str]:
-    """What the entry_points.txt of the project's generated packages say."""
+    """The factories in entry_points.txt of the project's generated packages."""
     package = project.output / project.package
     return {
         **_listed(package / "tecs" / "entry_points.txt"),
@@ -103,7 +107,7 @@ def _generated(project: Project) -> Mapping[str, str]:
 
 
 def _listed(file: Path) -> Mapping[str, str]:
-    """The factories that a file lists; none if it is missing."""
+    """The factories listed in a file; none if the file is missing."""
     parser = _EntryPoints(delimiters=("=",), interpolation=None)
     try:
         parser.read_string(file.read_text(encoding="utf-8"))

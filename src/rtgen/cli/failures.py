@@ -1,4 +1,4 @@
-"""Failures of components' own code on the console: where, when, and the traceback."""
+"""Reports exceptions in components' code on the console: place, time and traceback."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ from rtgen.runtime.watchdog import Call, calls_under_way
 from rtgen.systems.rules import BLOCKED, IMPORT, NOTICE, RAISED
 
 _QUIET_STATES = ("on_activated", "on_execute", "on_state_update", "on_rate_changed")
-"""Callbacks whose error code leads to ERROR, which the report of the run has."""
+"""Callbacks whose error code leads to ERROR, which the final report shows."""
 _IMPORTING = ("<", str(Path(importlib.__file__).parent))
-"""Where files that import others begin."""
+"""File names of the import system, at which tracebacks of imports begin."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class FailureOptions:
 
 
 def with_failures(command: Callable[..., int]) -> Callable[..., int]:
-    """Adds --traceback, --pdb and -v; the function gets `shown_failures`."""
+    """Add --traceback, --pdb and -v; the function gets `shown_failures`."""
 
     @functools.wraps(command)
     def wrapped(traceback_form: str, debug: bool, verbose: int, **kwargs: Any) -> int:
@@ -81,19 +81,19 @@ def with_failures(command: Callable[..., int]) -> Callable[..., int]:
 
 
 class FailureReport:
-    """Prints what components' code raises, as it happens. See `System.on_failure`.
+    """Prints exceptions of components' code as they happen (see `System.on_failure`).
 
     With `debug` the debugger opens in the failing frame; afterwards `end_run` is called. In real
-    time it opens in `close`, when the components stand still.
+    time the debugger opens in `close`, when all components have stopped.
     """
 
     def __init__(
         self, console: Console, options: FailureOptions, *, simulated: bool = True
     ) -> None:
         self.raised = False
-        """Whether a component's own code raised, or returned no ReturnCode_t."""
+        """Whether a component's code has raised an exception or returned no ReturnCode_t."""
         self.interrupt: BaseException | None = None
-        """What ends the run, once a callback has raised it."""
+        """The exception raised by a callback that ends the run."""
         self.end_run: Callable[[BaseException], None] = lambda error: None
         self.before_debugging: Callable[[], None] = lambda: None
         """Called before the debugger opens, to clear the terminal."""
@@ -104,7 +104,7 @@ class FailureReport:
         self._blocked: dict[str, Call] = {}
 
     def __call__(self, failure: Failure) -> None:
-        """Reports a failure of a callback or a servant."""
+        """Report a failure of a callback or a servant."""
         error = failure.error
         if error is None:
             if failure.callback not in _QUIET_STATES and not failure.repeated:
@@ -114,7 +114,7 @@ class FailureReport:
             self.raised = True
             self.interrupt = error
             return
-        # What a servant (`<port>.<operation>`) raises is the caller's to handle.
+        # Exceptions of a servant (`<port>.<operation>`) are handled by the caller.
         if "." not in failure.callback:
             self.raised = True
         if not failure.repeated:
@@ -124,7 +124,7 @@ class FailureReport:
     def cannot_make(
         self, instance: str, callback: str, error: BaseException, span: Span
     ) -> None:
-        """Reports a component that cannot be made. Raises what ends a run."""
+        """Report a component that cannot be constructed. Re-raises exceptions that end a run."""
         if ends_run(error):
             raise error
         self.raised = True
@@ -133,12 +133,12 @@ class FailureReport:
         self._debug(error)
 
     def cannot_import(self, failed: FactoryImportError, span: Span) -> None:
-        """Reports a module that cannot be imported."""
+        """Report a module that cannot be imported."""
         error = failed.__cause__
         assert error is not None
         message = f"{failed.message}: {described(error)}"
         if place(error) is None:
-            # The module is not there, or has no such attribute: no line of it is to blame.
+            # The module is missing or lacks the attribute: there is no line to point at.
             found = getattr(error, "obj", None)
             file = getattr(found, "__file__", None)
             at = (
@@ -153,25 +153,25 @@ class FailureReport:
         self._debug(error)
 
     def blocked(self, call: Call, seconds: float) -> None:
-        """Reports a call that does not return."""
+        """Report a call that does not return."""
         self._blocked[call.instance] = call
         what = f"has not returned for {seconds:.0f} s"
         self.waiting(call, what, hint="Ctrl-C ends the run")
 
     def waiting(self, call: Call, what: str, hint: str | None = None) -> None:
-        """Reports a call that lasts."""
+        """Report a call that is still running."""
         span = _span(FrameSummary(call.file, call.line, call.callback))
         message = f"{call.instance}.{call.callback} {what}"
         self.notice(BLOCKED.at(span, message, hint=hint))
 
     def still_blocked(self) -> dict[str, Call]:
-        """The calls that were reported and have not returned yet, by instance."""
+        """The reported calls that have still not returned, by instance."""
         frames = [call.frame for call in calls_under_way()]
         known = self._blocked.items()
         return {name: call for name, call in known if call.frame in frames}
 
     def cannot_show(self, error: ObservableError) -> None:
-        """Reports an observable that raised."""
+        """Report an observable that raised."""
         cause = error.__cause__ or error
         self.raised = True
         self._show(RAISED, str(error), cause, None)
@@ -179,7 +179,7 @@ class FailureReport:
 
     @contextmanager
     def breakpoints(self) -> Iterator[None]:
-        """Lets `breakpoint()` clear the terminal first."""
+        """Make `breakpoint()` clear the terminal first."""
 
         def opened(*args: Any, **kwargs: Any) -> Any:
             import pdb
@@ -196,11 +196,11 @@ class FailureReport:
             sys.breakpointhook = before
 
     def notice(self, diagnostic: Diagnostic) -> None:
-        """Prints a finding without a count of findings behind it."""
+        """Print a diagnostic without a summary line."""
         self._print(diagnostic, "")
 
     def close(self) -> None:
-        """Opens the debugger for the first failure, if that was put off."""
+        """Open the debugger for the first failure, if that was postponed."""
         if self._to_debug is not None:
             self._post_mortem(self._to_debug)
 
@@ -224,7 +224,7 @@ class FailureReport:
             return
         from rtgen.diagnostics.report import report
 
-        # The traceback shows the line.
+        # The traceback already shows the line.
         span = diagnostic.span
         sources = {span.file: ""} if span is not None and following else {}
         text = report([diagnostic], sources, colour=self._console.colour)
@@ -263,7 +263,7 @@ def place(error: BaseException) -> Span | None:
 
 
 def traceback_text(error: BaseException, form: str) -> str:
-    """The traceback: `short` has the lines of the user's own files, `full` all of them."""
+    """The traceback: `short` has only frames in the user's own files, `full` has all frames."""
     described = TracebackException.from_exception(error, compact=True)
     if not described.stack:
         described.stack = StackSummary.from_list(_frames(error))
@@ -292,7 +292,7 @@ def _frames(error: BaseException) -> list[FrameSummary]:
 
 
 def _own(frames: list[FrameSummary]) -> list[FrameSummary]:
-    """Those of the user's own files; without any those of other packages; else all."""
+    """The frames in the user's own files; else those of other packages; else all."""
     for wanted in (is_users, lambda f: not (is_rtgens(f) or f.startswith(_IMPORTING))):
         found = [frame for frame in frames if wanted(frame.filename)]
         if found:
@@ -301,8 +301,8 @@ def _own(frames: list[FrameSummary]) -> list[FrameSummary]:
 
 
 def _relative(frame: FrameSummary) -> FrameSummary:
-    """The frame with its file as messages show it."""
-    _ = frame.line  # Read while the file has its full name.
+    """The frame with its file name as messages show it."""
+    _ = frame.line  # Read while the file still has its full name.
     path = Path(frame.filename)
     if path.is_absolute() and path.is_relative_to(Path.cwd()):
         frame.filename = shown(path)
@@ -317,15 +317,15 @@ def _span(frame: FrameSummary) -> Span:
         begin = len(text) - len(text.lstrip())
         end = len(text.rstrip())
     else:
-        # Positions of bytecode count octets.
+        # Columns in bytecode count octets.
         octets = text.encode()
         begin, end = (len(octets[:c].decode(errors="replace")) for c in columns)
     file = _relative(FrameSummary(frame.filename, number, frame.name)).filename
     return Span(file, number, begin + 1, number, max(end, begin + 1) + 1)
 
 
-class _Notes(logging.Handler):
-    """Prints what the runtime logs."""
+class _LogHandler(logging.Handler):
+    """Prints log records of the runtime."""
 
     def __init__(self, report: FailureReport, console: Console, form: str) -> None:
         super().__init__()
@@ -347,9 +347,9 @@ class _Notes(logging.Handler):
 def logged(
     report: FailureReport, console: Console, options: FailureOptions
 ) -> Iterator[None]:
-    """Prints what the runtime logs meanwhile: warnings, and more with -v."""
+    """Print log records of the runtime within the block: warnings, or more with -v."""
     log = logging.getLogger("rtgen")
-    handler = _Notes(report, console, options.form)
+    handler = _LogHandler(report, console, options.form)
     before = log.level
     log.setLevel(
         (logging.WARNING, logging.INFO, logging.DEBUG)[min(options.verbose, 2)]

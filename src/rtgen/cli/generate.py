@@ -1,4 +1,4 @@
-"""`rtgen generate`."""
+"""The command `rtgen generate`: compiles definitions and writes the generated files."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`rtgen graph`."""
+"""The command `rtgen graph`: draws a system as SVG."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Groups of commands that are imported one by one as needed."""
+"""Click groups whose commands are imported lazily."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import click
 
 
 class LazyGroup(click.Group):
-    """Commands by name, each with its line of help; `target` makes `module:function` of a name."""
+    """A group of commands with their help lines; `target` maps a command to `module:function`."""
 
     def __init__(
         self, *args: Any, summaries: Mapping[str, str], target: str, **kwargs: Any

@@ -1,4 +1,4 @@
-"""`rtgen inspect`."""
+"""The command `rtgen inspect`: shows the resolved model."""
 
 from __future__ import annotations
 
@@ -24,7 +24,8 @@ from rtgen.project import cache, is_component_profile, is_system
 
 
 def _is_system(path: Path) -> bool:
-    """Whether it is read as one: so is XML of which nothing is known, to say what is wrong."""
+    """Whether to read the file as a system; also for unknown XML, whose errors are then reported.
+    """
     unknown = path.suffix.lower() == ".xml" and not is_component_profile(path)
     return unknown or is_system(path)
 

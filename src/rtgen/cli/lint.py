@@ -1,4 +1,4 @@
-"""`rtgen lint`."""
+"""The command `rtgen lint`: runs the lint rules on definitions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How a run is shown while it goes on: a bar on a terminal, plain lines elsewhere."""
+"""Displays the progress of a run: a bar on a terminal, plain lines elsewhere."""
 
 from __future__ import annotations
 
@@ -12,44 +12,44 @@ _LINE_EVERY = 10 * SECOND
 
 
 class Progress(Protocol):
-    """Told of the time in ns since the start, and of every change of a state."""
+    """Receives the time in ns since the start, and every change of a component's state."""
 
     def at(self, time: int) -> None:
-        """Time has gone on."""
+        """Called as time passes."""
 
     def state(self, time: int, instance: str, state: str) -> None:
-        """A component has changed its state."""
+        """Called when a component has changed its state."""
 
 
 class Silence:
-    """Shows nothing."""
+    """Displays nothing."""
 
     def at(self, time: int) -> None:
-        """Nothing."""
+        """Do nothing."""
 
     def state(self, time: int, instance: str, state: str) -> None:
-        """Nothing."""
+        """Do nothing."""
 
 
 class Lines:
-    """A line for every change of a state, and for every ten seconds."""
+    """Prints a line for every change of state and for every ten seconds."""
 
     def __init__(self) -> None:
         self._next = _LINE_EVERY
 
     def at(self, time: int) -> None:
-        """A line, if ten seconds have passed."""
+        """Print a line if ten seconds have passed."""
         if time >= self._next:
             self._next += _LINE_EVERY
             sys.stderr.write(f"{time / SECOND:.0f} s\n")
 
     def state(self, time: int, instance: str, state: str) -> None:
-        """A line."""
+        """Print the change of state."""
         sys.stderr.write(f"{time / SECOND:.3f} s: {instance} {state}\n")
 
 
 class Bar:
-    """A bar of the time, with the latest change of a state."""
+    """A progress bar with the latest change of state."""
 
     def __init__(self, files: ExitStack, limit: int | None) -> None:
         from rich.console import Console
@@ -68,16 +68,16 @@ class Bar:
         self._task = self._progress.add_task("", total=total, time=0.0)
 
     def at(self, time: int) -> None:
-        """Moves the bar on."""
+        """Advance the bar."""
         self._progress.update(self._task, completed=time / SECOND, time=time / SECOND)
 
     def state(self, time: int, instance: str, state: str) -> None:
-        """Tells the change beside the bar."""
+        """Show the change of state beside the bar."""
         self._progress.update(self._task, description=f"{instance} {state}")
 
 
 def progress(files: ExitStack, limit: int | None, *, quiet: bool) -> Progress:
-    """What suits standard error; `files` ends it."""
+    """The display that suits standard error; `files` closes it."""
     if quiet:
         return Silence()
     return Bar(files, limit) if sys.stderr.isatty() else Lines()

@@ -1,4 +1,4 @@
-"""What a run leaves behind: the trajectory as CSV and as a picture."""
+"""Writes the trajectory of a run, as CSV and as a picture."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _ARROW = 0.06
 
 @dataclass(frozen=True, slots=True)
 class Sample:
-    """Where the robots were, and where the one was to go, `t` seconds after the start."""
+    """Poses of the robots and the goal, `t` seconds after the start."""
 
     t: float
     poses: tuple[Pose, ...]
@@ -37,10 +37,7 @@ class Sample:
 
 
 def opened(files: ExitStack, path: str | None) -> TextIO | None:
-    """The file, opened for writing before a run begins and closed with `files`.
-
-    ToolError if it cannot be.
-    """
+    """Open a file for writing before a run begins; `files` closes it. Raises ToolError."""
     if path is None:
         return None
     try:
@@ -50,7 +47,7 @@ def opened(files: ExitStack, path: str | None) -> TextIO | None:
 
 
 def check_picture(path: str | None) -> None:
-    """ToolError if a picture could not be written there, or not at all."""
+    """Raise ToolError for an unknown kind of picture, or without matplotlib."""
     if path is None:
         return
     file = Path(path)
@@ -72,9 +69,10 @@ def check_picture(path: str | None) -> None:
 
 
 def write_csv(stream: TextIO, robots: Sequence[str], samples: Sequence[Sample]) -> None:
-    """One line for each sample and robot, after a header.
+    """Write one line for each sample and robot, after a header.
 
-    Of one robot with its goal, whose columns are empty before the first; of several with names.
+    A single robot is written with its goal, whose columns are empty before the first goal;
+    several robots are written with their names.
     """
     writer = csv.writer(stream, lineterminator="\n")
     if len(robots) == 1:
@@ -92,7 +90,7 @@ def write_csv(stream: TextIO, robots: Sequence[str], samples: Sequence[Sample]) 
 def draw(
     path: str, title: str, robots: Sequence[str], samples: Sequence[Sample]
 ) -> None:
-    """The trajectories with starts, ends and goals, heading arrows, and equal axes."""
+    """Draw the trajectories with starts, ends, goals, heading arrows and equal axes."""
     from matplotlib.figure import Figure
 
     with reproducible():
@@ -105,18 +103,18 @@ def draw(
 
 
 def reproducible() -> AbstractContextManager[None]:
-    """Settings of matplotlib with which the same data give the same file."""
+    """Settings of matplotlib that make its output deterministic."""
     from matplotlib import rc_context
 
     return rc_context({"svg.hashsalt": "rtgen", "font.family": "DejaVu Sans"})
 
 
 _STROKES = (("-", 4.5, 0.45), ("-", 1.4, 1.0), ("--", 1.8, 1.0), (":", 2.4, 1.0))
-"""Style, width and opacity by number: a line on top of another leaves both visible."""
+"""Style, width and opacity by number; overlapping lines stay visible."""
 
 
 def stroke(number: int, count: int) -> dict[str, Any]:
-    """Colour and form of one of so many lines in one diagram."""
+    """Colour and line style of line `number` of `count` in one diagram."""
     style, width, alpha = ("-", 1.8, 1.0)
     if count > 1:
         style, width, alpha = _STROKES[number % len(_STROKES)]
@@ -129,7 +127,7 @@ def stroke(number: int, count: int) -> dict[str, Any]:
 
 
 def add_legend(figure: Figure, axes: Sequence[Axes], most: int = 4) -> None:
-    """One legend below all axes, where it covers no data; `most` entries in a row."""
+    """Add one legend below all axes, with at most `most` entries in a row."""
     found: dict[str, Any] = {}
     for each in axes:
         for handle, label in zip(*each.get_legend_handles_labels(), strict=True):
@@ -144,7 +142,7 @@ def add_legend(figure: Figure, axes: Sequence[Axes], most: int = 4) -> None:
 def draw_trajectories(
     axes: Axes, robots: Sequence[str], samples: Sequence[Sample]
 ) -> None:
-    """Draw the trajectories of robots: a hollow square where each begins, a dot where it ends."""
+    """Draw the trajectories: a hollow square at each start, a dot at each end."""
     goals = list(dict.fromkeys(s.goal for s in samples if s.goal is not None))
     everywhere = [*goals, *(pose for s in samples for pose in s.poses)]
     scale = _ARROW * max(_extent(everywhere), 0.5)
@@ -172,7 +170,7 @@ def draw_trajectories(
 
 
 def save_picture(figure: Figure, path: Path) -> None:
-    """Writes a picture, without a date, of the kind that the suffix tells. Raises ToolError."""
+    """Write a picture without a date, in the format of the suffix. Raises ToolError."""
     kind = path.suffix.lower()[1:]
     undated: dict[str, Any] = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}
     try:

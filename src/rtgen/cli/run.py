@@ -1,4 +1,4 @@
-"""`rtgen run`."""
+"""The command `rtgen run`: runs a system on the embedded runtime."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ from rtgen.systems.rules import CONDITION, MEASURE, OBSERVABLE
 from rtgen.systems.timeline import SECOND, Condition
 
 _LONGEST = 600 * SECOND
-"""Where a run in simulated time ends that waits for a state only."""
+"""Limit of a run in simulated time that only waits for a state, in ns."""
 _SAMPLE_PERIOD = SECOND // 50
 _LOOK_PERIOD = SECOND // 10
 
@@ -171,7 +171,7 @@ def run(
         ) as running,
     ):
         report.end_run = running.end_run
-        # Whoever asks for a stretch of the run by --until does not ask where it ends.
+        # A user who limits the run by --until does not want its end judged.
         judged = until is None or condition.instance is not None
         view = View(running, profile, simulated=simulated, judged=judged)
         curves = Curves(running, (*in_table, *in_picture))
@@ -224,12 +224,12 @@ def run(
 
 
 def _result(profile: System, ending: str) -> str:
-    """Where values go, unless the command line says otherwise."""
+    """The default file for values."""
     return str(_results_of(profile.name) / f"values{ending}")
 
 
 def _results_of(name: str) -> Path:
-    """The folder for results. Raises ToolError."""
+    """The folder for results, created if missing. Raises ToolError."""
     results = Path("build") / name
     try:
         results.mkdir(parents=True, exist_ok=True)
@@ -241,7 +241,7 @@ def _results_of(name: str) -> Path:
 def _files(
     console: Console, folder: Path, csv_file: str | None, plot: str | None
 ) -> tuple[str, str | None]:
-    """Where the results of an experiment go, unless the command line says otherwise."""
+    """The default files for the results of an experiment."""
     name = folder.resolve().name
     results = _results_of(name)
     csv_file = csv_file or str(results / f"{name}.csv")
@@ -282,9 +282,9 @@ def _run(
     *,
     simulated: bool,
 ) -> tuple[bool, float]:
-    """Runs to the end; whether the condition was met, and the wall time in seconds.
+    """Run to the end; return whether the condition was met, and the wall time in seconds.
 
-    Ctrl-C, SIGTERM and the debugger's quit end a run in order.
+    Ctrl-C, SIGTERM and the debugger's `quit` end a run in order.
     """
     limit = condition.limit
     if limit is None and simulated:
@@ -304,7 +304,7 @@ def _run(
 
 
 def _end(condition: Condition, met: bool) -> tuple[str, str] | None:
-    """What the report says of a condition that is a state."""
+    """The report's line about a condition on a state."""
     if condition.instance is None:
         return None
     return "met" if met else "not met", f"{condition.instance}={condition.state}"
@@ -316,7 +316,7 @@ def _reached(
     if condition.instance is None:
         return None if condition.limit is not None else lambda _: False
     state = runtime.LifeCycleState[f"{condition.state}_STATE"]
-    # Looked at after every instant, so without asking the system by name each time.
+    # Evaluated after every instant, so the participant is looked up only once.
     [participant] = running.context(condition.instance).participants
     return lambda _: participant.state is state
 

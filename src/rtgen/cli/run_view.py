@@ -1,4 +1,4 @@
-"""What the report of a run shows: components, poses, and what was lost and why."""
+"""Collects what the report of a run shows: components, poses, lost samples and their causes."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _POSE = 3
 
 
 def name_of(state: runtime.LifeCycleState) -> str:
-    """A state as reports and conditions name it."""
+    """The name of a state in reports and conditions."""
     return state.name.removesuffix("_STATE")
 
 
@@ -42,7 +42,7 @@ def _tolerance(file: str, text: str | None) -> Tolerance | None:
 def losses(
     component: runtime.Component, state: runtime.LifeCycleState
 ) -> Iterator[str]:
-    """Which InPorts lost samples, why, and what helps."""
+    """Lost samples of each InPort, with cause and remedy."""
     for port in component.in_ports.values():
         for connector in port.connectors:
             if connector.lost:
@@ -73,7 +73,7 @@ def _why_lost(
 
 
 def overruns(context: runtime.ExecutionContext) -> str:
-    """Why instants of a context had no tick, and what helps."""
+    """Why a context missed ticks, with a remedy."""
     longest, period = context.longest / 1e6, context.period / 1e6
     times = f"the longest tick took {longest:.3g} ms of a period of {period:.3g} ms"
     if longest > period:
@@ -82,7 +82,7 @@ def overruns(context: runtime.ExecutionContext) -> str:
 
 
 class View:
-    """What the system's properties say about its report: where the robot is, where it goes."""
+    """Pose and goal of the robots, as the system's properties define them for the report."""
 
     def __init__(
         self,
@@ -116,11 +116,11 @@ class View:
 
     @property
     def time_axis(self) -> str:
-        """What the axis of time in diagrams is called."""
+        """The label of the time axis in diagrams."""
         return "simulated time [s]" if self._simulated else "time [s]"
 
     def _checked(self, profile: System, key: str, name: str | None) -> str | None:
-        """The name of a pose, if it is one. Raises InputError at the place of the property."""
+        """Check the name of a pose. Raises InputError at the place of the property."""
         if not name:
             return name
         span = profile.places.get(key)
@@ -138,12 +138,12 @@ class View:
         return name
 
     def sample(self) -> Sample:
-        """The present."""
+        """A sample of the current state."""
         poses = tuple(self._pose(name) or _NOWHERE for name in self.poses)
         return Sample(self._running.time / SECOND, poses, self._pose(self._goal_name))
 
     def course(self, samples: Sequence[Sample]) -> Course:
-        """The samples as they are measured."""
+        """The samples in the form that measures are evaluated on."""
         return Course(
             [sample.t for sample in samples],
             {
@@ -159,7 +159,10 @@ class View:
         end: tuple[str, str] | None,
         blocked: Mapping[str, object],
     ) -> Outcome:
-        """The end; `end` says whether its condition was met, `blocked` what does not return."""
+        """The outcome.
+
+        `end` is the result of the condition, `blocked` the calls that have not returned.
+        """
         poses = zip(self.robots, map(self._pose, self.poses), strict=True)
         return Outcome(
             rows=[self._row(name, blocked) for name in self._running.instances],

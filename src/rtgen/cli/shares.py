@@ -1,4 +1,4 @@
-"""What one process runs of a system: `--only`."""
+"""Cuts a system down to the components that one process runs (`--only`)."""
 
 from __future__ import annotations
 
@@ -24,17 +24,16 @@ _OBSERVABLES = ("rtgen.run.pose", "rtgen.run.goal")
 
 
 def named(only: str, profile: System) -> frozenset[str]:
-    """The instances of a list with commas. Raises InputError for one that is unknown."""
+    """Parse a comma-separated list of instances. Raises InputError for an unknown instance."""
     names = [name.strip() for name in only.split(",")]
     return frozenset(timeline.require_instance(n, profile, None) for n in names)
 
 
 def share(profile: System, here: Collection[str]) -> System:
-    """The components of a process, and the connections that have an end there.
+    """The components of this process, and the connections with an end there.
 
-    The order of activation stays that of the whole; properties that name observables of other
-    processes are left out. Raises InputError for data connections with
-    other processes.
+    The order of activation is kept; properties that name observables of other processes are
+    dropped. Raises InputError for data connections to other processes.
     """
     connections = [c for c in profile.connections if _touches(c, here)]
     _raise_if_any(
@@ -64,7 +63,7 @@ def share(profile: System, here: Collection[str]) -> System:
 
 
 def _without(others: Collection[str], observables: str) -> str:
-    """The observables of a list with commas that are not those of other processes."""
+    """Remove observables of other processes from a comma-separated list."""
     names = [name.strip() for name in observables.split(",")]
     return ", ".join(n for n in names if n.partition(".")[0] not in others)
 
@@ -72,9 +71,9 @@ def _without(others: Collection[str], observables: str) -> str:
 def steps_here(
     steps: Sequence[Step], profile: System, here: Collection[str]
 ) -> Sequence[Step]:
-    """The steps of a timeline that concern a process; the others are for other processes.
+    """The steps of a timeline that concern this process.
 
-    Raises InputError as `share`.
+    Raises InputError as `share` does.
     """
     service = {(c.source, c.target): c.service for c in profile.connections}
     known = {c.name for c in profile.connections if _touches(c, here)}
@@ -98,7 +97,7 @@ def steps_here(
 def measures_here(
     measures: Sequence[Measure], here: Collection[str]
 ) -> Sequence[Measure]:
-    """The measures of components of this process alone."""
+    """The measures that only concern components of this process."""
     return [
         measure
         for measure in measures
@@ -109,7 +108,7 @@ def measures_here(
 def condition_here(
     condition: Condition, here: Collection[str], *, asked: bool
 ) -> Condition:
-    """The condition without a component of another process. Raises InputError if asked for it."""
+    """The condition, dropped if it concerns another process. Raises InputError if `asked`."""
     instance = condition.instance
     if instance is None or instance in here:
         return condition
@@ -119,7 +118,7 @@ def condition_here(
 
 
 def require_here(settings: Sequence[SetParameter], here: Collection[str]) -> None:
-    """Raises InputError for values of components of other processes."""
+    """Raise InputError for values of components of other processes."""
     _raise_if_any(
         _elsewhere(s.instance, "--set") for s in settings if s.instance not in here
     )

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM, as commands take them that run until they are told to end."""
+"""Handlers for Ctrl-C and SIGTERM, for commands that run until interrupted."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from types import FrameType
 def handled(
     handler: Callable[[int, FrameType | None], None], *numbers: signal.Signals
 ) -> Iterator[None]:
-    """Handles signals, which only the main thread can."""
+    """Install a signal handler within the block; does nothing outside the main thread."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -27,7 +27,7 @@ def handled(
 
 @contextmanager
 def terminable() -> Iterator[None]:
-    """SIGTERM interrupts as Ctrl-C does: with a KeyboardInterrupt."""
+    """Make SIGTERM raise KeyboardInterrupt, as Ctrl-C does."""
 
     def interrupt(number: int, frame: FrameType | None) -> None:
         raise KeyboardInterrupt

@@ -1,4 +1,4 @@
-"""The end of a run on standard output: a table of components, then what came out."""
+"""The report at the end of a run on standard output: a table of components, then the results."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _HEADER = ("instance", "state", "ticks", "overruns", "lost")
 
 
 class Tolerance(NamedTuple):
-    """How far from its goal a robot may be at the end of a run [m, rad]."""
+    """Largest distance from the goal at the end of a run [m, rad]."""
 
     distance: float
     turn: float = math.inf
@@ -26,7 +26,7 @@ class Tolerance(NamedTuple):
 class Row:
     """A component at the end of a run.
 
-    `notes` say why it is in ERROR, what it waits for, and what was lost where and why.
+    `notes` give the cause of ERROR, the awaited provider, and lost samples with their causes.
     """
 
     instance: str
@@ -39,12 +39,11 @@ class Row:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A run: its components, its end in the plane if it has one, and `time` since its start [s].
+    """The result of a run.
 
-    `wall` is the time that a run in simulated time took [s]; None in real time.
-
-    `poses` are those of the robots at the end, by name; the goal is that of a single one, which
-    has to be within `tolerance` of it, if that is given.
+    `time` is the time since the start [s], `wall` the wall time of a run in simulated time [s]
+    (None in real time). `poses` are the final poses of the robots by name; `goal` is that of a
+    single robot, which must be within `tolerance` if given.
     """
 
     rows: Sequence[Row]
@@ -55,11 +54,11 @@ class Outcome:
     measured: Sequence[Result] = ()
     tolerance: Tolerance | None = None
     end: tuple[str, str] | None = None
-    """`met` or `not met`, and the condition, of a run that waited for a state."""
+    """`met` or `not met`, and the condition, for a run that waited for a state."""
 
     @property
     def errors(self) -> tuple[float, float] | None:
-        """Distance [m] and angle [rad] between goal and pose; None unless both are known."""
+        """Distance [m] and angle [rad] between goal and pose; None if either is unknown."""
         if self.goal is None or len(self.poses) != 1:
             return None
         [(_, pose)] = self.poses
@@ -69,7 +68,8 @@ class Outcome:
 
     @property
     def missed(self) -> str:
-        """Why the end is not within the tolerance; empty if it is, or if there is none."""
+        """Why the final pose violates the tolerance; empty if it is kept, or without a tolerance.
+        """
         if self.tolerance is None:
             return ""
         if self.errors is None:
@@ -85,7 +85,7 @@ class Outcome:
 
 
 def summary(outcome: Outcome) -> str:
-    """The table, the lines, and the notes on components."""
+    """The report as text."""
     cells = [
         (r.instance, r.state, str(r.ticks), str(r.overruns), str(r.lost))
         for r in outcome.rows
@@ -107,7 +107,7 @@ def summary(outcome: Outcome) -> str:
 def _table(
     header: tuple[str, ...], rows: Iterable[tuple[str, ...]], texts: Container[int]
 ) -> list[str]:
-    """Lines with columns; those of `texts` to the left, those of numbers to the right."""
+    """A text table; the columns in `texts` are aligned left, the others right."""
     cells = [header, *rows]
     widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
     return [

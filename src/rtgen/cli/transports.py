@@ -1,4 +1,4 @@
-"""Options of `rtgen run` for what carries service calls."""
+"""Options of `rtgen run` for the transport of service calls."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _PORTS = 1 << 16
 
 
 def _place(_: click.Context, __: click.Parameter, value: str | None) -> str | None:
-    """`HOST` or `HOST:PORT`, as it was told. Raises click.BadParameter."""
+    """Validate `HOST` or `HOST:PORT`. Raises click.BadParameter."""
     if value is None:
         return None
     host, colon, port = value.rpartition(":")
@@ -77,7 +77,7 @@ _WAIT = 30.0
 
 @dataclass(frozen=True, slots=True)
 class TransportOptions:
-    """What the command line says of the transport; None for what it does not say."""
+    """The transport options of the command line; None for those not given."""
 
     transport: str
     only: str | None
@@ -88,11 +88,11 @@ class TransportOptions:
 
     @property
     def patience(self) -> float:
-        """How long to wait for other processes, in seconds."""
+        """Seconds to wait for other processes."""
         return _WAIT if self.wait is None else self.wait
 
     def check(self, *, simulated: bool) -> None:
-        """Raises Refusal for options that do not go together."""
+        """Raise Refusal for inconsistent options."""
         given = {
             "--only": self.only,
             "--nameserver": self.nameserver,
@@ -100,17 +100,17 @@ class TransportOptions:
             "--call-timeout": self.call_timeout,
             "--wait": self.wait,
         }
-        told = [option for option, value in given.items() if value is not None]
-        if told and self.transport != "corba":
-            raise Refusal(f"{told[0]} needs --transport corba")
-        if told and simulated:
+        present = [option for option, value in given.items() if value is not None]
+        if present and self.transport != "corba":
+            raise Refusal(f"{present[0]} needs --transport corba")
+        if present and simulated:
             raise Refusal(
-                f"{told[0]} needs --clock real: processes share no simulated time"
+                f"{present[0]} needs --clock real: processes share no simulated time"
             )
 
 
 def with_transport(command: Callable[..., int]) -> Callable[..., int]:
-    """Adds the options to a command; the function gets them as `carrying`."""
+    """Add the options to a command; the function gets them as `carrying`."""
 
     @functools.wraps(command)
     def wrapped(*args: Any, **kwargs: Any) -> int:
@@ -127,9 +127,9 @@ def with_transport(command: Callable[..., int]) -> Callable[..., int]:
 def opened(
     carrying: TransportOptions, console: Console, *, simulated: bool
 ) -> Iterator[CorbaTransport | None]:
-    """The transport; None if calls go directly. Raises ToolError.
+    """The transport; None for direct calls. Raises ToolError.
 
-    In simulated time nobody outside can call, so there is no naming service then.
+    Simulated time has no naming service, since no other process can call.
     """
     if carrying.transport == "direct":
         yield None
@@ -161,9 +161,9 @@ def opened(
 
 
 def await_others(transport: CorbaTransport, seconds: float) -> None:
-    """Waits until other processes serve what is called here. Raises ToolError, InputError.
+    """Wait until other processes provide what is called here. Raises ToolError, InputError.
 
-    Ctrl-C and SIGTERM end it with a KeyboardInterrupt.
+    Ctrl-C and SIGTERM raise KeyboardInterrupt.
     """
     try:
         with terminable():

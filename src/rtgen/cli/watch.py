@@ -1,8 +1,7 @@
-"""`rtgen generate --watch`: a run for every change of what a run reads.
+"""Implements `rtgen generate --watch`: a run after every change of an input.
 
-The system tells when something happens in the folders concerned, and each second passes in any
-case; what decides is whether an input has changed since the last run began to read. So a change
-during a run is not lost, wherever it happens.
+File system events and a one-second timer trigger a check; a run starts if an input has changed
+since the last run began to read. A change during a run is therefore not lost.
 """
 
 from __future__ import annotations
@@ -20,11 +19,11 @@ _SECOND_MS = 1000
 _SETTLED_MS = 100
 
 State: TypeAlias = dict[Path, tuple[int, int, int] | None]
-"""Files to what tells one version from another; None for one that is not there."""
+"""Files with the inode, time and size that identify a version; None for a missing file."""
 
 
 def watch(console: Console, request: Request) -> int:
-    """Runs until it is interrupted. Raises ToolError if watchfiles is not installed."""
+    """Run until interrupted. Raises ToolError if watchfiles is not installed."""
     try:
         import watchfiles
     except ImportError as error:
@@ -59,7 +58,10 @@ def watch(console: Console, request: Request) -> int:
 
 
 def _attempt(console: Console, request: Request) -> tuple[Path, ...]:
-    """One run; the files that it looked for. Findings are told, and do not end the watch."""
+    """Run once; return the files read or searched for.
+
+    Errors are reported and do not end the watch.
+    """
     try:
         return tuple(generate_once(console, request)[1])
     except InputError as error:
@@ -74,7 +76,7 @@ def _attempt(console: Console, request: Request) -> tuple[Path, ...]:
 
 
 def _state(request: Request, known: Iterable[Path]) -> tuple[State, set[Path]]:
-    """The state of all inputs, and which of them are sources."""
+    """The state of all inputs, and the sources among them."""
     settings = find(Path.cwd()) or Path.cwd() / FILE_NAME
     try:
         sources = {path.absolute() for path in request.project().sources}

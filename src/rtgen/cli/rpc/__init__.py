@@ -1,4 +1,4 @@
-"""`rtgen rpc`: calls of TECS functions from the command line."""
+"""The command group `rtgen rpc`: calls of TECS functions from the command line."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ COMMANDS = {
     "serve": "Stand in for a device.",
     "replay": "Compare recorded calls with freshly generated codecs.",
 }
-"""Command to its line of help; the module `<command>_command` has a function `<command>_`."""
+"""Commands with their help lines; module `<command>_command` has a function `<command>_`."""
 
 
 @click.group(cls=LazyGroup, summaries=COMMANDS, target="rtgen.cli.rpc.{0}_command:{0}_")

@@ -1,4 +1,4 @@
-"""A board that stands in for a device: it echoes, or answers as a script says."""
+"""A mock board for `rtgen rpc serve`: echoes arguments or answers from a script."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _KEYS = {"function", "args", "return", "outs", "delay"}
 
 
 class ScriptError(ValueError):
-    """A line of a script that cannot be used; `line` is its number."""
+    """An invalid line of a script; `line` is its number."""
 
     def __init__(self, line: int, message: str) -> None:
         super().__init__(message)
@@ -38,7 +38,7 @@ class ScriptError(ValueError):
 
 @dataclass(slots=True)
 class _Answer:
-    """A line of a script; `request` has the bytes that a call has to have."""
+    """A line of a script; `request` are the expected octets of a call, None for any."""
 
     function: str
     request: bytes | None
@@ -49,7 +49,7 @@ class _Answer:
 
 
 class MockBoard:
-    """Serves a signature without a target. `print_call` gets each call in a line.
+    """Serves a signature without a target; `print_call` receives each call as a line.
 
     Raises ScriptError.
     """
@@ -79,12 +79,12 @@ class MockBoard:
         def answer(arguments: tuple[object, ...]) -> bytes | None:
             returned, outs = self._result(function, arguments)
             if self._print_call is not None:
-                told = {
+                call_json = {
                     "function": function.name,
                     "args": function.arguments_to_json(arguments),
                 }
                 self._print_call(
-                    printed(told | function.result_to_json(returned, outs))
+                    printed(call_json | function.result_to_json(returned, outs))
                 )
             if function.oneway:
                 return None
@@ -100,10 +100,10 @@ class MockBoard:
             return echo
         answer = _chosen(self._answers, function, arguments)
         time.sleep(answer.delay)
-        told = function.result_to_json(*echo)
-        outs = told["outs"]
+        result = function.result_to_json(*echo)
+        outs = result["outs"]
         assert isinstance(outs, dict)
-        returned = told["return"] if answer.returned is None else answer.returned
+        returned = result["return"] if answer.returned is None else answer.returned
         return function.result_from_json(
             {"return": returned, "outs": outs | answer.outs}
         )
@@ -112,7 +112,7 @@ class MockBoard:
 def _chosen(
     answers: list[_Answer], function: Function, arguments: tuple[object, ...]
 ) -> _Answer:
-    """The line for a call; raises JsonError."""
+    """The first unused line of the script that fits the call. Raises JsonError."""
     request = function.encode_request(arguments)
     fitting = [
         answer
@@ -138,7 +138,7 @@ def _answers(service: Service, script: str) -> list[_Answer]:
 
 
 def _answer(service: Service, line: Json) -> _Answer:
-    """Raises ArgumentError, and ValueError with JsonError."""
+    """Parse a line of the script. Raises ArgumentError, and ValueError with JsonError."""
     if not isinstance(line, dict) or not _KEYS.issuperset(line):
         raise JsonError(f"a line is an object of {', '.join(sorted(_KEYS))}")
     function = service.functions.get(str(line.get("function")))
@@ -161,7 +161,7 @@ def _answer(service: Service, line: Json) -> _Answer:
 def _echo(
     service: Service, function: Function, arguments: tuple[object, ...]
 ) -> tuple[object, tuple[object, ...]]:
-    """Zero, inouts as they came, and outs that are zero, arrays as long as was asked for."""
+    """The echo: returns zero, inouts unchanged, outs zero with arrays of the requested length."""
     layout = function.layout
     given = dict(zip((i.name for i in layout.arguments), arguments, strict=True))
     returned, zeros = function.zeros()

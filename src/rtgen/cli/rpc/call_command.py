@@ -1,4 +1,4 @@
-"""`rtgen rpc call`."""
+"""The command `rtgen rpc call`: calls a function of a device."""
 
 from __future__ import annotations
 
@@ -77,21 +77,21 @@ def call_(
 
 
 def _returns_code(function: Function) -> bool:
-    """Whether a failure is told by the return value: its type is ER or ER_INT as written."""
+    """Whether the return value reports failures: its declared type is ER or ER_INT."""
     return str(function.layout.function.returns) in ("ER", "ER_INT")
 
 
 def channel_of(
     address: str = "", *, serial: str | None, baud: int, peer: Peer
 ) -> TcpChannel | SerialChannel:
-    """The channel to a serial device, or to HOST:PORT; raises ClickException."""
+    """The channel to a serial device or to HOST:PORT. Raises ClickException."""
     if serial:
         return SerialChannel(serial, baud, peer.timeout)
     return TcpChannel(*host_and_port(address), timeout=peer.timeout)
 
 
 def host_and_port(text: str) -> tuple[str, int]:
-    """The parts of HOST:PORT; raises ClickException."""
+    """Split HOST:PORT. Raises ClickException."""
     host, _, port = text.rpartition(":")
     if not host or not port.isdecimal() or not 0 < int(port) < 65536:
         raise refused(f"{text!r} is no HOST:PORT")
@@ -101,7 +101,7 @@ def host_and_port(text: str) -> tuple[str, int]:
 def _exchange(
     function: Function, channel: Channel, arguments: tuple[object, ...]
 ) -> tuple[object, tuple[object, ...] | None]:
-    """Return value and outs; raises RpcError and ArgumentError."""
+    """Call the function; return its value and outs. Raises RpcError and ArgumentError."""
     head = channel.begin(function.encode_request(arguments), function.first)
     if function.oneway:
         channel.end()

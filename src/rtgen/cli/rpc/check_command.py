@@ -1,4 +1,4 @@
-"""`rtgen rpc check`."""
+"""The command `rtgen rpc check`: compares a device's signature digest with a CDL file."""
 
 from __future__ import annotations
 

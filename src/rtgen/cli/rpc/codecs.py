@@ -1,4 +1,4 @@
-"""Freshly generated codecs, loaded from memory, and their functions by layout."""
+"""Generates codecs of signatures in memory, and describes their functions by layout."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ _PACKAGES = count()
 
 
 class Service:
-    """A signature with its codec for one TDR and order of replies; raises TransferError."""
+    """A signature with its codec for one TDR and reply order. Raises TransferError."""
 
     def __init__(
         self,
@@ -107,19 +107,19 @@ class Function:
 
     @property
     def first(self) -> int:
-        """How many bytes of a reply to ask for first; 0 for a oneway function."""
+        """Number of octets of a reply to read first; 0 for a oneway function."""
         return self._messages.first
 
     def encode_request(self, arguments: Sequence[object]) -> bytes:
-        """The request; raises ArgumentError."""
+        """Encode a request. Raises ArgumentError."""
         return self._messages.encode_request(*arguments)
 
     def read_request(self, more: More) -> tuple[object, ...]:
-        """The arguments of what follows SOP and id; raises RpcError."""
+        """Read the arguments that follow SOP and function id. Raises RpcError."""
         return self._messages.read_request(more)
 
     def decode_request(self, data: bytes) -> tuple[object, ...]:
-        """The arguments of a whole request and nothing more; raises RpcError."""
+        """Decode the arguments of a complete request. Raises RpcError."""
         reader = Reader(data)
         head = reader.more(4)
         if head != self._codec.request_head(self.layout.function.id):
@@ -133,34 +133,34 @@ class Function:
     def encode_reply(
         self, kept: Sequence[object], returned: object, outs: Sequence[object]
     ) -> bytes:
-        """The reply; raises ArgumentError."""
+        """Encode a reply. Raises ArgumentError."""
         results = [] if self.layout.is_void else [returned]
         return self._messages.encode_reply(*kept, *results, *outs)
 
     def read_reply(
         self, first: bytes, more: More, kept: Sequence[object]
     ) -> tuple[object, tuple[object, ...] | None]:
-        """Return value and outs, None where they are left out; raises RpcError."""
+        """Read return value and outs; None for omitted outs. Raises RpcError."""
         return self._messages.read_reply(first, more, *kept)
 
     def decode_reply(
         self, data: bytes, kept: Sequence[object]
     ) -> tuple[object, tuple[object, ...] | None]:
-        """The same of a whole reply and nothing more; raises RpcError."""
+        """Decode a complete reply. Raises RpcError."""
         reader = Reader(data)
         found = self.read_reply(reader.more(self.first), reader.more, kept)
         reader.finish()
         return found
 
     def kept(self, arguments: Sequence[object]) -> tuple[object, ...]:
-        """Those arguments that the layout of the reply depends on."""
+        """The arguments that the layout of the reply depends on."""
         values = dict(
             zip((i.name for i in self.layout.arguments), arguments, strict=True)
         )
         return tuple(values[item.name] for item in self.layout.kept)
 
     def zeros(self) -> tuple[object, tuple[object, ...]]:
-        """A return value and outs that are all zeros."""
+        """A return value and outs of zeros."""
         outs = tuple(self._zero(item) for item in self.layout.outs)
         return self._zero(self.layout.returned), outs
 
@@ -168,15 +168,15 @@ class Function:
         return eval(zero(item.node), dict(self._types.__dict__))
 
     def arguments_from_json(self, value: Json) -> tuple[object, ...]:
-        """The arguments that an object names; raises JsonError."""
+        """Arguments from a JSON object. Raises JsonError."""
         return arguments_from_json(self.layout.arguments, value, self._types)
 
     def arguments_to_json(self, arguments: Sequence[object]) -> Json:
-        """The object of arguments."""
+        """Arguments as a JSON object."""
         return arguments_to_json(self.layout.arguments, arguments)
 
     def result_from_json(self, value: Json) -> tuple[object, tuple[object, ...]]:
-        """Return value and outs; raises JsonError. Outs that are null are zeros."""
+        """Return value and outs from JSON; outs that are null become zeros. Raises JsonError."""
         if not isinstance(value, dict) or not {"return", "outs"}.issuperset(value):
             raise JsonError('a reply is {"return": ..., "outs": {...}}')
         returned: object = None
@@ -194,7 +194,7 @@ class Function:
     def result_to_json(
         self, returned: object, outs: Sequence[object] | None
     ) -> dict[str, Json]:
-        """The object of a reply."""
+        """A reply as a JSON object."""
         values: Json = None
         if outs is not None:
             pairs = zip(self.layout.outs, outs, strict=True)
@@ -203,7 +203,7 @@ class Function:
         return {"return": result, "outs": values}
 
     def guesses(self, largest: int) -> Iterator[tuple[object, ...]]:
-        """What the kept arguments may have been, if nobody tells: for sizes, large ones first."""
+        """Candidate values for the kept arguments of an unknown request; large sizes first."""
         sizes: list[object] = [(1 << 31) - 1, *range(largest, -1, -1)]
         choices: list[list[object]] = []
         for item in self.layout.kept:
@@ -217,14 +217,14 @@ class Function:
 
 
 class Reader:
-    """Gives the bytes of a message that is there as a whole."""
+    """Reads the octets of a complete message."""
 
     def __init__(self, data: bytes) -> None:
         self._data = data
         self._at = 0
 
     def more(self, n: int) -> bytes:
-        """The next n bytes; raises ChannelError where there are fewer."""
+        """The next n octets. Raises ChannelError if fewer are left."""
         found = self._data[self._at : self._at + n]
         if len(found) != n:
             raise ChannelError(E_BOVR, f"{n - len(found)} bytes are missing")
@@ -232,7 +232,7 @@ class Reader:
         return found
 
     def finish(self) -> None:
-        """Raises ProtocolError if something is left."""
+        """Raise ProtocolError if octets are left."""
         left = len(self._data) - self._at
         if left:
             raise ProtocolError(E_BOVR, f"{left} bytes are left over")

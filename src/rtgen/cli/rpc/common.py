@@ -1,4 +1,4 @@
-"""What the commands of `rtgen rpc` share: their options, and the function that they name."""
+"""Options shared by the commands of `rtgen rpc`, and lookup of signatures and functions."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ R = TypeVar("R")
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """What the options tell of the other end; `timeout` in seconds."""
+    """The options for the other end; `timeout` in seconds."""
 
     tdr: Tdr
     reply: ReplyOrder
@@ -41,7 +41,7 @@ def _timeout(context: click.Context, option: click.Parameter, value: float) -> f
 
 
 def with_peer(function: Callable[P, R]) -> Callable[..., R]:
-    """Adds --tdr, --reply-order, --long-bits and --timeout; the function gets `peer`."""
+    """Add --tdr, --reply-order, --long-bits and --timeout; the function gets `peer`."""
 
     @click.option(
         "--tdr",
@@ -89,7 +89,7 @@ def with_peer(function: Callable[P, R]) -> Callable[..., R]:
 
 
 def with_cdl(function: Callable[P, R]) -> Callable[P, R]:
-    """Adds --cdl and -I; the function gets `cdl` and `include`."""
+    """Add --cdl and -I; the function gets `cdl` and `include`."""
     function = click.option(
         "-I", "include", multiple=True, metavar="DIR", help="Look for imports there."
     )(function)
@@ -103,7 +103,7 @@ def with_cdl(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def read_unit(path: Path, include: tuple[str, ...] = ()) -> TecsUnit:
-    """The declarations of a CDL file; raises InputError. What is no error is not told."""
+    """Read the declarations of a CDL file; only errors are reported. Raises InputError."""
     from rtgen.frontends import cdl
     from rtgen.project import load
 
@@ -124,9 +124,9 @@ def signatures_of(unit: TecsUnit) -> list[Signature]:
 def service_of(
     unit: TecsUnit, name: str, peer: Peer, limit: int = REPLY_LIMIT
 ) -> Service:
-    """The service of a signature by its name; raises ClickException.
+    """Find the service of a signature by name. Raises ClickException.
 
-    `limit`: bytes that arrays and texts may need in a request that is read.
+    `limit`: maximum octets of arrays and texts in a request that is read.
     """
     signatures = {d.scoped: d for d in signatures_of(unit)}
     signature = signatures.get(name.removeprefix("::"))
@@ -139,7 +139,7 @@ def service_of(
 
 
 def function_of(unit: TecsUnit, name: str, peer: Peer) -> Function:
-    """The function `SIG.FUNC`; raises ClickException."""
+    """Find the function `SIG.FUNC`. Raises ClickException."""
     signature, dot, function = name.rpartition(".")
     if not dot:
         raise refused(f"{name!r}: name the function as SIGNATURE.FUNCTION")
@@ -150,7 +150,7 @@ def function_of(unit: TecsUnit, name: str, peer: Peer) -> Function:
 
 
 def parsed(text: str) -> Json:
-    """JSON of the command line; raises ClickException."""
+    """Parse JSON from the command line. Raises ClickException."""
     try:
         value: Json = json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -159,12 +159,12 @@ def parsed(text: str) -> Json:
 
 
 def printed(value: Json) -> str:
-    """JSON in one line, with the newline."""
+    """Format JSON as one line with a newline."""
     return f"{json.dumps(value)}\n"
 
 
 def octets(text: str) -> bytes:
-    """The bytes of hex digits; raises ClickException."""
+    """Parse hex digits. Raises ClickException."""
     try:
         return bytes.fromhex(text)
     except ValueError as error:
@@ -180,5 +180,5 @@ def _unknown(what: str, name: str, known: list[str]) -> click.ClickException:
 
 
 def refused(message: str) -> click.ClickException:
-    """What to raise for input that is wrong."""
+    """The exception for invalid input."""
     return Refusal(message)

@@ -1,4 +1,4 @@
-"""`rtgen rpc decode`."""
+"""The command `rtgen rpc decode`: prints the values in a request or a reply."""
 
 from __future__ import annotations
 

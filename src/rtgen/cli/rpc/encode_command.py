@@ -1,4 +1,4 @@
-"""`rtgen rpc encode`."""
+"""The command `rtgen rpc encode`: prints the octets of a request or a reply."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""`rtgen rpc list`."""
+"""The command `rtgen rpc list`: lists signatures and functions."""
 
 from __future__ import annotations
 

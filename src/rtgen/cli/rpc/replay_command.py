@@ -1,4 +1,4 @@
-"""`rtgen rpc replay`."""
+"""The command `rtgen rpc replay`: checks codecs against recorded calls."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def replay_(console: Console, traces: Path, verbose: bool, peer: Peer) -> int:
 
 
 class _Replay:
-    """The services of a file of recorded calls, each made once."""
+    """The services of a file of recorded calls, cached."""
 
     def __init__(self, recorded: Mapping[str, Any], peer: Peer) -> None:
         self._recorded = recorded
@@ -73,7 +73,7 @@ class _Replay:
         self._services: dict[tuple[str, str], Service] = {}
 
     def differences(self, case: Mapping[str, Any]) -> Iterator[str]:
-        """What is not as recorded."""
+        """The differences from the record."""
         try:
             service = self._service(case["signature"], case["tdr"])
         except click.ClickException as error:
@@ -113,7 +113,7 @@ class _Replay:
         return self._services[key]
 
     def _unit(self, name: str) -> TecsUnit:
-        """The signature with what its text declares, or what those of others do."""
+        """The unit of a signature, with the declarations of its own text."""
         if name not in self._units:
             texts = self._recorded["signatures"]
             if name not in texts:
@@ -131,7 +131,7 @@ class _Replay:
 
 
 def _unwrapped(case: Mapping[str, Any], service: Service) -> tuple[bytes, str]:
-    """The request without what a shared channel puts around it, and what followed the reply."""
+    """The request without the framing of a shared channel, and octets that follow the reply."""
     request = bytes.fromhex(case["request"])
     if not case.get("shared"):
         return request, ""
@@ -192,12 +192,12 @@ def _is_same(item: Item, expected: Json, found: Json) -> bool:
 
 
 def _single(value: float) -> float:
-    """The value as a float32_t holds it."""
+    """The value rounded to float32_t."""
     return float(struct.unpack("f", struct.pack("f", value))[0])
 
 
 def _is_equal(node: Node, expected: Json, found: Json) -> bool:
-    """Whether values are equal; of an array with `count_is` only the first elements travel."""
+    """Whether values are equal; of an array with `count_is` only counted elements count."""
     match node:
         case Nothing():
             return True

@@ -1,4 +1,4 @@
-"""`rtgen rpc serve`."""
+"""The command `rtgen rpc serve`: serves a signature as a mock device."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def serve_(
 
 
 class _Report(logging.Handler):
-    """Prints why a connection was given up, and the traceback of what failed."""
+    """Prints why a connection was closed, with the traceback of an exception."""
 
     def __init__(self, console: Console) -> None:
         super().__init__()

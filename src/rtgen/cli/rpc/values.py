@@ -1,8 +1,8 @@
-"""Values of TECS functions as JSON (the form `opaque-rpc-trace/1`) and back.
+"""Values of TECS functions as JSON and back (the form `opaque-rpc-trace/1`).
 
-Numbers are numbers, characters too; texts have one character for each code unit; `inf`, `-inf`
-and `nan` are texts; arrays are lists; structs are objects; what is behind a plain pointer in a
-struct is a list of one; NULL is null. A nullable `out` parameter is an argument: null, or
+Numbers and characters are numbers; texts have one character for each code unit; `inf`, `-inf` and
+`nan` are texts; arrays are lists; structs are objects; the target of a plain pointer in a struct
+is a list of one element; NULL is null. A nullable `out` parameter is an argument: null, or
 `{"want": true}`.
 """
 
@@ -42,7 +42,7 @@ class JsonError(ValueError):
 
 
 def to_json(node: Node, value: object) -> Json:
-    """The JSON of a value."""
+    """Convert a value to JSON."""
     match node:
         case Basic(scalar):
             return _number_to_json(scalar, value)
@@ -64,12 +64,12 @@ def to_json(node: Node, value: object) -> Json:
 
 
 def item_to_json(item: Item, value: object) -> Json:
-    """The JSON of a parameter's value."""
+    """Convert the value of a parameter to JSON."""
     return None if value is None else to_json(item.node, value)
 
 
 def arguments_to_json(items: Sequence[Item], values: Sequence[object]) -> Json:
-    """The JSON of the arguments of a request."""
+    """Convert the arguments of a request to JSON."""
     found: dict[str, Json] = {}
     for item, value in zip(items, values, strict=True):
         if item.asked:
@@ -115,14 +115,14 @@ def _text_to_json(node: String, value: object) -> Json:
 
 
 def _from_utf16(text: str) -> str:
-    """Pairs of surrogates as one character, as every reader of JSON takes them."""
+    """Join surrogate pairs into single characters, as JSON parsers do."""
     return text.encode("utf-16-le", "surrogatepass").decode(
         "utf-16-le", "surrogatepass"
     )
 
 
 def _to_utf16(text: str) -> list[int]:
-    """The code units, two of a character beyond 16 bits."""
+    """The UTF-16 code units; a character beyond the BMP has two."""
     data = text.encode("utf-16-le", "surrogatepass")
     return list(struct.unpack(f"<{len(data) // 2}H", data))
 
@@ -132,7 +132,7 @@ def _mask(node: String) -> int:
 
 
 def from_json(node: Node, value: Json, types: ModuleType, place: str) -> object:
-    """The value of a JSON; `types` has the classes of structs. Raises JsonError."""
+    """Convert JSON to a value; `types` has the classes of structs. Raises JsonError."""
     match node:
         case Basic(scalar):
             return _number_from_json(scalar, value, place)
@@ -151,7 +151,7 @@ def from_json(node: Node, value: Json, types: ModuleType, place: str) -> object:
 
 
 def item_from_json(item: Item, value: Json, types: ModuleType) -> object:
-    """The value of a parameter, None where it is NULL; raises JsonError."""
+    """Convert JSON to the value of a parameter, None for NULL. Raises JsonError."""
     if value is None and item.nullable:
         return None
     return from_json(item.node, value, types, item.name)
@@ -160,7 +160,7 @@ def item_from_json(item: Item, value: Json, types: ModuleType) -> object:
 def arguments_from_json(
     items: Sequence[Item], value: Json, types: ModuleType
 ) -> tuple[object, ...]:
-    """The arguments of a request; raises JsonError."""
+    """Convert JSON to the arguments of a request. Raises JsonError."""
     found = _object(value, "arguments", {item.name: item for item in items})
     return tuple(
         (
@@ -175,7 +175,10 @@ def arguments_from_json(
 def outs_from_json(
     items: Sequence[Item], value: Json, types: ModuleType
 ) -> tuple[object, ...]:
-    """The outs of a reply; raises JsonError. What is missing or null is None where it can be."""
+    """Convert JSON to the outs of a reply; omitted and null outs become None if allowed.
+
+    Raises JsonError.
+    """
     found = _object(value, "outs", {item.name: item for item in items})
     return tuple(
         (
@@ -196,7 +199,7 @@ def _wanted(value: Json, place: str) -> bool:
 
 
 def _object(value: Json, place: str, items: Mapping[str, Item]) -> dict[str, Json]:
-    """The members of an object by name; those of no byte may be missing."""
+    """The members of a JSON object by name; members without octets may be omitted."""
     if not isinstance(value, Mapping):
         raise JsonError(f"{place}: an object is needed")
     unknown = [name for name in value if name not in items]
