@@ -1,5 +1,4 @@
-"""Reads an OpenRTM-aist-Python module into a component of the model, with the types of its ports.
-"""
+"""Reads an OpenRTM-aist-Python module into a component of the model, with its port types."""
 
 from __future__ import annotations
 

@@ -173,7 +173,9 @@ def _ports(component: runtime.Component) -> InstancePorts:
     )
 
 
-def _failed_end(system: runtime.System, connection: Connection) -> tuple[Span, str | None]:
+def _failed_end(
+    system: runtime.System, connection: Connection
+) -> tuple[Span, str | None]:
     """Where to report a failed connection: the end whose port is missing, with a suggestion."""
     for end in (connection.source, connection.target):
         if end.instance not in system.instances:

@@ -68,8 +68,7 @@ class Outcome:
 
     @property
     def missed(self) -> str:
-        """Why the final pose violates the tolerance; empty if it is kept, or without a tolerance.
-        """
+        """Why the final pose violates the tolerance; empty if it does not."""
         if self.tolerance is None:
             return ""
         if self.errors is None:

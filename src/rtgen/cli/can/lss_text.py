@@ -52,7 +52,7 @@ def _unknown(data: bytes) -> str:
 
 
 def _request(command: LssCommand, data: bytes) -> str | None:
-    number = lss.told_number(data)
+    number = lss.first_number(data)
     if command in _NUMBERS:
         return f"{_NUMBERS[command]} 0x{number:X}"
     match command:
@@ -102,5 +102,5 @@ def _answer(command: LssCommand, data: bytes) -> str | None:
         return f"node-id is {'not set' if node_id == lss.UNCONFIGURED else node_id}"
     place = command - LssCommand.INQUIRE_VENDOR
     if 0 <= place < len(_PARTS):
-        return f"{_PARTS[place]} is 0x{lss.told_number(data):X}"
+        return f"{_PARTS[place]} is 0x{lss.first_number(data):X}"
     return _ANSWERS.get(command)

@@ -105,7 +105,7 @@ class SdoFollower:
         return SdoStep(f"{what} of a transfer that began before", self._target)
 
     def _aborted(self, data: bytes, by: str) -> SdoStep:
-        number, code = _number(data), sdo.told_size(data)
+        number, code = _number(data), sdo.announced_size(data)
         self.reset()
         text = sdo.ABORT_TEXTS.get(code, "unknown abort code")
         detail = f"{code:08X}h {text} (by the {by})"
@@ -144,7 +144,7 @@ class SdoFollower:
             value = sdo.expedited_value(data)
             self._expect(None, lambda data: self._written(data, value))
             return SdoStep("write request", number, value=value)
-        self._octets = _Octets(_announced(data, sdo.SIZE_TOLD))
+        self._octets = _Octets(_announced(data, sdo.SIZE_INDICATED))
         self._expect(None, self._segments_accepted)
         return self._step("write request", _length(self._octets.announced))
 
@@ -156,7 +156,7 @@ class SdoFollower:
                 value = sdo.expedited_value(data)
                 self.reset()
                 return SdoStep("read answer", number, value=value, holds=value)
-            self._octets = _Octets(_announced(data, sdo.SIZE_TOLD))
+            self._octets = _Octets(_announced(data, sdo.SIZE_INDICATED))
             self._expect(self._segment_asked, self._segment_read)
             return self._step("read answer", _length(self._octets.announced))
         if code == sdo.BLOCK_UPLOAD_ANSWER and not data[0] & 1:
@@ -307,7 +307,7 @@ def _number(data: bytes) -> Number:
 
 
 def _announced(data: bytes, flag: int) -> int | None:
-    return sdo.told_size(data) if data[0] & flag else None
+    return sdo.announced_size(data) if data[0] & flag else None
 
 
 def _length(size: int | None) -> str:

@@ -1,4 +1,4 @@
-"""What a CAN bus does to frames (ISO 11898-1): whose turn it is, and how long a frame takes."""
+"""Arbitration and timing of frames on a CAN bus (ISO 11898-1)."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ S = TypeVar("S", bound=Hashable)
 
 _CRC: Final = 0x4599
 _BEHIND_CRC: Final = 13
-"""CRC delimiter, two bits of acknowledgement, seven of the end, three of the gap behind it."""
+"""CRC delimiter, acknowledgement (2 bits), end of frame (7) and intermission (3)."""
 
 
 class Arbiter(Generic[S]):
     """The frames that wait for a bus.
 
-    Each sender's keep their order, as in the queue of a SocketCAN interface; among the first ones
-    of all senders the identifier decides, and at last who came first.
+    Frames of one sender keep their order, as in the queue of a SocketCAN interface. Among the
+    first frames of all senders the lowest identifier wins, then the earliest arrival.
     """
 
     def __init__(self) -> None:
@@ -35,11 +35,11 @@ class Arbiter(Generic[S]):
         return self._length
 
     def waiting(self, sender: S) -> int:
-        """How many frames of a sender wait."""
+        """The number of frames of a sender that wait."""
         return len(self._queues.get(sender, ()))
 
     def put(self, sender: S, frame: Frame) -> None:
-        """Lets a frame wait."""
+        """Queue a frame."""
         self._added += 1
         self._length += 1
         queue = self._queues.get(sender)
@@ -49,7 +49,10 @@ class Arbiter(Generic[S]):
         queue.append((self._added, frame))
 
     def take(self) -> tuple[S, Frame]:
-        """The frame that wins, and its sender. Raises IndexError if none waits."""
+        """Remove and return the frame that wins arbitration, and its sender.
+
+        Raises IndexError if empty.
+        """
         sender = heappop(self._heads)[2]
         queue = self._queues[sender]
         frame = queue.popleft()[1]
@@ -62,7 +65,7 @@ class Arbiter(Generic[S]):
         return sender, frame
 
     def drop(self, sender: S) -> int:
-        """Forgets the frames of a sender; how many they were."""
+        """Drop the frames of a sender; return their number."""
         dropped = len(self._queues.pop(sender, ()))
         if dropped:
             self._heads = [head for head in self._heads if head[2] != sender]
@@ -71,7 +74,7 @@ class Arbiter(Generic[S]):
         return dropped
 
     def clear(self) -> int:
-        """Forgets all frames; how many they were."""
+        """Drop all frames; return their number."""
         dropped = self._length
         self._queues.clear()
         self._heads.clear()
@@ -80,7 +83,7 @@ class Arbiter(Generic[S]):
 
 
 def priority(frame: Frame) -> int:
-    """The arbitration field as it is sent, the most significant bit first; the least wins."""
+    """The arbitration field in order of transmission, most significant bit first; lowest wins."""
     if frame.extended:
         base, rest = frame.can_id >> 18, frame.can_id & 0x3FFFF
         return base << 21 | 0b11 << 19 | rest << 1 | frame.remote
@@ -88,14 +91,14 @@ def priority(frame: Frame) -> int:
 
 
 def transmission_time(frame: Frame, bit_rate: int) -> int:
-    """How long a frame keeps the bus busy, in ns; the rate is in bit/s."""
+    """The time that a frame occupies the bus, in ns; `bit_rate` in bit/s."""
     return frame_bits(frame) * SECOND // bit_rate
 
 
 @lru_cache(4096)
 def frame_bits(frame: Frame) -> int:
-    """The bits of a frame on the bus, with its stuff bits and the gap of three bits after it."""
-    # A remote frame has a length, too, but it asks for none here: no data.
+    """The length of a frame in bits, with stuff bits and the intermission of three bits."""
+    # The data length code of a remote frame is 0 here.
     data = b"" if frame.remote else frame.data
     length = len(data)
     if frame.extended:
@@ -120,7 +123,7 @@ def _crc(content: int, bits: int) -> int:
 
 
 def _stuff_bits(content: int, bits: int) -> int:
-    # What stands before is filled up with bits that alternate and end in 1, as an idle bus does.
+    # Preceding bits are padded with alternating bits that end in 1, which add no stuff bits.
     fill = -bits % 8
     octets = (content | (0x55 & (1 << fill) - 1) << bits).to_bytes(
         (bits + fill) // 8, "big"
@@ -142,7 +145,10 @@ def _crc_of(octet: int) -> int:
 
 
 def _stuffing(state: int, octet: int) -> tuple[int, int]:
-    """The state after an octet, and the stuff bits in it; state: run length - 1, and 4 for a 1."""
+    """The state after an octet, and its stuff bits.
+
+    State: run length - 1, plus 4 if the level is 1.
+    """
     level, run, stuffed = state >> 2, (state & 3) + 1, 0
     for place in range(7, -1, -1):
         bit = octet >> place & 1

@@ -1,4 +1,4 @@
-"""What generated modules tell of devices and networks: plain tables, digested when generated."""
+"""Tables of devices and networks in generated modules."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ Kind: TypeAlias = Literal[
     "u8", "u16", "u24", "u32", "u40", "u48", "u56", "u64",
     "r32", "r64",
 ]  # fmt: skip
-"""What a value is: an integer of that many bits, a real, text, octets, or a time."""
+"""Type of a value: an integer of that many bits, a real, text, octets, or a time."""
 
 ObjectValue: TypeAlias = bool | int | float | str | bytes
-"""A value of an object: times are ints in ns (of day: since 1970, UTC), octets are bytes."""
+"""A value of an object; times are ints in ns (time of day: since 1970, UTC), octets are bytes."""
 
 ObjectNumber: TypeAlias = tuple[int, int]
 """Index and sub-index."""
@@ -23,10 +23,11 @@ ObjectNumber: TypeAlias = tuple[int, int]
 
 @dataclass(frozen=True, slots=True)
 class ObjectDescription:
-    """A variable of the object dictionary.
+    """An object of the object dictionary (CiA 301, 7.4).
 
-    `name` is its identifier. `default`, `low` and `high` are None where the file has none; with
-    `relative` the default is an offset to the node-id. `access` is one of CiA 306.
+    `name` is its identifier. `default`, `low` and `high` are None if the description has none;
+    with `relative` the default is an offset to the node-id. `access` is an access type of CiA
+    306.
     """
 
     index: int
@@ -42,12 +43,12 @@ class ObjectDescription:
 
     @property
     def readable(self) -> bool:
-        """Whether SDO may read it."""
+        """Whether SDO may read the object."""
         return self.access != "wo"
 
     @property
     def writable(self) -> bool:
-        """Whether SDO may write it."""
+        """Whether SDO may write the object."""
         return self.access not in ("ro", "const")
 
     def named(self, name: str) -> ObjectDescription:
@@ -55,7 +56,7 @@ class ObjectDescription:
         return replace(self, name=name)
 
     def initial(self, node_id: int) -> ObjectValue | None:
-        """The default for a node."""
+        """The default value in a node with this node-id."""
         if self.relative and isinstance(self.default, int):
             return node_id + self.default
         return self.default
@@ -63,12 +64,12 @@ class ObjectDescription:
 
 @dataclass(frozen=True, slots=True)
 class PdoDescription:
-    """A PDO as its device has it: the device transmits a `tpdo` and receives an `rpdo`.
+    """A PDO as the device sees it: the device transmits a `tpdo` and receives an `rpdo`.
 
-    `cob_id` has the flag bits; with `relative` it is an offset to the node-id. None: the file does
-    not tell, so the PDO is not valid. `mapping` holds (index, sub-index, bits); gaps have the
-    index of a data type. `fixed` says that the mapping cannot be written. Times are in the units
-    of the object dictionary: `inhibit_time` in 100 us, `event_timer` in ms.
+    `cob_id` includes the flag bits; with `relative` it is an offset to the node-id; None: not
+    given, so the PDO is not valid. `mapping` holds (index, sub-index, bits); gaps have the index
+    of a data type. `fixed`: the mapping cannot be written. Times are in the units of the object
+    dictionary: `inhibit_time` in 100 us, `event_timer` in ms.
     """
 
     direction: Literal["tpdo", "rpdo"]
@@ -83,7 +84,7 @@ class PdoDescription:
     fixed: bool = False
 
     def cob_id_of(self, node_id: int) -> int | None:
-        """The COB-ID for a node, with its flags."""
+        """The COB-ID, with its flags, in a node with this node-id."""
         if self.cob_id is None:
             return None
         return self.cob_id + node_id if self.relative else self.cob_id
@@ -91,12 +92,12 @@ class PdoDescription:
 
 @dataclass(frozen=True)
 class DeviceDescription:
-    """A device: what a generated module `objects` has as `DESCRIPTION`.
+    """A device: `DESCRIPTION` of a generated module `objects`.
 
-    `lss` says that it takes part in layer setting services, `granularity` is the smallest unit of
-    a mapping in bits, `dummies` are the data types that may fill gaps. `configuration` is what a
-    master writes to the node where no network says so. `bit_rates` are those that LSS may set, in
-    kbit/s, none for all.
+    `lss`: the device supports layer setting services. `granularity` is the smallest unit of a
+    mapping in bits, `dummies` are the data types that may fill gaps. `configuration` is what a
+    master writes to the node if no network defines it. `bit_rates` are those that LSS may set, in
+    kbit/s; empty: all.
     """
 
     name: str
@@ -113,16 +114,16 @@ class DeviceDescription:
 
     @cached_property
     def by_number(self) -> dict[ObjectNumber, ObjectDescription]:
-        """The variables by index and sub-index."""
+        """The objects by index and sub-index."""
         return {(o.index, o.subindex): o for o in self.objects}
 
     @cached_property
     def by_name(self) -> dict[str, ObjectDescription]:
-        """The variables by identifier."""
+        """The objects by identifier."""
         return {o.name: o for o in self.objects}
 
     def pdo(self, direction: str, number: int) -> PdoDescription:
-        """A PDO. Raises KeyError if there is none."""
+        """Find a PDO. Raises KeyError."""
         for pdo in self.pdos:
             if pdo.direction == direction and pdo.number == number:
                 return pdo
@@ -131,9 +132,9 @@ class DeviceDescription:
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """A value that is written by SDO, as octets on the wire.
+    """A value to be written by SDO, as octets on the wire.
 
-    `verify` says that it is read back, `relative` that the node-id is to be added to it.
+    `verify`: read the value back. `relative`: add the node-id to the value.
     """
 
     index: int
@@ -143,7 +144,7 @@ class Write:
     relative: bool = False
 
     def octets(self, node_id: int) -> bytes:
-        """The octets for a node."""
+        """The octets to write to a node with this node-id."""
         if not self.relative:
             return self.value
         size = len(self.value)
@@ -152,27 +153,27 @@ class Write:
 
     @property
     def repeatable(self) -> bool:
-        """Whether it may be carried out twice.
+        """Whether the write may be repeated.
 
-        What cannot be read back may be a command (1010h, 1011h, write-only objects).
+        An object that cannot be read back may be a command (1010h, 1011h, write-only objects).
         """
         return self.verify
 
 
 @dataclass(frozen=True, slots=True)
 class NodeDescription:
-    """A node of a network, and how it is started.
+    """A node of a network, and how the manager starts it.
 
-    `identity` is what 1000h and 1018h:1 to 4 must hold, None for what is not checked.
-    `configuration` is what the manager writes, in order, after the boot-up message. `pdos` are
-    those that hold after it, COB-IDs absolute. `heartbeat` is the node's period and
-    `heartbeat_timeout` the manager's time-out, both in ms, 0 for none; `boot_timeout` is in ms.
-    `guard_time` is the period of node guarding in ms, for a node without heartbeat; 0 for none.
-    `emergency_stop` has the patterns of `EmergencyPolicy`, empty for the default; `recoveries` is
-    how often in a row its proxy leaves ERROR by itself.
-    On an error the manager resets the node up to `restarts` times. A node that is not `mandatory`
-    may be missing. With `start` it is started when it is configured.
-    `lss` says that it may have no node-id yet: the manager assigns it by its identity.
+    `identity` holds the expected values of 1000h and 1018h:1 to 4; None skips the check.
+    `configuration` is written by the manager, in order, after the boot-up message; `pdos` are in
+    force afterwards, with absolute COB-IDs. `heartbeat` is the node's producer time and
+    `heartbeat_timeout` the manager's consumer time; `boot_timeout` limits the boot procedure;
+    `guard_time` is the period of node guarding for a node without heartbeat (all in ms, 0 for
+    none). `emergency_stop` holds the patterns of `EmergencyPolicy`, empty for the default;
+    `recoveries` is how often in a row its proxy leaves ERROR by itself. On an error the manager
+    resets the node up to `restarts` times. A node that is not `mandatory` may be missing. With
+    `start` the manager starts the node once it is configured. `lss`: the node may have no node-id
+    yet; the manager assigns it by its identity.
     """
 
     name: str
@@ -195,10 +196,10 @@ class NodeDescription:
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """A network: what a generated module `networks.<name>` has as `NETWORK`.
+    """A network: `NETWORK` of a generated module `networks.<name>`.
 
-    `bit_rate` is in kbit/s; `sync` and `heartbeat` (the manager's) are periods in us and ms, 0 for
-    none. `sync_overflow` is the greatest SYNC counter, 0 for none.
+    `bit_rate` is in kbit/s; `sync` is the SYNC period in us and `heartbeat` the manager's
+    producer time in ms, 0 for none. `sync_overflow` is the highest SYNC counter, 0 for none.
     """
 
     name: str
@@ -210,5 +211,5 @@ class Network:
     sync_overflow: int = 0
 
     def node(self, node_id: int) -> NodeDescription | None:
-        """The node of an id."""
+        """Find a node by its id."""
         return next((node for node in self.nodes if node.id == node_id), None)

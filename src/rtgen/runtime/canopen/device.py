@@ -1,7 +1,7 @@
-"""The component of a CANopen device: a slave whose states are those of an RT component.
+"""The component of a CANopen device: a slave whose NMT states follow those of an RT component.
 
-After the published description of RTC-CANopen (table 3 and figure 110); what each command of the
-NMT master calls says `docs/canopen.md`.
+Source: the published description of RTC-CANopen (table 3 and figure 110). The callbacks for each
+NMT command are listed in `docs/canopen.md`.
 """
 
 from __future__ import annotations
@@ -36,24 +36,24 @@ from rtgen.runtime.return_codes import (
 )
 
 _BUFFER: Final = {"dataport.buffer.length": "64"}
-"""Samples that wait between ports and the bus; older ones are overwritten, and count as lost."""
+"""Buffer between ports and the bus; overwritten samples count as lost."""
 
 
 class CanopenDevice(DeviceHooks, Component):
-    """The base of generated devices; it is on the bus from its initialization on.
+    """Base class of generated devices; the device is on the bus from its initialization.
 
-    What a behaviour sets in `objects`, and writes to OutPorts, goes out at the end of the tick.
-    `node` has hooks and errors for it: calls of them that are not made from a callback of the
-    node hold `bus_lock`.
+    Changes of `objects` and samples written to OutPorts are transmitted at the end of the tick.
+    `node` offers hooks and errors to a behaviour: calls of its methods from outside its callbacks
+    must hold `bus_lock`.
     """
 
     config: Any
     self_start = False
-    """Whether it becomes operational without a master."""
+    """Whether the device enters OPERATIONAL without a master."""
     merged_stop = False
-    """Whether a stop command means what figure 111 says: see `NmtSlave`.
+    """Whether a stop command has the meaning of figure 111; see `NmtSlave`.
 
-    The parameter of that name sets it, too, when the device joins its bus.
+    The configuration parameter of the same name overrides it when the device joins its bus.
     """
 
     def __init__(self, instance_name: str | None = None) -> None:
@@ -61,11 +61,11 @@ class CanopenDevice(DeviceHooks, Component):
         self.node = DeviceNode(
             self.description,
             events=NodeEvents(
-                moved=self._moved,
-                received=self._received,
-                heard=self._heard,
-                collided=self._collided,
-                bit_rate=self._bit_rate_told,
+                moved=self._on_transition,
+                received=self._on_rpdo,
+                heard=self._on_heartbeat,
+                collided=self._on_collision,
+                bit_rate=self._on_bit_rate,
                 stopping=self._can_end,
                 ready=self._can_boot,
             ),
@@ -81,11 +81,11 @@ class CanopenDevice(DeviceHooks, Component):
         self._ending = False
         self._stopped_by = ""
 
-    # The object dictionary
+    # Object dictionary
 
     @property
     def bus_lock(self) -> AbstractContextManager[object]:
-        """The lock of the link: held, the bus calls no method of the node."""
+        """The lock of the link; while it is held, the bus calls no method of the node."""
         return nullcontext() if self._link is None else self._link.lock
 
     def get_object(self, number: ObjectNumber) -> ObjectValue:
@@ -97,10 +97,10 @@ class CanopenDevice(DeviceHooks, Component):
         with self.bus_lock:
             self.node.dictionary.set(number, value)
 
-    # Life
+    # Life cycle
 
     def initialize(self) -> ReturnCode_t:
-        """Created, up to the boot-up message, which follows `on_initialize`."""
+        """Initialize the component; the boot-up message follows `on_initialize`."""
         if self._alive:
             return PRECONDITION_NOT_MET
         self.configuration_sets.apply()
@@ -119,7 +119,7 @@ class CanopenDevice(DeviceHooks, Component):
         return RTC_OK
 
     def finalize(self) -> ReturnCode_t:
-        """Ends its life, and leaves the bus."""
+        """Finalize the component and leave the bus."""
         code = super().finalize()
         if not self._alive:
             self._leave_bus()
@@ -127,7 +127,7 @@ class CanopenDevice(DeviceHooks, Component):
 
     @property
     def lost(self) -> int:
-        """Samples that were lost at its ports, on the way to the bus, too."""
+        """Samples lost at the ports, including those between OutPorts and the bus."""
         return super().lost + sum(port.lost for _, port, _ in self._outlets)
 
     def _join_bus(self) -> Link:
@@ -146,7 +146,7 @@ class CanopenDevice(DeviceHooks, Component):
         return link
 
     def _warn_of_requests(self, link: Link) -> None:
-        """Tells of TPDOs that nobody can ask for, so that no sample of theirs is ever sent."""
+        """Warn of TPDOs that are only sent on remote frames, on a link that carries none."""
         for pdo in self.description.pdos:
             value = pdo.cob_id_of(self.node.node_id)
             if pdo.direction != "tpdo" or value is None or CobId(value).bit31:
@@ -187,7 +187,7 @@ class CanopenDevice(DeviceHooks, Component):
             self._outlets.append((name, target, outgoing))
 
     def _fed_ports(self) -> list[str]:
-        """The InPorts that RPDOs go to: a behaviour may have others."""
+        """The InPorts fed by RPDOs; a behaviour may have further InPorts."""
         get = self.node.dictionary.get
         made = (incoming(get, 0) for incoming in self._incoming_by_number.values())
         return list(dict.fromkeys(name for samples in made for name, _ in samples))
@@ -214,21 +214,21 @@ class CanopenDevice(DeviceHooks, Component):
                 self._send(frames)
 
     def _samples(self, now: int) -> list[Frame]:
-        """What OutPorts have got: one sample of each at a time goes out together."""
+        """Write new samples of OutPorts to the object dictionary; one sample of each at a time."""
         frames: list[Frame] = []
         while fresh := [outlet for outlet in self._outlets if outlet[1].is_new()]:
-            told: list[ObjectNumber] = []
+            written: list[ObjectNumber] = []
 
             def take(number: ObjectNumber, value: ObjectValue) -> None:
                 self.node.dictionary.set(number, value)
-                told.append(number)  # noqa: B023
+                written.append(number)  # noqa: B023
 
             for name, port, outgoing in fresh:
                 try:
                     outgoing(port.read(), take)
                 except ValueError as error:
                     self._request_failure(f"{name}: {error}")
-            for number in told:
+            for number in written:
                 self.node.trigger(*number)
             frames += self.node.flush(now)
         return frames
@@ -270,7 +270,7 @@ class CanopenDevice(DeviceHooks, Component):
         return RTC_OK
 
     def _settle(self, now: int) -> list[Frame]:
-        """Brings the states of component and node together at the end of a tick."""
+        """Synchronize the states of component and node at the end of a tick."""
         state, before = self._state(), self._was
         self._was = state
         was_reset, self._resetting = self._resetting, False
@@ -291,14 +291,14 @@ class CanopenDevice(DeviceHooks, Component):
         self._follow()
         return frames + node.flush(now)
 
-    def _moved(self, transition: Transition) -> None:
+    def _on_transition(self, transition: Transition) -> None:
         if transition.command is NmtCommand.STOP:
             self._stopped_by = "stopped by the NMT master"
         if not self._resetting:
             self._follow()
 
     def _follow(self) -> None:
-        """Requests the component's state that goes with the node's (table 3)."""
+        """Request the component state that corresponds to the node's NMT state (table 3)."""
         nmt = self.node.state
         for context in tuple(self._contexts.values()):
             state = context.get_component_state(self)
@@ -313,7 +313,7 @@ class CanopenDevice(DeviceHooks, Component):
                 context.deactivate_component(self)
 
     def _state(self) -> LifeCycleState:
-        """The state in the first context; INACTIVE where there is none."""
+        """The component's state in its first context; INACTIVE without a context."""
         for context in tuple(self._contexts.values()):
             return context.get_component_state(self)
         return INACTIVE_STATE
@@ -324,27 +324,27 @@ class CanopenDevice(DeviceHooks, Component):
     def _can_end(self) -> bool:
         return self._state() is not ERROR_STATE
 
-    # What the node tells
+    # Events of the node
 
-    def _received(self, number: int) -> None:
+    def _on_rpdo(self, number: int) -> None:
         incoming = self._incoming_by_number.get(number)
         if incoming is None:
             return
         for name, sample in incoming(self.node.dictionary.get, self._clock.now()):
             self._inlets[name].write(sample)
 
-    def _heard(self, node_id: int, event: HeartbeatEvent) -> None:
+    def _on_heartbeat(self, node_id: int, event: HeartbeatEvent) -> None:
         if event.news is HeartbeatNews.LOST:
             self._stopped_by = f"node {node_id} is lost: it has no heartbeat"
             log.warning("%s: %s", self.instance_name, self._stopped_by)
 
-    def _collided(self, can_id: int) -> None:
+    def _on_collision(self, can_id: int) -> None:
         log.warning(
             "%s: another node has the node-id %d: it sends %03Xh",
             self.instance_name, self.node.node_id, can_id,
         )  # fmt: skip
 
-    def _bit_rate_told(self, bit_rate: int, delay: int) -> None:
+    def _on_bit_rate(self, bit_rate: int, delay: int) -> None:
         log.warning(
             "%s: LSS asks for %d kbit/s, which takes a new start",
             self.instance_name, bit_rate,

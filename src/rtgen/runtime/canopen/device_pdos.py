@@ -1,4 +1,4 @@
-"""The PDOs of a device: their parameters in the object dictionary, and what comes and goes."""
+"""The PDOs of a device: parameters, transmission and reception (CiA 301, 7.2.2)."""
 
 from __future__ import annotations
 
@@ -36,21 +36,21 @@ from rtgen.runtime.canopen.pdo_transmission import (
 from rtgen.runtime.canopen.sdo import SdoAbort
 
 IsEvent: TypeAlias = Callable[[bytes | None, bytes], bool]
-"""Whether a change of an object, from old octets to new ones, is to be sent.
+"""Whether a change of an object from old to new octets is an event for TPDOs.
 
-The old ones are None when the node becomes operational.
+The old octets are None when the node enters OPERATIONAL.
 """
 
 _BASES: Final = {"rpdo": (0x1400, 0x1600), "tpdo": (0x1800, 0x1A00)}
 _COB_ID, _TYPE, _INHIBIT, _EVENT_TIMER, _SYNC_START = 1, 2, 3, 5, 6
 _INVALID: Final = 1 << 31
 _LOCKED: Final = 0x06010003
-"""Entries while sub-index 0 is not 0."""
+"""Abort code for mapping entries while sub-index 0 is not 0."""
 _LENGTH_ERRORS: Final = (PDO_TOO_SHORT, PDO_TOO_LONG)
 
 
 class DevicePdo:
-    """A PDO, as the object dictionary has it now."""
+    """A PDO with its current parameters in the object dictionary."""
 
     def __init__(self, dictionary: DeviceDictionary, pdo: PdoDescription) -> None:
         self.description = pdo
@@ -66,15 +66,15 @@ class DevicePdo:
 
     @property
     def label(self) -> bytes:
-        """What tells it from others in emergency messages: its number."""
+        """The PDO number, which identifies the PDO in emergency messages."""
         return self.number.to_bytes(2, "little")
 
     def load(self, node_id: int) -> None:
-        """Gives its objects the description's values."""
+        """Set the PDO's parameters to the defaults of the description."""
         pdo = self.description
-        told = pdo.cob_id_of(node_id)
+        cob_id = pdo.cob_id_of(node_id)
         self._defaults = {
-            _COB_ID: _INVALID if told is None else told,
+            _COB_ID: _INVALID if cob_id is None else cob_id,
             _TYPE: pdo.transmission_type,
             _INHIBIT: pdo.inhibit_time,
             _EVENT_TIMER: pdo.event_timer,
@@ -91,7 +91,7 @@ class DevicePdo:
                 self._dictionary.preset((self.mapped, place), entry_of(*entry))
 
     def configure(self) -> PdoParameters:
-        """Takes over what the object dictionary has."""
+        """Read the current parameters from the object dictionary."""
         self.cob_id = CobId(self._parameter(_COB_ID, _INVALID))
         if (self.mapped, 0) in self._dictionary:
             count = self._dictionary.number((self.mapped, 0))
@@ -113,18 +113,18 @@ class DevicePdo:
             return PdoParameters(cob_id=_INVALID, transmission_type=EVENT_PROFILE)
 
     def planned(self, count: int) -> Mapping:
-        """The mapping of the first entries. Raises SdoAbort if it cannot be."""
+        """The mapping of the first `count` entries. Raises SdoAbort if it is invalid."""
         return Mapping([self._field(place) for place in range(1, count + 1)])
 
     def checked_field(self, entry: int) -> MappedField:
-        """The field of an entry. Raises SdoAbort if the device cannot map it."""
+        """The field of a mapping entry. Raises SdoAbort if the device cannot map it."""
         description = self._dictionary.description
         if entry in self._own:
             return own_field(description, entry)
         return checked_field(description, self.description.direction, entry)
 
     def check_communication(self, subindex: int, value: int) -> None:
-        """Whether SDO may write a communication parameter. Raises SdoAbort."""
+        """Check a write to a communication parameter. Raises SdoAbort."""
         old = self._parameter(subindex)
         if subindex == _COB_ID:
             self._check_cob_id(CobId(value))
@@ -140,7 +140,7 @@ class DevicePdo:
                 raise SdoAbort(sdo.VALUE_TOO_HIGH)
 
     def check_mapping(self, subindex: int, value: int) -> None:
-        """Whether SDO may write a mapping parameter. Raises SdoAbort."""
+        """Check a write to a mapping parameter. Raises SdoAbort."""
         if self.description.fixed or not self.cob_id.bit31:
             raise SdoAbort(sdo.ACCESS_UNSUPPORTED)
         if subindex:
@@ -179,8 +179,8 @@ class DevicePdo:
 class DevicePdos:
     """All PDOs of a device.
 
-    `received` is called with the number of each RPDO whose values have been taken. `refused`
-    counts values that their objects could not have.
+    `received` is called with the number of each RPDO whose values have been stored. `refused`
+    counts received values that violate the limits of their objects.
     """
 
     def __init__(
@@ -193,7 +193,7 @@ class DevicePdos:
         self._errors = errors
         self._received = received
         self._pdos: dict[int, DevicePdo] = {}
-        """By the indices of their parameters."""
+        """PDOs by the indices of their parameters."""
         self._receivers: dict[DevicePdo, RpdoReceiver] = {}
         self._transmitters: dict[DevicePdo, TpdoTransmitter] = {}
         self._timed: list[RpdoReceiver | TpdoTransmitter] = []
@@ -212,17 +212,17 @@ class DevicePdos:
 
     @property
     def identifiers(self) -> frozenset[int]:
-        """The CAN identifiers of all that are valid."""
+        """The CAN identifiers of all valid PDOs."""
         return frozenset(self._by_id)
 
     @property
     def overwritten(self) -> int:
-        """Values that a newer one replaced in the inhibit time."""
+        """Values that were replaced by newer ones during the inhibit time."""
         return sum(t.overwritten for t in self._transmitters.values())
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` has something to do."""
+        """When `poll` has to be called next."""
         deadline = None
         for part in self._timed:
             due = part.deadline
@@ -231,21 +231,21 @@ class DevicePdos:
         return deadline
 
     def is_event(self, number: ObjectNumber, is_event: IsEvent) -> None:
-        """Sets what decides whether a change of an object is an event that TPDOs tell of."""
+        """Set the function that decides whether a change of an object triggers its TPDOs."""
         self._is_event[number] = is_event
 
     def load(self, node_id: int) -> None:
-        """Gives the parameters their defaults."""
+        """Reset all PDO parameters to their defaults."""
         for pdo in self._all:
             pdo.load(node_id)
 
     def configure(self) -> None:
-        """Takes over all parameters."""
+        """Apply all PDO parameters."""
         self._touched = dict.fromkeys(self._all)
         self._rebuild(0)
 
     def start(self, now: int) -> None:
-        """The node has become operational: event-driven TPDOs are sent once."""
+        """Enter OPERATIONAL: event-driven TPDOs are sent once."""
         self._running = True
         for receiver in self._receivers.values():
             receiver.start()
@@ -253,7 +253,7 @@ class DevicePdos:
             self._begin(pdo, now)
 
     def stop(self) -> None:
-        """The node has left operational."""
+        """Leave OPERATIONAL."""
         self._running = False
         self._due.clear()
         for receiver in self._receivers.values():
@@ -262,7 +262,7 @@ class DevicePdos:
             transmitter.stop()
 
     def changed(self, number: ObjectNumber) -> None:
-        """A variable has another value now."""
+        """Process a changed object."""
         pdo = self._pdos.get(number[0])
         if pdo is not None:
             self._touched[pdo] = None
@@ -270,12 +270,12 @@ class DevicePdos:
             self._note(carrier, number)
 
     def trigger(self, number: ObjectNumber) -> None:
-        """An event of a variable: the TPDOs that carry it are due."""
+        """Trigger the TPDOs that map an object."""
         if self._running:
             self._due |= dict.fromkeys(self._carriers.get(number, ()))
 
     def receive(self, frame: Frame, now: int) -> Iterator[Frame]:
-        """Takes an RPDO, or a request for a TPDO; gives what is to be sent."""
+        """Process an RPDO or a remote frame for a TPDO; yield the frames to send."""
         for pdo in self._by_id.get(frame.can_id, ()):
             receiver = self._receivers.get(pdo)
             if receiver is not None:
@@ -288,7 +288,7 @@ class DevicePdos:
                     yield answer
 
     def sync(self, counter: int, now: int) -> Iterator[Frame]:
-        """SYNC: what waited is taken, then what is due is sent."""
+        """Process a SYNC: apply received synchronous RPDOs, then send due TPDOs."""
         for pdo, receiver in self._receivers.items():
             data = receiver.sync()
             if data is not None:
@@ -302,7 +302,7 @@ class DevicePdos:
                     yield frame
 
     def poll(self, now: int) -> Iterator[Frame]:
-        """What is due by a timer."""
+        """Process timers: event timers, inhibit times, RPDO time-outs."""
         for pdo, receiver in self._receivers.items():
             code = receiver.poll(now)
             if code:
@@ -316,7 +316,7 @@ class DevicePdos:
                     yield frame
 
     def flush(self, now: int) -> Iterable[Frame]:
-        """Takes over changed parameters, and sends the TPDOs whose objects have changed."""
+        """Apply changed parameters, and send the TPDOs whose objects have changed."""
         if self._touched:
             self._rebuild(now)
         return self._flushed(now) if self._due else ()

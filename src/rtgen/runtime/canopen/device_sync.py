@@ -1,4 +1,4 @@
-"""SYNC and TIME at a device: what has come, and SYNCs that it produces (CiA 301, 7.2.5, 7.2.6)."""
+"""SYNC and TIME of a device: consumers and the SYNC producer (CiA 301, 7.2.5, 7.2.6)."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _MICROSECOND: Final = 1000
 
 
 class DeviceSync:
-    """What 1005h, 1006h and 1019h tell; a SYNC of the wrong length is an error (8240h)."""
+    """SYNC as configured by 1005h, 1006h and 1019h; a SYNC of the wrong length is EMCY 8240h."""
 
     indices: Final = frozenset((COB_ID_SYNC[0], SYNC_PERIOD[0], SYNC_OVERFLOW[0]))
 
@@ -36,18 +36,18 @@ class DeviceSync:
         self._errors = errors
         self._producer: SyncProducer | None = None
         self._size: int | None = None
-        """The octets that a SYNC has, None for 0 or 1."""
+        """The expected length of a SYNC in octets; None: 0 or 1."""
         self.cob_id = CobId(SYNC)
         dictionary.guard((COB_ID_SYNC[0],), self._check_cob_id)
         dictionary.guard((SYNC_OVERFLOW[0],), self._check_overflow)
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` has a SYNC to send."""
+        """When the next SYNC has to be sent."""
         return None if self._producer is None else self._producer.deadline
 
     def configure(self) -> None:
-        """Takes over the objects; a producer begins with `start`."""
+        """Apply the objects; `start` starts the producer."""
         number = self._dictionary.number
         self.cob_id = CobId(number(COB_ID_SYNC, SYNC))
         if SYNC_OVERFLOW in self._dictionary:
@@ -59,7 +59,7 @@ class DeviceSync:
             self._producer = SyncProducer(period, overflow, self.cob_id.can_id)
 
     def start(self, now: int) -> None:
-        """The node may send SYNCs from now on."""
+        """Start the producer, once the node may send SYNC."""
         if self._producer is not None:
             self._producer.start(now)
 
@@ -68,9 +68,9 @@ class DeviceSync:
         return None if self._producer is None else self._producer.poll(now)
 
     def counter(self, frame: Frame) -> int | None:
-        """The counter of a frame, 0 without one; None if it is no SYNC for this device.
+        """The counter of a SYNC, 0 without one; None for any other frame.
 
-        A device without 1019h takes both lengths.
+        A device without 1019h accepts both lengths.
         """
         if not self.cob_id.carries(frame) or frame.remote:
             return None
@@ -99,7 +99,7 @@ class DeviceSync:
 
 
 class DeviceTime:
-    """The consumer that 1012h may make of a device."""
+    """The TIME consumer, if 1012h configures one."""
 
     def __init__(self, dictionary: DeviceDictionary) -> None:
         self._dictionary = dictionary
@@ -107,12 +107,12 @@ class DeviceTime:
 
     @property
     def identifiers(self) -> frozenset[int]:
-        """The CAN identifier, if the device takes TIME."""
+        """The CAN identifier of TIME, if the device consumes it."""
         cob_id = self._cob_id
         return frozenset((cob_id.can_id,) if cob_id.bit31 else ())
 
     def moment(self, frame: Frame) -> int | None:
-        """What a frame tells, in ns of UTC since 1970; None if it is no TIME for this device."""
+        """The time in a TIME message, in ns of UTC since 1970; None for any other frame."""
         cob_id = self._cob_id
         if not cob_id.bit31 or not cob_id.carries(frame):
             return None

@@ -1,4 +1,4 @@
-"""Emergency messages (CiA 301, 7.2.7; codes: table 26, register: 1001h)."""
+"""Emergency messages (CiA 301, 7.2.7; error codes: table 26; error register: 1001h)."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ HEARTBEAT_LOST: Final = 0x8130
 
 
 class ErrorRegister(IntFlag):
-    """Bits of object 1001h."""
+    """Bits of the error register (1001h)."""
 
     GENERIC = 1
     CURRENT = 2
@@ -70,7 +70,7 @@ _CLASSES: Final = {
 
 
 def code_text(code: int) -> str:
-    """What an error code means, by its class where it is none of CiA 301's own."""
+    """The meaning of an error code; falls back to its class if CiA 301 does not define it."""
     if code in _EXACT:
         return _EXACT[code]
     high = code >> 8
@@ -79,7 +79,7 @@ def code_text(code: int) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Emergency:
-    """An emergency message; code 0000h says that errors are gone. `additional` has 5 octets."""
+    """An emergency message; code 0000h: errors have been cleared. `additional` has 5 octets."""
 
     code: int
     register: ErrorRegister
@@ -87,11 +87,11 @@ class Emergency:
 
     @property
     def cleared(self) -> bool:
-        """Whether it says that an error, or all of them, are gone."""
+        """Whether the message reports that one error, or all, have been cleared."""
         return self.code >> 8 == 0
 
     def frame(self, node_id: int) -> Frame:
-        """The frame of a node. Raises ValueError for more than 5 additional octets."""
+        """The frame sent by a node. Raises ValueError for more than 5 additional octets."""
         if len(self.additional) > 5:
             raise ValueError(f"{len(self.additional)} octets; there are up to 5")
         head = self.code.to_bytes(2, "little") + bytes((self.register,))
@@ -106,16 +106,16 @@ class Emergency:
 
 
 DEFAULT_STOPS: Final = "xxxx,-8110,-8120,-8140,-82xx"
-"""All errors but those of single frames: a CAN overrun, a PDO of another length, a late one."""
+"""All errors except those of single frames: CAN overrun, wrong PDO length, late PDO."""
 _PATTERN: Final = re.compile("(-?)([0-9A-Fa-fxX]{4})")
 
 
 class EmergencyPolicy:
-    """Which emergency messages stop a component; the others are only reported.
+    """Decides which emergency messages stop a component; others are only reported.
 
-    `patterns` are codes of four hexadecimal digits with `x` for any digit, separated by commas; of
-    those that match, the last one decides: with `-` it reports. Nothing matches: it reports.
-    Raises ValueError for a pattern of another form.
+    `patterns` is a comma-separated list of codes of four hexadecimal digits, `x` for any digit.
+    The last matching pattern decides; one with `-` only reports, as does no match. Raises
+    ValueError for a malformed pattern.
     """
 
     def __init__(self, patterns: str) -> None:
@@ -130,14 +130,14 @@ class EmergencyPolicy:
             self._rules.append((not found[1], re.compile(digits)))
 
     def stops(self, emergency: Emergency) -> bool:
-        """Whether a message stops the component."""
+        """Whether an emergency message stops the component."""
         code = f"{emergency.code:04X}"
         decided = [stops for stops, pattern in self._rules if pattern.fullmatch(code)]
         return bool(decided) and decided[-1] and not emergency.cleared
 
 
 def decode_emergency(frame: Frame) -> tuple[int, Emergency] | None:
-    """The node-id and message of a frame; None if it is no emergency message."""
+    """The node-id and the message in a frame; None for any other frame."""
     node_id = frame.can_id - EMERGENCY
     if not 1 <= node_id <= MAX_NODE_ID or frame.extended or frame.remote:
         return None

@@ -1,4 +1,4 @@
-"""Which errors a device has, and the emergency messages that tell of them (CiA 301, 7.2.7)."""
+"""Emergency producer of a device, with its active errors (CiA 301, 7.2.7)."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ COB_ID: Final = 0x1014
 INHIBIT_TIME: Final = 0x1015
 
 MAX_WAITING: Final = 16
-"""How many messages may wait for the inhibit time."""
+"""Maximum number of messages that wait for the inhibit time."""
 MAX_ERRORS: Final = 64
-"""How many errors may be there at a time."""
+"""Maximum number of active errors."""
 
 _TRANSIENT: Final = (0x6, 0x8)
-"""Classes of errors that reset communication ends."""
+"""Classes of errors that reset communication clears."""
 _NO_DATA: Final = 0x08000024
 _BITS: Final = {
     0x2: ErrorRegister.CURRENT,
@@ -34,18 +34,18 @@ _BITS: Final = {
 
 
 def register_of(code: int) -> ErrorRegister:
-    """The bits of 1001h that go with an error code."""
+    """The bits of the error register (1001h) for an error code."""
     if code >> 8 == 0xFF:
         return ErrorRegister.GENERIC | ErrorRegister.MANUFACTURER
     return ErrorRegister.GENERIC | _BITS.get(code >> 12, ErrorRegister(0))
 
 
 class EmergencyProducer:
-    """The errors that a device has now; keeps 1001h and 1003h.
+    """The active errors of a device; maintains 1001h and 1003h.
 
-    An error is told once when it comes, and its end by code 0000h with the additional octets that
-    it had. What waits for the inhibit time (1015h) is bounded: the newest stay, `lost` counts the
-    others. Without 1014h nothing is sent.
+    An error is sent once when it occurs, and again with code 0000h and the same additional octets
+    when it is cleared. The queue for the inhibit time (1015h) is bounded: the newest messages
+    stay, `lost` counts the others. Without 1014h nothing is sent.
     """
 
     def __init__(self, dictionary: DeviceDictionary) -> None:
@@ -61,7 +61,7 @@ class EmergencyProducer:
 
     @property
     def register(self) -> ErrorRegister:
-        """What 1001h has."""
+        """The value of the error register (1001h)."""
         register = ErrorRegister(0)
         for bits in self._present.values():
             register |= bits
@@ -69,39 +69,39 @@ class EmergencyProducer:
 
     @property
     def can_id(self) -> int | None:
-        """The identifier of the messages, None if there are none."""
+        """The CAN identifier of emergency messages, None without 1014h."""
         return None if self._cob_id is None else self._cob_id.can_id
 
     @property
     def deadline(self) -> int | None:
-        """When `take` has something to send."""
+        """When `take` has a message to send."""
         return self._not_before if self._waiting else None
 
     def configure(self) -> None:
-        """Takes over 1014h and 1015h."""
+        """Apply 1014h and 1015h."""
         cob_id = CobId(self._dictionary.number((COB_ID, 0), 1 << 31))
         self._cob_id = None if cob_id.bit31 else cob_id
         self._inhibit = self._dictionary.number((INHIBIT_TIME, 0)) * INHIBIT_UNIT
 
     def reset(self, *, whole: bool) -> None:
-        """The device begins anew; unless `whole`, only errors of protocols and software go."""
+        """Reset the errors; unless `whole`, only protocol and software errors are cleared."""
         for key in list(self._present):
             if whole or key[0] >> 12 in _TRANSIENT:
                 del self._present[key]
         self._waiting.clear()
         self._not_before = 0
-        self._note_register()
+        self._update_register()
 
     def present(self, code: int, additional: bytes = b"") -> bool:
-        """Whether the device has the error."""
+        """Whether the error is active."""
         return (code, additional) in self._present
 
     def add(
         self, code: int, additional: bytes = b"", register: ErrorRegister | None = None
     ) -> None:
-        """The error is there from now on; one that is there already is not told again.
+        """Activate an error; an active error is not sent again.
 
-        Up to 5 additional octets tell the places or kinds of an error apart.
+        Up to 5 additional octets distinguish places or kinds of an error.
         """
         key = code, additional
         if key in self._present:
@@ -109,15 +109,15 @@ class EmergencyProducer:
         bits = register_of(code) if register is None else register
         if len(self._present) < MAX_ERRORS:
             self._present[key] = bits | ErrorRegister.GENERIC
-        self._note_register()
-        self._tell(code, self.register | bits, additional)
+        self._update_register()
+        self._emit(code, self.register | bits, additional)
 
     def event(self, code: int, additional: bytes = b"") -> None:
-        """Tells of something that is over already."""
-        self._tell(code, self.register | register_of(code), additional)
+        """Send an error that is already over."""
+        self._emit(code, self.register | register_of(code), additional)
 
     def remove(self, code: int, additional: bytes | None = None) -> None:
-        """The error is gone; without additional octets all of that code."""
+        """Clear an error, or all errors of a code if no additional octets are given."""
         if not self._present:
             return
         gone = [
@@ -127,11 +127,11 @@ class EmergencyProducer:
         ]
         for key in gone:
             del self._present[key]
-            self._note_register()
+            self._update_register()
             self._queue(Emergency(0, self.register, key[1]))
 
     def take(self, now: int, *, at_once: bool = False) -> list[Frame]:
-        """The messages that may go now; all of them with `at_once`."""
+        """The messages that may be sent now; all of them with `at_once`."""
         frames: list[Frame] = []
         while self._waiting and (at_once or now >= self._not_before):
             message = self._waiting.popleft()
@@ -141,9 +141,9 @@ class EmergencyProducer:
                 self._not_before = now + self._inhibit
         return frames
 
-    def _tell(self, code: int, register: ErrorRegister, additional: bytes) -> None:
+    def _emit(self, code: int, register: ErrorRegister, additional: bytes) -> None:
         entry = code | int.from_bytes(additional[:2], "little") << 16
-        self._note_history(entry)
+        self._update_history(entry)
         self._queue(Emergency(code, register, additional))
 
     def _queue(self, message: Emergency) -> None:
@@ -154,11 +154,11 @@ class EmergencyProducer:
             self.lost += 1
         self._waiting.append(message)
 
-    def _note_register(self) -> None:
+    def _update_register(self) -> None:
         if REGISTER in self._dictionary:
             self._dictionary.put(REGISTER, bytes((self.register,)))
 
-    def _note_history(self, entry: int) -> None:
+    def _update_history(self, entry: int) -> None:
         subs = [sub for sub in self._dictionary.subindices(HISTORY) if sub]
         if not subs or (HISTORY, 0) not in self._dictionary:
             return

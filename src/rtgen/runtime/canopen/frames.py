@@ -1,7 +1,7 @@
-"""Frames and identifiers (CiA 301, 7.2 and 7.3.3): what every protocol machine speaks in.
+"""CAN frames and identifiers (CiA 301, 7.2 and 7.3.3), shared by all protocol machines.
 
-The machines of this package do no I/O and keep no clock: frames and the time, in integer
-nanoseconds, come from outside, and frames to be sent are returned.
+The machines of this package do no I/O and have no clock: they are given received frames and the
+time, in integer nanoseconds, and return the frames to send.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Final
 SECOND: Final = 1_000_000_000
 """Nanoseconds in a second."""
 MILLISECOND: Final = 1_000_000
-"""Nanoseconds in the unit of the heartbeat and event times."""
+"""Nanoseconds in the unit of heartbeat and event times, 1 ms."""
 INHIBIT_UNIT: Final = 100_000
 """Nanoseconds in the unit of the inhibit times, 100 us."""
 
@@ -22,7 +22,7 @@ MAX_DATA: Final = 8
 NMT: Final = 0x000
 SYNC: Final = 0x080
 EMERGENCY: Final = 0x080
-"""To be added to the node-id, as the following ones are."""
+"""Base identifier; the node-id is added to it, as to the following ones."""
 TIME: Final = 0x100
 SDO_RESPONSE: Final = 0x580
 SDO_REQUEST: Final = 0x600
@@ -57,11 +57,10 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class CobId:
-    """A COB-ID as the object dictionary has it: identifier and flags (CiA 301, 7.5.2).
+    """A COB-ID of the object dictionary: identifier and flags (CiA 301, 7.5.2).
 
-    `bit31` says of PDO, SDO and EMCY that the object does not exist, of TIME that the node takes
-    it. `bit30` says of a TPDO that it allows no remote frame, of SYNC and TIME that the node
-    produces it.
+    `bit31` means "not valid" for PDO, SDO and EMCY, "consumes" for TIME. `bit30` means "no remote
+    frames" for a TPDO, "produces" for SYNC and TIME.
     """
 
     value: int
@@ -90,13 +89,13 @@ class CobId:
 
     @property
     def configurable(self) -> bool:
-        """Whether an object may have it: not of other services, no bit set between."""
+        """Whether an object may be set to it: no restricted identifier, no reserved bit set."""
         if self.extended:
             return True
         return not (restricted(self.can_id) or self.value & 0x1FFFF800)
 
     def carries(self, frame: Frame) -> bool:
-        """Whether the frame has this identifier, of the same length."""
+        """Whether a frame has this identifier and format (11 or 29 bits)."""
         return frame.can_id == self.can_id and frame.extended == self.extended
 
     def frame(self, data: bytes) -> Frame:
@@ -105,7 +104,7 @@ class CobId:
 
 
 def checked_node_id(node_id: int) -> int:
-    """The node-id. Raises ValueError unless it is 1 to 127."""
+    """Validate a node-id. Raises ValueError unless it is 1 to 127."""
     if not 1 <= node_id <= MAX_NODE_ID:
         raise ValueError(f"node-id {node_id}: it is 1 to {MAX_NODE_ID}")
     return node_id
@@ -128,5 +127,5 @@ def _pdo(first: int, number: int, node_id: int) -> int:
 
 
 def restricted(can_id: int) -> bool:
-    """Whether no object may be configured to that identifier of 11 bits (CiA 301, table 40)."""
+    """Whether the 11-bit identifier is restricted (CiA 301, table 40)."""
     return any(low <= can_id <= high for low, high in _RESTRICTED)

@@ -1,7 +1,7 @@
 """Node guarding and life guarding (CiA 301, 7.2.8.2.2; objects 100Ch and 100Dh).
 
 The NMT master polls a node with remote frames; the node answers with its state and a toggle bit.
-For nodes without a heartbeat: no node uses both.
+For nodes without heartbeat, since no node uses both.
 """
 
 from __future__ import annotations
@@ -11,15 +11,15 @@ from typing import Final
 from rtgen.runtime.canopen.frames import ERROR_CONTROL, Frame, checked_node_id
 
 TOGGLE: Final = 0x80
-"""The bit of an answer that differs from that of the answer before."""
+"""The toggle bit, which alternates between consecutive responses."""
 
 
 class NodeGuard:
-    """The master's requests to one node, one each `period` ns.
+    """The master's side of node guarding: one request to the node each `period` ns.
 
-    `deadline` is when `poll` has one to send, None while guarding is off. An answer that repeats
-    the toggle bit is not accepted, since the node's software may have stopped behind a controller
-    that answers by itself; after a request without an answer either toggle bit is accepted.
+    `deadline` is when `poll` has a request to send, None while guarding is off. A response with
+    an unchanged toggle bit is rejected: the CAN controller may answer although the node's
+    software has stopped. After a request without a response either toggle bit is accepted.
     """
 
     def __init__(self, node_id: int) -> None:
@@ -30,16 +30,16 @@ class NodeGuard:
         self.deadline: int | None = None
 
     def start(self, period: int, now: int) -> None:
-        """Guards from now on; the first request is due at once."""
+        """Start guarding; the first request is due immediately."""
         self._period, self._last, self._awaiting = period, None, False
         self.deadline = now
 
     def stop(self) -> None:
-        """Sends no more requests."""
+        """Stop guarding."""
         self.deadline = None
 
     def poll(self, now: int) -> Frame | None:
-        """The request if it is due. Requests that are late by more than a period are left out."""
+        """The request, if due. Requests that are late by more than a period are skipped."""
         if self.deadline is None or now < self.deadline:
             return None
         if self._awaiting:
@@ -49,7 +49,7 @@ class NodeGuard:
         return Frame(self._can_id, remote=True)
 
     def accepts(self, frame: Frame) -> bool:
-        """Whether an answer of the node shows that it is alive; True while guarding is off."""
+        """Whether a response shows that the node is alive; True while guarding is off."""
         if self.deadline is None or frame.remote or len(frame.data) != 1:
             return True
         before, self._last = self._last, frame.data[0] & TOGGLE
@@ -58,9 +58,9 @@ class NodeGuard:
 
 
 class LifeGuard:
-    """A node's supervision of its master's requests, from the first one on.
+    """The node's side: supervises the master's requests from the first one on.
 
-    `deadline` is when the master counts as lost, None while nothing is supervised.
+    `deadline` is when the master counts as lost, None while there is no supervision.
     """
 
     def __init__(self) -> None:
@@ -70,12 +70,12 @@ class LifeGuard:
         self.deadline: int | None = None
 
     def configure(self, lifetime: int, now: int) -> None:
-        """Sets the life time (100Ch times 100Dh) in ns; 0 is off."""
+        """Set the life time (100Ch times 100Dh) in ns; 0 disables supervision."""
         self._lifetime = lifetime
         self.deadline = now + lifetime if lifetime and self._polled else None
 
     def requested(self, now: int) -> int:
-        """The toggle bit of the answer to a request."""
+        """Process a request; return the toggle bit of the response."""
         toggle = self._toggle
         self._toggle ^= TOGGLE
         self._polled = True
@@ -83,11 +83,11 @@ class LifeGuard:
         return toggle
 
     def reset(self) -> None:
-        """The node boots: supervision waits for the first request, and toggling begins anew."""
+        """Reset at boot-up: supervision waits for the first request, the toggle bit is 0."""
         self._toggle, self._polled, self.deadline = 0, False, None
 
     def poll(self, now: int) -> bool:
-        """Whether the master is lost; True once."""
+        """Whether the master has just been lost; True once."""
         if self.deadline is None or now < self.deadline:
             return False
         self.deadline, self._polled = None, False

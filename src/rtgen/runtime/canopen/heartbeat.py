@@ -14,10 +14,10 @@ _STATES: Final = frozenset(NmtState)
 
 
 class HeartbeatProducer:
-    """Tells a node's state every `period` ns; 0 is off.
+    """Heartbeat producer with a period in ns; 0 disables it.
 
-    `deadline` is when `poll` has something to send, None for never. Beats keep their raster; those
-    that are late by more than a period are left out.
+    `deadline` is when `poll` has a heartbeat to send, None for never. Heartbeats keep their
+    phase; those that are late by more than a period are skipped.
     """
 
     def __init__(self, node_id: int, period: int = 0) -> None:
@@ -26,20 +26,20 @@ class HeartbeatProducer:
         self.deadline: int | None = None
 
     def booted(self, now: int) -> None:
-        """The boot-up message, which counts as the first heartbeat, is sent."""
+        """Start the period at the boot-up message, which counts as the first heartbeat."""
         self.deadline = now + self._period if self._period else None
 
     def configure(self, period: int, now: int) -> None:
-        """Takes a new period (1017h written), and begins at once."""
+        """Apply a new period (1017h written); the next heartbeat is due immediately."""
         self._period = period
         self.deadline = now if period else None
 
     def stop(self) -> None:
-        """The node resets: nothing more until `booted`."""
+        """Stop until `booted`, because the node resets."""
         self.deadline = None
 
     def poll(self, now: int, state: NmtState) -> Frame | None:
-        """The heartbeat if it is due."""
+        """The heartbeat, if due."""
         if self.deadline is None or now < self.deadline:
             return None
         self.deadline += self._period * (1 + (now - self.deadline) // self._period)
@@ -47,20 +47,20 @@ class HeartbeatProducer:
 
 
 class HeartbeatNews(Enum):
-    """What a consumer notices."""
+    """Kinds of events of a heartbeat consumer."""
 
     BOOT_UP = "boot-up"
     FOUND = "found"
-    """The first heartbeat, or the first one after BOOT_UP or LOST."""
+    """The first heartbeat, or the first after BOOT_UP or LOST."""
     CHANGED = "changed"
     LOST = "lost"
 
 
 @dataclass(frozen=True, slots=True)
 class HeartbeatEvent:
-    """News of a node; `asked` tells whether the state is the one that was asked for.
+    """An event of a node; `asked`: its new state is the one that was requested.
 
-    The state of LOST is the last one known, INITIALISING if none is.
+    The state of LOST is the last known one, or INITIALISING.
     """
 
     news: HeartbeatNews
@@ -69,11 +69,11 @@ class HeartbeatEvent:
 
 
 class HeartbeatConsumer:
-    """Watches one node; `timeout` in ns, 0 to tell states without supervision.
+    """Consumes the heartbeat of one node; `timeout` in ns, 0 for no supervision.
 
-    Supervision starts with the first heartbeat, and anew after every boot-up message: a node whose
-    heartbeat is not configured yet is not lost. `deadline` is when it is lost, None while it is
-    not supervised.
+    Supervision starts with the first heartbeat, and again after every boot-up message, so a node
+    whose heartbeat is not configured yet is not lost. `deadline` is when the node is lost, None
+    without supervision.
     """
 
     def __init__(self, node_id: int, timeout: int) -> None:
@@ -81,7 +81,7 @@ class HeartbeatConsumer:
         self._timeout = timeout
         self.deadline: int | None = None
         self.state: NmtState | None = None
-        """The last state told; None before, and after LOST."""
+        """The last received state; None before the first, and after LOST."""
         self._asked: NmtState | None = None
         self._beating = False
 
@@ -91,59 +91,61 @@ class HeartbeatConsumer:
         return self._timeout
 
     def configure(self, timeout: int, now: int) -> None:
-        """Takes a new time-out (1016h written)."""
+        """Apply a new time-out (1016h written)."""
         self._timeout = timeout
         self.deadline = now + timeout if timeout and self._beating else None
 
     def watch(self, now: int) -> None:
-        """Supervises from now on, without a first heartbeat: the node is asked for its state."""
+        """Start supervision without waiting for the first heartbeat."""
         self._beating = True
         self.deadline = now + self._timeout if self._timeout else None
 
     def ask(self, state: NmtState) -> None:
-        """The node has been told to go there; INITIALISING stands for a reset."""
+        """Record that the node was commanded to a state; INITIALISING stands for a reset."""
         self._asked = state
 
     def receive(self, frame: Frame, now: int) -> HeartbeatEvent | None:
-        """The news in a frame; None if it is no heartbeat of the node, or tells nothing new."""
-        state = self._told(frame)
+        """The event in a frame; None for other frames and for unchanged states."""
+        state = self._state_in(frame)
         if state is None:
             return None
         if state is NmtState.INITIALISING:
             self._beating, self.deadline = False, None
             self.state = NmtState.PRE_OPERATIONAL
-            return HeartbeatEvent(HeartbeatNews.BOOT_UP, state, self._settle(state))
+            return HeartbeatEvent(
+                HeartbeatNews.BOOT_UP, state, self._was_requested(state)
+            )
         before = self.state
         found = before is None or not self._beating
         self._beating, self.state = True, state
         self.deadline = now + self._timeout if self._timeout else None
         if state is before and not found:
-            self._settle(state)
+            self._was_requested(state)
             return None
         news = HeartbeatNews.FOUND if found else HeartbeatNews.CHANGED
-        asked = self._settle(state)
+        asked = self._was_requested(state)
         return HeartbeatEvent(news, state, asked)
 
     def poll(self, now: int) -> HeartbeatEvent | None:
-        """LOST, once, when the time-out is over."""
+        """LOST, once, when the time-out has expired."""
         if self.deadline is None or now < self.deadline:
             return None
         last = NmtState.INITIALISING if self.state is None else self.state
         self.deadline, self.state, self._beating = None, None, False
         return HeartbeatEvent(HeartbeatNews.LOST, last, asked=False)
 
-    def _told(self, frame: Frame) -> NmtState | None:
+    def _state_in(self, frame: Frame) -> NmtState | None:
         if frame.can_id != self._can_id or frame.extended or frame.remote:
             return None
         if len(frame.data) != 1:
             return None
         octet = frame.data[0]
-        # An answer to node guarding has the state below its toggle bit.
+        # A node guarding response has the toggle bit above the state.
         code = octet & ~TOGGLE or octet
         return NmtState(code) if code in _STATES else None
 
-    def _settle(self, state: NmtState) -> bool:
-        """Whether the state was asked for; the question is then answered."""
+    def _was_requested(self, state: NmtState) -> bool:
+        """Whether the state was requested; clears the request."""
         if self._asked is not state:
             return False
         self._asked = None

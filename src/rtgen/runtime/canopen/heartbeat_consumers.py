@@ -1,4 +1,4 @@
-"""The nodes that a device watches (object 1016h), and what it makes of their loss."""
+"""Heartbeat consumers of a device (CiA 301, object 1016h), with the error for a lost node."""
 
 from __future__ import annotations
 
@@ -27,23 +27,23 @@ _INCOMPATIBLE: Final = 0x06040043
 
 
 def watched(entry: int) -> tuple[int, int] | None:
-    """Node-id and time in ms of an entry of 1016h; None for one that is not used."""
+    """Node-id and consumer time in ms of an entry of 1016h; None for an unused entry."""
     node_id, time = entry >> 16 & 0xFF, entry & 0xFFFF
     return (node_id, time) if 1 <= node_id <= MAX_NODE_ID and time else None
 
 
 class HeartbeatConsumers:
-    """The consumers of a device; `noticed` is called with all they have to tell."""
+    """The consumers of a device; `noticed` is called with every event."""
 
     def __init__(
         self,
         dictionary: DeviceDictionary,
         errors: EmergencyProducer,
-        noticed: Callable[[int, HeartbeatEvent], None],
+        on_event: Callable[[int, HeartbeatEvent], None],
     ) -> None:
         self._dictionary = dictionary
         self._errors = errors
-        self._noticed = noticed
+        self._noticed = on_event
         self._consumers: dict[int, HeartbeatConsumer] = {}
         self._periods: dict[int, int] = {}
         self._entries = [(CONSUMERS, sub) for sub in dictionary.subindices(CONSUMERS)]
@@ -51,12 +51,12 @@ class HeartbeatConsumers:
 
     @property
     def identifiers(self) -> frozenset[int]:
-        """The CAN identifiers of the heartbeats."""
+        """The CAN identifiers of the consumed heartbeats."""
         return frozenset(ERROR_CONTROL + node_id for node_id in self._consumers)
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` has something to do."""
+        """When `poll` has to be called next."""
         deadline = None
         for consumer in self._consumers.values():
             due = consumer.deadline
@@ -65,7 +65,7 @@ class HeartbeatConsumers:
         return deadline
 
     def configure(self) -> None:
-        """Takes over 1016h; nodes whose entry is as before go on to be watched."""
+        """Apply 1016h; consumers whose entry is unchanged keep their state."""
         wanted: dict[int, int] = {}
         for number in self._entries:
             entry = watched(self._dictionary.number(number)) if number[1] else None
@@ -81,11 +81,11 @@ class HeartbeatConsumers:
         self._periods = wanted
 
     def reset(self) -> None:
-        """The device begins anew."""
+        """Drop all consumers, because the device resets."""
         self._consumers.clear()
 
     def receive(self, frame: Frame, now: int) -> None:
-        """Takes a heartbeat."""
+        """Process a heartbeat."""
         node_id = frame.can_id - ERROR_CONTROL
         consumer = self._consumers.get(node_id)
         if consumer is None:
@@ -98,7 +98,7 @@ class HeartbeatConsumers:
         self._noticed(node_id, event)
 
     def poll(self, now: int) -> None:
-        """Finds the nodes that are lost."""
+        """Report nodes whose heartbeat is overdue."""
         for node_id, consumer in list(self._consumers.items()):
             event = consumer.poll(now)
             if event is not None:

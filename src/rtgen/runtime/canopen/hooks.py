@@ -1,12 +1,12 @@
-"""What generated code gives to the bases of proxies and devices, and what it takes from them.
+"""Interface between generated code and the base classes of proxies and devices.
 
-`CanopenProxy` derives from `ProxyHooks`, `CanopenDevice` from `DeviceHooks`. In
-generated code, with the package `refrobots` and the module `EposDrive`:
+`CanopenProxy` derives from `ProxyHooks`, `CanopenDevice` from `DeviceHooks`. In generated code,
+with the package `refrobots` and the module `EposDrive`:
 
 - `EposDriveProxyBase(CanopenProxy)` has the ports and the configuration, and
-  `refrobots.canopen.epos_drive.proxy.EposDriveProxy(EposDriveProxyBase)` fills the hooks in.
-- `refrobots.canopen.epos_drive.device.EposDriveSlave(CanopenDevice)` fills them in for a device and
-  has `objects`; `EposDriveDeviceBase(EposDriveSlave)` has the ports and the configuration.
+  `refrobots.canopen.epos_drive.proxy.EposDriveProxy(EposDriveProxyBase)` implements the hooks.
+- `refrobots.canopen.epos_drive.device.EposDriveSlave(CanopenDevice)` implements them for a device
+  and has `objects`; `EposDriveDeviceBase(EposDriveSlave)` has the ports and the configuration.
 """
 
 from __future__ import annotations
@@ -22,106 +22,107 @@ from rtgen.runtime.canopen.description import (
 )
 
 Receiver: TypeAlias = Callable[[bytes, int], None]
-"""Writes the data of a PDO, which came at a time (component's clock, ns), to OutPorts.
+"""Writes the data of a PDO, with its time of arrival (component's clock, ns), to OutPorts.
 
 Raises PdoError for data that are too short.
 """
 
 Sender: TypeAlias = Callable[[], Iterator[bytes]]
-"""Reads what InPorts have that is unread, and gives the data of a PDO for each of the samples.
+"""Yields the data of a PDO for each unread sample of the InPorts.
 
-Raises PdoError for a value that its field cannot have; the samples behind it can still be had.
+Raises PdoError for a value outside its field's range; later samples remain available.
 """
 
 Getter: TypeAlias = Callable[[ObjectNumber], Any]
-"""Gives the value (ObjectValue) of a variable of the device's object dictionary."""
+"""Returns the value (ObjectValue) of an object of the device's object dictionary."""
 
 Setter: TypeAlias = Callable[[ObjectNumber, ObjectValue], None]
-"""Sets the value of a variable of the device's object dictionary."""
+"""Sets an object of the device's object dictionary."""
 
 Incoming: TypeAlias = Callable[[Getter, int], tuple[tuple[str, Any], ...]]
-"""Makes the samples of an RPDO that came at a time, each with the name of its InPort."""
+"""Converts an RPDO received at a time to samples, each with the name of its InPort."""
 
 Outgoing: TypeAlias = Callable[[Any, Setter], None]
-"""Puts a sample into the object dictionary. Raises PdoError for a value that it cannot have."""
+"""Stores a sample in the object dictionary. Raises PdoError for an invalid value."""
 
 
 class CanopenHooks(ABC):
-    """What both need."""
+    """Attributes of both proxies and devices."""
 
     description: ClassVar[DeviceDescription]
-    """The device."""
+    """The description of the device."""
     networks: ClassVar[str] = ""
-    """The package of the generated networks, empty if there is none; each has `NETWORK`."""
+    """The package of the generated networks, empty if there are none; each module has `NETWORK`."""
 
 
 class ProxyHooks(CanopenHooks):
-    """What a generated `<Module>Proxy` gives."""
+    """Implemented by a generated `<Module>Proxy`."""
 
     @abstractmethod
     def _receivers(self) -> Mapping[int, Receiver]:
-        """By the number of the device's TPDO; asked once, when the proxy is made."""
+        """Receivers by TPDO number; called once, during construction."""
 
     @abstractmethod
     def _senders(self) -> Mapping[int, Sender]:
-        """By the number of the device's RPDO; asked once, when the proxy is made."""
+        """Senders by RPDO number; called once, during construction."""
 
     @abstractmethod
     def _parameter_values(self) -> Mapping[ObjectNumber, ObjectValue]:
-        """The configuration parameters that are objects of the device, as values of these.
+        """The configuration parameters that correspond to objects, as values of the objects.
 
-        Raises PdoError for one that is outside of its object's type.
+        Raises PdoError for a parameter outside the range of its object's type.
         """
 
     @abstractmethod
     def read_object(self, index: int, subindex: int = 0) -> ObjectValue:
-        """Reads a variable of the device by SDO, for the generated servant of the SDO service.
+        """Read an object by SDO, for the generated servant of the SDO service.
 
-        In blocks where that is worth it. Raises SdoAbort or LinkError. `CanopenProxy` defines it.
+        Long values are read by block transfer. Raises SdoAbort or LinkError. Defined by
+        `CanopenProxy`.
         """
 
     @abstractmethod
     def write_object(self, index: int, subindex: int, value: ObjectValue) -> None:
-        """Writes one, as `read_object`; ValueError if the variable cannot have the value."""
+        """Write an object by SDO. Errors as `read_object`, and ValueError for an invalid value."""
 
     @abstractmethod
     def read_octets(self, index: int, subindex: int) -> bytes:
-        """The octets of any object, also of one that the description does not have.
+        """Read the octets of any object, even one that is not in the description.
 
-        Errors as `read_object`. `CanopenProxy` defines it.
+        Errors as `read_object`. Defined by `CanopenProxy`.
         """
 
     @abstractmethod
     def write_octets(self, index: int, subindex: int, value: bytes) -> None:
-        """Writes the octets of any object, as `read_octets`."""
+        """Write the octets of any object; see `read_octets`."""
 
 
 class DeviceHooks(CanopenHooks):
-    """What a generated `<Module>DeviceBase` gives.
+    """Implemented by a generated `<Module>DeviceBase`.
 
-    Samples and the object dictionary are converted by fields, so that it works for every mapping
-    that a master may write: a sample of an InPort holds the objects of the default mapping.
+    Samples are converted to and from the object dictionary field by field, so that any mapping
+    written by a master works: a sample of an InPort holds the objects of the default mapping.
     """
 
     @abstractmethod
     def get_object(self, number: ObjectNumber) -> Any:
-        """The value (ObjectValue) of a variable of the object dictionary; KeyError if unknown.
+        """The value (ObjectValue) of an object. Raises KeyError for an unknown object.
 
-        `CanopenDevice` defines it.
+        Defined by `CanopenDevice`.
         """
 
     @abstractmethod
     def set_object(self, number: ObjectNumber, value: ObjectValue) -> None:
-        """Sets one, as the application does: access is not asked for, type and limits are.
+        """Set an object on behalf of the application: type and limits are checked, access is not.
 
-        What TPDOs carry of it goes out by their rules. KeyError if unknown, ValueError for a value
-        that it cannot have. `CanopenDevice` defines it.
+        TPDOs that map the object are sent according to their transmission types. Raises KeyError
+        for an unknown object, ValueError for an invalid value. Defined by `CanopenDevice`.
         """
 
     @abstractmethod
     def _incoming(self) -> Mapping[int, Incoming]:
-        """By RPDO number; asked once, when the component is made."""
+        """Converters by RPDO number; called once, during construction."""
 
     @abstractmethod
     def _outgoing(self) -> Mapping[str, Outgoing]:
-        """By OutPort name; asked once, when the component is made."""
+        """Converters by OutPort name; called once, during construction."""

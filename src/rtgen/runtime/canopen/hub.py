@@ -1,6 +1,6 @@
-"""A CAN bus for the processes of a machine: python-can's `socketcand` connects to it, and `slcan`.
+"""A CAN bus for processes of one machine; clients speak `socketcand` or `slcan`.
 
-One thread with asyncio. Each channel name is a bus of its own.
+A single thread with asyncio. Each channel name is a separate bus.
 """
 
 from __future__ import annotations
@@ -27,26 +27,26 @@ from rtgen.runtime.canopen.hub_text import (
 )
 
 QUEUE: Final = 1024
-"""Frames that may wait for a client, or of it."""
+"""Frames queued for a client or from a client, at most."""
 MAX_CLIENTS: Final = 500
 MAX_CHANNELS: Final = 64
 _LONGEST_NAME: Final = 32
 HOLD: Final = 0.05
-"""Seconds for which the first frames are held, so that the answer before arrives alone."""
+"""Seconds for which the first frames are held back, so that the preceding answer arrives alone."""
 _HELD: Final = 16384
-"""Frames that may wait meanwhile: the client cannot read them yet."""
+"""Frames queued while they are held back, since the client cannot read them yet."""
 _BUS_OFF, _RESTARTED = 0x40, 0x100
-"""Classes of error frames of SocketCAN."""
+"""Error classes of SocketCAN."""
 _OCTETS: Final = 64
-"""What a frame takes of a socket's buffer, about."""
+"""Approximate size of a frame in a socket's buffer."""
 _LEAST_BUFFER: Final = 16384
 
-Tell = Callable[[str], None]
+Report = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True)
 class HubSettings:
-    """`bit_rate` in bit/s, 0: frames take no time. `queue`: frames that may wait for a client."""
+    """`bit_rate` in bit/s (0: frames take no time); `queue`: maximum frames queued for a client."""
 
     bit_rate: int = 0
     queue: int = QUEUE
@@ -55,7 +55,7 @@ class HubSettings:
 
 
 class Carried:
-    """A frame that the bus has carried, with its texts, each made once."""
+    """A transmitted frame, with its cached text in each protocol."""
 
     __slots__ = ("_line", "_text", "frame", "time")
 
@@ -67,56 +67,56 @@ class Carried:
 
     @property
     def text(self) -> bytes:
-        """As socketcand has it."""
+        """The frame in the protocol of socketcand."""
         if self._text is None:
             self._text = frame_text(self.frame, self.time)
         return self._text
 
     @property
     def line(self) -> bytes:
-        """As slcan has it."""
+        """The frame in the protocol of slcan."""
         if self._line is None:
             self._line = slcan_text(self.frame)
         return self._line
 
 
 class Port(ABC):
-    """A client at a bus. `name` is how it is called in messages."""
+    """A client of a bus; `name` identifies it in messages."""
 
-    def __init__(self, name: str, settings: HubSettings, tell: Tell) -> None:
+    def __init__(self, name: str, settings: HubSettings, report_event: Report) -> None:
         self.name = name
         self.bus: HubBus | None = None
         self.refused = 0
-        """What it sent and was no frame."""
-        self._tell = tell
+        """Number of malformed frames received from the client."""
+        self._report_event = report_event
         self._limit = settings.queue
         self._queue: deque[bytes] = deque()
 
     def give(self, carried: Carried) -> None:
-        """Queues a frame for the client; cuts it off if too many wait."""
+        """Queue a frame for the client; disconnect the client if its queue is full."""
         text = self.text_of(carried)
         if text is not None:
             self._append(text)
 
     @abstractmethod
     def give_error(self, kind: int) -> None:
-        """Queues an error frame of that class, where there are such."""
+        """Queue an error frame of this class, if the protocol has error frames."""
 
     @abstractmethod
     def text_of(self, carried: Carried) -> bytes | None:
-        """What the client gets for a frame, None for nothing."""
+        """The text that represents a frame to the client, None to omit it."""
 
     @abstractmethod
     def flush(self) -> None:
-        """Writes what waits, unless the client has not taken what was written before."""
+        """Write queued text, unless the client has not read what was written before."""
 
     @abstractmethod
     def cut_off(self, why: str) -> None:
-        """Ends it."""
+        """Disconnect the client."""
 
     @abstractmethod
     def read_on(self) -> None:
-        """Takes more of what the client has sent: the bus has room for it."""
+        """Continue to read from the client, because the bus has room again."""
 
     def _append(self, text: bytes) -> None:
         self._queue.append(text)
@@ -131,17 +131,17 @@ class Port(ABC):
         if self.bus is not None:
             self.bus.refused += 1
         if self.refused == 1:
-            self._tell(f"{self.name}: refused, no frame: {what}")
+            self._report_event(f"{self.name}: refused, no frame: {what}")
 
 
 class HubBus:
-    """A bus: arbitration among the frames that wait, timing, faults."""
+    """A bus: arbitration among queued frames, timing and faults."""
 
     def __init__(self, channel: str, settings: HubSettings) -> None:
         self.channel = channel
         self.carried = 0
         self.lost = 0
-        """Frames that faults took."""
+        """Number of frames that faults removed."""
         self.refused = 0
         self.off = False
         self._loop = asyncio.get_running_loop()
@@ -151,32 +151,32 @@ class HubBus:
         )
         self._ports: dict[Port, None] = {}
         self._stopped: set[Port] = set()
-        """Those that have more to send than may wait."""
+        """Clients whose queues are full."""
         self._arbiter: Arbiter[Port] = Arbiter()
         self._due: asyncio.Handle | None = None
-        # With a bit rate, in monotonic ns: when the bus is free, and since when frames wait.
+        # With a bit rate, in monotonic ns: when the bus becomes free, and since when frames wait.
         self._free_at = 0
         self._waiting_since = 0
         self._now: int | None = None
         self._ending: deque[tuple[int, Port, Frame]] = deque()
 
     def join(self, port: Port) -> None:
-        """Lets a client take frames from now on."""
+        """Attach a client."""
         self._ports[port] = None
 
     def leave(self, port: Port) -> None:
-        """Ends that; what it has sent still goes."""
+        """Detach a client; its queued frames are still sent."""
         self._ports.pop(port, None)
 
     def has_room(self, port: Port) -> bool:
-        """Whether one more frame of a client may wait; if not, it is told to `read_on`."""
+        """Whether the queue has room for a frame of a client; if not, `read_on` is called later."""
         if self._arbiter.waiting(port) < self._settings.queue:
             return True
         self._stopped.add(port)
         return False
 
     def put(self, port: Port, frame: Frame) -> None:
-        """Takes a frame that a client sends."""
+        """Queue a frame from a client."""
         if self.off:
             self.lost += 1
             return
@@ -187,11 +187,11 @@ class HubBus:
                 self._waiting_since = now
         self._arbiter.put(port, frame)
         if self._due is None:
-            # Not at once: what others send at this instant competes.
+            # Deferred, so that frames sent by others at the same instant compete.
             self._due = self._loop.call_soon(self._run)
 
     def turn(self, off: bool) -> None:
-        """Bus-off, or the return from it."""
+        """Enter or leave bus-off."""
         self.off = off
         if off:
             self.lost += self._arbiter.clear() + len(self._ending)
@@ -201,7 +201,7 @@ class HubBus:
             port.flush()
 
     def _instant(self) -> int:
-        """The time; one instant for all that is received in one turn of the loop."""
+        """The time; constant for everything that is received in one turn of the event loop."""
         if self._now is None:
             self._now = time.monotonic_ns()
             self._loop.call_soon(self._next_instant)
@@ -224,7 +224,7 @@ class HubBus:
             port.read_on()
 
     def _start_frames(self, now: int) -> None:
-        """Lets the frames begin whose turn has come: each when the one before has ended."""
+        """Start transmission of frames, each when the one before has ended."""
         while self._arbiter:
             start = max(self._free_at, self._waiting_since)
             if start > now:
@@ -271,21 +271,21 @@ class HubBus:
 
 
 class SocketcandPort(Port, asyncio.Protocol):
-    """A client that speaks the protocol of socketcand; it gets frames in raw mode only."""
+    """A client that speaks the protocol of socketcand; it receives frames in raw mode only."""
 
     def __init__(self, hub: Hub) -> None:
-        super().__init__("a client", hub.settings, hub.tell)
+        super().__init__("a client", hub.settings, hub.report_event)
         self._hub = hub
         self._elements = Elements()
         self._raw = False
         self._held = False
         self._stuck = False
         self._unread = 0
-        """Answers since it is stuck."""
+        """Number of unread answers since the client stopped reading."""
         self._ended = False
         self._transport: asyncio.Transport | None = None
 
-    # What asyncio calls.
+    # Called by asyncio
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         assert isinstance(transport, asyncio.Transport)
@@ -295,7 +295,7 @@ class SocketcandPort(Port, asyncio.Protocol):
         end = transport.get_extra_info("socket")
         end.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         if self._limit < QUEUE:
-            # Else what the system keeps for it would be far more than may wait.
+            # Otherwise the kernel's buffer would hold far more frames than the queue.
             size = max(_LEAST_BUFFER, self._limit * _OCTETS)
             end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, size)
         transport.set_write_buffer_limits(high=0)
@@ -322,9 +322,9 @@ class SocketcandPort(Port, asyncio.Protocol):
         if self.bus is not None:
             self.bus.leave(self)
         if self.refused > 1:
-            self._tell(f"{self.name}: {self.refused} refused in all")
+            self._report_event(f"{self.name}: {self.refused} refused in all")
 
-    # What the bus calls.
+    # Called by the bus
 
     def text_of(self, carried: Carried) -> bytes | None:
         # The protocol has no remote frames.
@@ -351,7 +351,7 @@ class SocketcandPort(Port, asyncio.Protocol):
         if not self._ended and self._transport is not None:
             self._ended = True
             self._elements = Elements()
-            self._tell(f"{self.name}: cut off, {why}")
+            self._report_event(f"{self.name}: cut off, {why}")
             if self.bus is not None:
                 self.bus.leave(self)
             self._transport.abort()
@@ -400,7 +400,7 @@ class SocketcandPort(Port, asyncio.Protocol):
         else:
             self._refuse(words)
             if not self._raw:
-                # In raw mode clients take it for an error frame.
+                # In raw mode clients would parse the answer as an error frame.
                 self._answer(b"< error unknown command >")
 
     def _release(self) -> None:
@@ -418,11 +418,11 @@ class SocketcandPort(Port, asyncio.Protocol):
 
 
 class Hub:
-    """Buses by name, and the clients at them. To be made and used in a running loop."""
+    """Buses by name, and their clients. Must be created and used in a running event loop."""
 
-    def __init__(self, settings: HubSettings, tell: Tell) -> None:
+    def __init__(self, settings: HubSettings, report_event: Report) -> None:
         self.settings = settings
-        self.tell = tell
+        self.report_event = report_event
         self.loop = asyncio.get_running_loop()
         self.buses: dict[str, HubBus] = {}
         self._clients: set[SocketcandPort] = set()
@@ -433,7 +433,7 @@ class Hub:
             self.loop.call_later(back, self._turn, False)
 
     async def listen(self, host: str, port: int) -> tuple[str, int]:
-        """Takes clients from now on; the address, where port 0 is a free one. Raises OSError."""
+        """Start listening; return the address (port 0 picks a free port). Raises OSError."""
         found = await self.loop.getaddrinfo(host, port, type=socket.SOCK_STREAM)
         family, _, _, _, address = found[0]
         self._server = await self.loop.create_server(
@@ -443,7 +443,7 @@ class Hub:
         return name[0], name[1]
 
     def bus(self, channel: str) -> HubBus | None:
-        """The bus of a name; None if that is no name, or if there are too many."""
+        """The bus of a channel name; None for an invalid name, or if there are too many buses."""
         bus = self.buses.get(channel)
         if bus is None and _is_name(channel) and len(self.buses) < MAX_CHANNELS:
             bus = self.buses[channel] = HubBus(channel, self.settings)
@@ -451,18 +451,18 @@ class Hub:
         return bus
 
     def admit(self, client: SocketcandPort) -> bool:
-        """Notes a client, unless there are too many."""
+        """Register a client, unless there are too many."""
         if len(self._clients) >= MAX_CLIENTS:
             return False
         self._clients.add(client)
         return True
 
     def forget(self, client: SocketcandPort) -> None:
-        """A client has gone."""
+        """Remove a client."""
         self._clients.discard(client)
 
     async def close(self) -> None:
-        """Ends all connections."""
+        """Close all connections."""
         if self._server is not None:
             self._server.close()
         for client in tuple(self._clients):
@@ -472,7 +472,7 @@ class Hub:
             await self._server.wait_closed()
 
     def report(self) -> Sequence[str]:
-        """What became of each bus, in words."""
+        """Statistics of each bus, as text."""
         return [
             f"{bus.channel}: {bus.carried} carried, {bus.lost} lost by faults, "
             f"{bus.refused} refused"
@@ -481,7 +481,7 @@ class Hub:
 
     def _turn(self, off: bool) -> None:
         self._off = off
-        self.tell("bus-off" if off else "the buses are back")
+        self.report_event("bus-off" if off else "the buses are back")
         for bus in self.buses.values():
             bus.turn(off)
 

@@ -1,4 +1,4 @@
-"""Faults that a hub makes on purpose: frames lost or late, and a bus that is off for a while."""
+"""Fault injection of a hub: lost and delayed frames, and bus-off."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _FORM: Final = re.compile(
     rf"(?:(loss|delay)={_NUMBER}(?:@([0-9A-Fa-f]{{1,8}}))?|bus-off={_NUMBER}:{_NUMBER})"
 )
 _MOST: Final = 86400.0
-"""The longest time of a fault, in seconds."""
+"""Longest time of a fault, in seconds."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """`value`: probability of a loss, a delay in s, or when the bus goes off after the start.
+    """`value`: probability of a loss, a delay in s, or the start of bus-off in s.
 
-    `identifier` limits losses and delays to its frames; `duration` in s is that of bus-off.
+    `identifier` limits losses and delays to its frames; `duration` is that of bus-off in s.
     """
 
     kind: Literal["loss", "delay", "bus-off"]
@@ -32,7 +32,7 @@ class Fault:
 
 
 def fault_of(text: str) -> Fault:
-    """The fault of `loss=P[@ID]`, `delay=MS[@ID]` or `bus-off=AT:FOR`. Raises ValueError."""
+    """Parse `loss=P[@ID]`, `delay=MS[@ID]` or `bus-off=AT:FOR`. Raises ValueError."""
     match = _FORM.fullmatch(text)
     if match is None:
         raise ValueError(
@@ -56,14 +56,14 @@ def fault_of(text: str) -> Fault:
 
 
 class Faults:
-    """What becomes of frames; the same for the same seed and frames."""
+    """Applies faults to frames; deterministic for the same seed and frames."""
 
     def __init__(self, faults: Iterable[Fault] = (), seed: int = 0) -> None:
         self._faults = tuple(fault for fault in faults if fault.kind != "bus-off")
         self._random = random.Random(seed)
 
     def delay(self, frame: Frame) -> float | None:
-        """How much later a frame arrives, in s; None if it is lost."""
+        """The delay of a frame in s; None if it is lost."""
         delay = 0.0
         for fault in self._faults:
             if fault.identifier in (None, frame.can_id):
@@ -75,5 +75,5 @@ class Faults:
 
 
 def times_off(faults: Sequence[Fault]) -> list[tuple[float, float]]:
-    """When the bus goes off and when it returns, in s after the start."""
+    """Start and end of each bus-off, in s after the start."""
     return [(f.value, f.value + f.duration) for f in faults if f.kind == "bus-off"]

@@ -1,4 +1,4 @@
-"""A client of a hub that speaks slcan over a pseudo-terminal."""
+"""A hub client that speaks slcan over a pseudo-terminal."""
 
 from __future__ import annotations
 
@@ -16,24 +16,24 @@ _CHUNK: Final = 65536
 _OK, _WRONG, _SENT, _SENT_LONG = b"\r", b"\a", b"z\r", b"Z\r"
 _ANSWERS: Final = {"V": b"V1013\r", "N": b"N0001\r"}
 _SETTINGS: Final = ("S", "s", "Y", "Z", "M", "m", "U", "X", "Q")
-"""Commands for what a hub has no use for: bit rate, filters, time stamps and such."""
+"""Commands that have no effect on a hub: bit rate, filters, time stamps and others."""
 _OFF: Final = b"F80\r"
 
 
 class SlcanPty(Port):
-    """The adapter at the other end of `path`, which programs open as a serial line.
+    """The slcan adapter at the other end of `path`, which programs open as a serial line.
 
-    It is at the bus between the commands O (or L: listens only) and C. One that does not read is
-    cut off as if it had sent C.
+    It is on the bus between the commands O (or L: listen only) and C. A program that does not
+    read is disconnected as if it had sent C.
     """
 
     def __init__(self, hub: Hub, bus: HubBus) -> None:
         self._end, self._line = pty.openpty()
-        # Kept open, so that programs may come and go.
+        # Kept open, so that programs may open and close the line.
         tty.setraw(self._line)
         os.set_blocking(self._end, False)
         self.path = os.ttyname(self._line)
-        super().__init__(f"{self.path} ({bus.channel})", hub.settings, hub.tell)
+        super().__init__(f"{self.path} ({bus.channel})", hub.settings, hub.report_event)
         self.bus = bus
         self._lines = Lines()
         self._open = False
@@ -43,7 +43,7 @@ class SlcanPty(Port):
         self._loop.add_reader(self._end, self._readable)
 
     def close(self) -> None:
-        """Removes the line."""
+        """Remove the pseudo-terminal."""
         self._loop.remove_reader(self._end)
         self._loop.remove_writer(self._end)
         os.close(self._end)
@@ -53,7 +53,7 @@ class SlcanPty(Port):
         return carried.line
 
     def give_error(self, kind: int) -> None:
-        """slcan has none; the command F tells of bus-off."""
+        """slcan has no error frames; the command F reports bus-off."""
 
     def flush(self) -> None:
         if self._queue and not self._unsent:
@@ -62,7 +62,7 @@ class SlcanPty(Port):
             self._writable()
 
     def cut_off(self, why: str) -> None:
-        self._tell(f"{self.name}: cut off, {why}")
+        self._report_event(f"{self.name}: cut off, {why}")
         self._leave()
         self._unsent.clear()
         self._loop.remove_writer(self._end)
@@ -100,7 +100,7 @@ class SlcanPty(Port):
                 return _WRONG
             self.bus.put(self, frame)
             if self._queue or self._unsent:
-                # Who only sends need not read that each frame was taken.
+                # A program that only sends need not read the acknowledgements.
                 return b""
             return _SENT_LONG if frame.extended else _SENT
         if line in ("O", "L"):

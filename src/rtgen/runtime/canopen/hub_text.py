@@ -1,4 +1,4 @@
-"""Frames as text: the protocol of socketcand in raw mode, and slcan. No I/O is here."""
+"""Frames as text: socketcand's protocol in raw mode, and slcan. Without I/O."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final
 from rtgen.runtime.canopen.frames import SECOND, Frame
 
 _LONGEST: Final = 256
-"""Octets of an element of socketcand, or of a line of slcan; what is longer is refused."""
+"""Maximum length of an element of socketcand, or of a line of slcan, in octets."""
 
 _SEND: Final = re.compile(
     r"send (?:([0-9A-Fa-f]{1,3})|([01][0-9A-Fa-f]{7})) ([0-8])((?: [0-9A-Fa-f]{1,2})*)"
@@ -19,29 +19,29 @@ _SLCAN: Final = re.compile(
 
 
 class Malformed(ValueError):
-    """Text that is no frame."""
+    """Text that is no valid frame."""
 
 
 class Elements:
-    """Takes the elements `< ... >` out of a stream, one by one."""
+    """Splits a stream into elements `< ... >`."""
 
     def __init__(self) -> None:
         self._text = bytearray()
 
     @property
     def waiting(self) -> int:
-        """Octets that were fed and not taken."""
+        """Octets that were fed but not taken."""
         return len(self._text)
 
     def feed(self, data: bytes) -> None:
-        """Adds what was received."""
+        """Append received octets."""
         self._text += data
 
     def take(self) -> str | None:
-        """The words of the next element, None if it is not complete.
+        """The content of the next element, None if it is incomplete.
 
-        Raises Malformed for what stands outside of elements, and for what is too long or not
-        ASCII; it is gone then.
+        Raises Malformed for text outside of elements, and for elements that are too long or not
+        ASCII; the offending text is dropped.
         """
         text = self._text
         start = text.find(b"<")
@@ -62,7 +62,7 @@ class Elements:
             raise Malformed(_shown(lost))
         element = bytes(text[: end + 1])
         del text[: end + 1]
-        # An element that was broken off is not part of the one that follows.
+        # An unterminated element does not include the next one.
         last = element.rfind(b"<")
         if last > 0 or not element.isascii():
             if element.isascii():
@@ -73,10 +73,10 @@ class Elements:
 
 
 def sent_frame(words: str) -> Frame:
-    """The frame of `send ID DLC B0 B1 ...`. Raises Malformed.
+    """Parse `send ID DLC B0 B1 ...`. Raises Malformed.
 
-    Three digits or fewer are an identifier of 11 bits, eight one of 29 bits. There are no remote
-    frames: what python-can makes of them lacks its data.
+    Up to three digits are an 11-bit identifier, eight digits a 29-bit one. Remote frames do not
+    exist: python-can's text for them lacks the data.
     """
     match = _SEND.fullmatch(words)
     if match is None:
@@ -89,7 +89,7 @@ def sent_frame(words: str) -> Frame:
 
 
 def frame_text(frame: Frame, time: int) -> bytes:
-    """`< frame ID SECONDS.MICROS DATA >`; the time in ns, UTC."""
+    """Format `< frame ID SECONDS.MICROS DATA >`; `time` in ns, UTC."""
     seconds, rest = divmod(time, SECOND)
     identifier = f"{frame.can_id:08X}" if frame.extended else f"{frame.can_id:03X}"
     data = frame.data.hex().upper()
@@ -97,28 +97,28 @@ def frame_text(frame: Frame, time: int) -> bytes:
 
 
 def error_text(kind: int, time: int) -> bytes:
-    """`< error CLASS SECONDS.MICROS >`: an error frame of SocketCAN; the time in ns, UTC."""
+    """Format `< error CLASS SECONDS.MICROS >`, an error frame of SocketCAN; `time` in ns, UTC."""
     seconds, rest = divmod(time, SECOND)
     return f"< error {kind:08X} {seconds}.{rest // 1000:06} >".encode()
 
 
 class Lines:
-    """Takes the lines of slcan, which a carriage return ends, out of a stream."""
+    """Splits a stream into the lines of slcan, which end with a carriage return."""
 
     def __init__(self) -> None:
         self._text = bytearray()
 
     @property
     def waiting(self) -> int:
-        """Octets that were fed and not taken."""
+        """Octets that were fed but not taken."""
         return len(self._text)
 
     def feed(self, data: bytes) -> None:
-        """Adds what was received."""
+        """Append received octets."""
         self._text += data
 
     def take(self) -> str | None:
-        """The next line, None if it is not complete. Raises Malformed for what is too long."""
+        """The next line, None if it is incomplete. Raises Malformed for a line that is too long."""
         text = self._text
         end = text.find(b"\r", 0, _LONGEST)
         if end < 0:
@@ -133,7 +133,7 @@ class Lines:
 
 
 def slcan_frame(line: str) -> Frame:
-    """The frame of a line: `tIIIL..`, `TIIIIIIIIL..`, remote `rIIIL`, `RIIIIIIIIL`.
+    """Parse a line: `tIIIL..`, `TIIIIIIIIL..`, remote `rIIIL`, `RIIIIIIIIL`.
 
     Raises Malformed.
     """
@@ -148,7 +148,7 @@ def slcan_frame(line: str) -> Frame:
 
 
 def slcan_text(frame: Frame) -> bytes:
-    """The line of a frame, with its end."""
+    """Format a frame as a line with its terminator."""
     kind = "r" if frame.remote else "t"
     identifier = f"{frame.can_id:03X}"
     if frame.extended:

@@ -1,6 +1,6 @@
-"""What a station on a bus sees of it: frames, the time, and timers. No I/O and no bus are here.
+"""Interface between a bus and its stations: frames, time and timers. Without I/O.
 
-In real time a link is a python-can bus with a thread, in simulated time a bus on the system's
+In real time a link is a python-can bus with threads, in simulated time a bus on the system's
 clock. All stations of one process on one channel share a link.
 """
 
@@ -12,98 +12,107 @@ from contextlib import AbstractContextManager
 from typing import Protocol
 
 from rtgen.runtime.canopen.frames import Frame
-from rtgen.runtime.canopen.sdo_channel import SdoChannel
+
+if TYPE_CHECKING:
+    from rtgen.runtime.canopen.sdo_channel import SdoChannel
+
+
+class LinkError(OSError):
+    """The bus cannot be used: opening failed, it is bus-off, or its other end disconnected."""
 
 
 class Station(Protocol):
-    """A node, a proxy's view of one, a manager, a monitor: whatever takes frames from a bus.
+    """A participant of a bus: a node, a proxy's view of a node, a manager, a monitor.
 
-    The link calls it with `Link.lock` held, and sends what it returns. It must neither block nor
-    call the link's blocking operations.
+    The link calls it with `Link.lock` held, and sends the frames that it returns. It must neither
+    block nor call blocking operations of the link.
     """
 
     @property
     def identifiers(self) -> frozenset[int] | None:
-        """The CAN identifiers that it takes, None for all; `Link.refresh` tells of a change."""
+        """The CAN identifiers to receive, None for all; `Link.refresh` announces a change."""
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` is to be called, in ns of `Link.now`; None for never."""
+        """When `poll` has to be called, in ns of `Link.now`; None for never."""
 
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
-        """Takes a frame that another station sent."""
+        """Process a frame sent by another station; return the frames to send."""
 
     def poll(self, now: int) -> Iterable[Frame]:
-        """Does what is due."""
+        """Process what is due; return the frames to send."""
 
     def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
-        """The bus has gone (bus-off, hub dead), or is back."""
+        """The bus is unavailable (bus-off, hub disconnected) or available again."""
 
 
 class NmtMaster(Protocol):
-    """The NMT master of a bus: there is one at most for each link."""
+    """The NMT master of a bus; a link has at most one."""
 
     def request(self, command: int, node_id: int) -> None:
-        """Sends an NMT command for a node (0: all), and notes that it was asked for."""
+        """Send an NMT command to a node (0: all), and record the requested state."""
 
     def readiness(self, node_id: int) -> bool | str:
-        """Whether the node is configured, so that it may be started; a text says why it cannot be.
+        """Whether the node is configured, so that it may be started.
 
-        A node that the master does not know is ready.
+        A text gives the reason why not.
+
+        A node unknown to the master is ready.
         """
 
 
 class Link(ABC):
-    """A process's access to one bus. What calls stations' methods from outside holds `lock`."""
+    """A process's access to one bus. Calls of stations' methods from outside must hold `lock`."""
 
     master: NmtMaster | None
-    """Who sends NMT commands; proxies ask it."""
+    """The NMT master of the process, which proxies send their commands through."""
     carries_remote_frames: bool = True
-    """Whether remote frames go through: socketcand's protocol has none."""
+    """Whether remote frames are transmitted: socketcand's protocol has none."""
 
     @property
     @abstractmethod
     def lock(self) -> AbstractContextManager[object]:
-        """Held while stations are called; re-entrant."""
+        """Re-entrant lock, held while stations are called."""
 
     @property
     @abstractmethod
     def up(self) -> bool:
-        """Whether frames go through."""
+        """Whether the bus is available."""
 
     @abstractmethod
     def now(self) -> int:
-        """The time that stations go by, in ns: it never jumps."""
+        """The monotonic time of the link's stations, in ns."""
 
     @abstractmethod
     def attach(self, station: Station) -> None:
-        """Lets a station take frames from now on."""
+        """Attach a station, which then receives frames."""
 
     @abstractmethod
     def detach(self, station: Station) -> None:
-        """Ends that; the last one closes the link."""
+        """Detach a station; the last one closes the link."""
 
     @abstractmethod
     def refresh(self, station: Station) -> None:
-        """The station's `identifiers` or `deadline` have changed, outside of a call by the link."""
+        """Announce that `identifiers` or `deadline` changed outside a call by the link."""
 
     @abstractmethod
     def send(self, frames: Iterable[Frame], sender: Station | None = None) -> None:
-        """Queues frames; other stations of the process get them, too, the sender does not.
+        """Queue frames; other stations of the process receive them, too, except the sender.
 
-        Raises LinkError if the bus is gone; what cannot be queued is counted as lost.
+        Raises LinkError if the bus is unavailable; frames that cannot be queued are counted as
+        lost.
         """
 
     @abstractmethod
     def sdo(self, node_id: int) -> SdoChannel:
-        """The process's SDO client of a node: transfers queue up there."""
+        """The process's SDO client for a node, which queues transfers."""
 
     @abstractmethod
     def wait(self, until: Callable[[], bool], timeout: int) -> bool:
-        """Waits till `until()` holds, at most `timeout` ns; whether it does.
+        """Wait until `until()` holds, at most `timeout` ns; return whether it holds.
 
-        Not from a station's methods. In simulated time no time passes: the frames that wait are
-        delivered, in the order of arbitration, until it holds or none is left.
+        Must not be called by a station. In simulated time no time passes: queued frames are
+        delivered in order of arbitration until `until()` holds or no frame is left.
         """
 
 

@@ -1,4 +1,4 @@
-"""Opens links: one for each bus and process, shared by all who ask for it."""
+"""Opens links: one for each bus and process, shared by all callers."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def open_link(
     bitrate: int = 0,
     options: str = "",
 ) -> Link:
-    """The link of a component, or of whoever goes by a clock, to a bus.
+    """The link of a component, or of the owner of a clock, to a bus.
 
-    In real time the bus is python-can's: `interface`, `channel`, `bitrate` in bit/s (0: what the
-    interface has) and further arguments as `options`, "host=127.0.0.1,port=29536". In simulated
-    time the channel alone names it, and without bit rate frames take no time. The link is kept
-    for the caller until a station is attached, and closed with the last one; ask again then.
-    Raises LinkError.
+    In real time the bus is python-can's: `interface`, `channel`, `bitrate` in bit/s (0: the
+    interface's default) and further arguments as `options`, "host=127.0.0.1,port=29536". In
+    simulated time only the channel identifies the bus, and without a bit rate frames take no
+    time. The link stays open until a station is attached, and is closed with its last station;
+    call again then. Raises LinkError.
     """
     clock = owner if isinstance(owner, Clock) else owner._clock
     if clock.network is not None:
@@ -40,9 +40,9 @@ def open_link(
 def simulated_bus(
     network: SimulatedNetwork, channel: str = "can0", bitrate: int = 0
 ) -> SimulatedCanBus:
-    """The bus of a channel in simulated time; `bitrate` in bit/s, 0 takes any.
+    """The bus of a channel in simulated time; `bitrate` in bit/s, 0 accepts any.
 
-    Raises LinkError if it has another bit rate, or if no system runs on its clock.
+    Raises LinkError if the bus has another bit rate, or if no system runs on its clock.
     """
     bus = network.device(
         SimulatedCanBus, channel, lambda: SimulatedCanBus(network.clock, channel)
@@ -56,10 +56,10 @@ def simulated_bus(
 
 
 class _Registry:
-    """The links of this process in real time, and for how many callers each is kept.
+    """The links of this process in real time, with the number of callers that hold each.
 
-    `_lock` may be taken with the lock of a link held, never the other way, and not for long:
-    buses are opened without it.
+    `_lock` may be taken with the lock of a link held, never the other way round, and only
+    briefly: buses are opened without it.
     """
 
     def __init__(self) -> None:

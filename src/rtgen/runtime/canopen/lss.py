@@ -1,4 +1,4 @@
-"""What LSS master and slave share (CiA 305): commands, addresses, messages."""
+"""Commands, addresses and messages of layer setting services (CiA 305), for master and slave."""
 
 from __future__ import annotations
 
@@ -6,31 +6,31 @@ from enum import IntEnum
 from typing import Final, NamedTuple
 
 UNCONFIGURED: Final = 0xFF
-"""The node-id of a node that has none."""
+"""The node-id of an unconfigured node."""
 MESSAGE: Final = 8
-"""Octets in every message."""
+"""Length of every message in octets."""
 
 WAITING: Final = 0
 CONFIGURATION: Final = 1
-"""The two states of a slave, as SWITCH_GLOBAL has them."""
+"""The two states of a slave, as encoded in SWITCH_GLOBAL."""
 
 OUT_OF_RANGE: Final = 1
-"""Error code of an answer, as 0 for none and 255 for one of the maker's own."""
+"""Error code of a response; 0 is success, 255 manufacturer-specific."""
 STORING_UNSUPPORTED: Final = 1
 STORING_FAILED: Final = 2
 
 START_OF_SCAN: Final = 0x80
-"""The bit number of the fastscan message that begins a scan."""
+"""The bit number of the fastscan message that starts a scan."""
 
 BIT_RATES: Final = {
     1000: 0, 800: 1, 500: 2, 250: 3, 125: 4, 50: 6, 20: 7, 10: 8,
 }  # fmt: skip
-"""Table 0 of bit timings: kbit/s to index."""
+"""Bit timing table 0: kbit/s to index."""
 AUTOMATIC_BIT_RATE: Final = 9
 
 
 class LssCommand(IntEnum):
-    """Command specifiers; answers have that of their request but where they have their own."""
+    """Command specifiers; a response repeats that of its request unless it has its own."""
 
     SWITCH_GLOBAL = 0x04
     CONFIGURE_NODE_ID = 0x11
@@ -50,7 +50,7 @@ class LssCommand(IntEnum):
     IDENTIFY_SERIAL_HIGH = 0x4B
     IDENTIFY_UNCONFIGURED = 0x4C
     IDENTIFIED = 0x4F
-    """A slave that was asked for is there; also the answer to FASTSCAN."""
+    """Response to IDENTIFY commands and to FASTSCAN: a matching slave exists."""
     UNCONFIGURED_IDENTIFIED = 0x50
     FASTSCAN = 0x51
     INQUIRE_VENDOR = 0x5A
@@ -61,7 +61,7 @@ class LssCommand(IntEnum):
 
 
 class LssAddress(NamedTuple):
-    """What a slave is known by: the values of 1018h:1 to 4."""
+    """The LSS address: the values of 1018h:1 to 4."""
 
     vendor: int
     product: int
@@ -70,16 +70,16 @@ class LssAddress(NamedTuple):
 
 
 def message(command: LssCommand, value: int = 0, size: int = 4) -> bytes:
-    """A message with a number of `size` octets behind the command."""
+    """A message with an integer of `size` octets after the command."""
     return (bytes((command,)) + value.to_bytes(size, "little")).ljust(MESSAGE, b"\0")
 
 
 def fastscan_message(number: int, bit: int, part: int, following: int) -> bytes:
-    """Asks for slaves whose part (0 to 3) of the address is `number` from bit `bit` upwards."""
+    """A fastscan message: address part (0 to 3) equals `number` from bit `bit` upwards."""
     head = bytes((LssCommand.FASTSCAN,)) + number.to_bytes(4, "little")
     return head + bytes((bit, part, following))
 
 
-def told_number(data: bytes) -> int:
-    """The number of 4 octets behind the command."""
+def first_number(data: bytes) -> int:
+    """The integer of 4 octets after the command."""
     return int.from_bytes(data[1:5], "little")

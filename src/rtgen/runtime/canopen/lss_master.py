@@ -1,6 +1,6 @@
-"""An LSS master (CiA 305): selects slaves by their address, scans for them, gives them node-ids.
+"""LSS master (CiA 305): selects slaves by address, scans for them, assigns node-ids.
 
-A procedure is a generator: it yields what it asks and gets the answer, None for silence.
+A procedure is a generator: it yields requests and receives their responses, None for a time-out.
 """
 
 from __future__ import annotations
@@ -21,25 +21,25 @@ from rtgen.runtime.canopen.frames import (
 from rtgen.runtime.canopen.lss import LssAddress, LssCommand
 
 TIMEOUT: Final = 50 * MILLISECOND
-"""How long, in ns, an answer is awaited unless told otherwise."""
+"""Default time to wait for a response, in ns."""
 SETTLE: Final = 10 * MILLISECOND
-"""How long, in ns, further slaves may answer the same message of a scan."""
+"""Time in which further slaves may answer the same fastscan message, in ns."""
 
 PartialAddress: TypeAlias = tuple[int | None, int | None, int | None, int | None]
-"""An address of which parts need not be known."""
+"""An address some parts of which are unknown."""
 
 T = TypeVar("T")
 
 
 class LssError(RuntimeError):
-    """A slave is not there, is silent, or refuses."""
+    """A slave is missing, does not answer, or rejects a request."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """A message; `answer` is the command that answers it, None if nothing does.
+    """A request; `answer` is the command of its response, None if there is none.
 
-    With `many`, several slaves may answer, and the next message waits for them.
+    With `many`, several slaves may answer, and the next request waits for them.
     """
 
     message: bytes
@@ -51,7 +51,7 @@ Procedure: TypeAlias = Generator[Ask, bytes | None, T]
 
 
 class Assigned(NamedTuple):
-    """What `assign` did: the slave's address and its old node-id, whether it keeps the new one."""
+    """Result of `assign`: address, previous node-id, whether the slave stores the new one."""
 
     address: LssAddress
     before: int
@@ -67,12 +67,12 @@ _SELECTION: Final = (
 
 
 def switch(state: int) -> Ask:
-    """Brings all slaves to WAITING or CONFIGURATION."""
+    """Switch all slaves to WAITING or CONFIGURATION."""
     return Ask(lss.message(LssCommand.SWITCH_GLOBAL, state, 1))
 
 
 def select(address: LssAddress) -> Procedure[bool]:
-    """Brings one slave to CONFIGURATION; whether there is one of that address."""
+    """Switch one slave to CONFIGURATION; return whether a slave has this address."""
     for command, number in zip(_SELECTION[:3], address[:3], strict=True):
         yield Ask(lss.message(command, number))
     last = lss.message(LssCommand.SWITCH_SERIAL, address.serial)
@@ -82,9 +82,9 @@ def select(address: LssAddress) -> Procedure[bool]:
 def scan(
     known: PartialAddress = (None, None, None, None),
 ) -> Procedure[LssAddress | None]:
-    """Finds a slave without node-id by fastscan, and leaves it in CONFIGURATION.
+    """Find an unconfigured slave by fastscan, and leave it in CONFIGURATION.
 
-    Of several it finds the one of the smallest numbers. Parts that are known are not searched.
+    Of several slaves it finds the one with the lowest numbers. Known parts are not searched.
     """
     if not (yield _scanned(0, lss.START_OF_SCAN, 0, 0)):
         return None
@@ -107,9 +107,9 @@ def _scanned(number: int, bit: int, part: int, following: int) -> Ask:
 
 
 def find(wanted: PartialAddress) -> Procedure[LssAddress]:
-    """Brings the slave of an address to CONFIGURATION, all others to WAITING.
+    """Switch the slave of an address to CONFIGURATION, all others to WAITING.
 
-    If parts are unknown it must be one without node-id. Raises LssError.
+    If parts are unknown the slave must be unconfigured. Raises LssError.
     """
     yield switch(lss.WAITING)
     vendor, product, revision, serial = wanted
@@ -126,14 +126,14 @@ def find(wanted: PartialAddress) -> Procedure[LssAddress]:
 
 
 def assign(wanted: PartialAddress, node_id: int) -> Procedure[Assigned]:
-    """Gives a slave its node-id, which it uses from now on, or after reset communication.
+    """Assign a node-id to a slave, effective immediately, or after reset communication.
 
     A slave that had none boots up at the end. Raises LssError.
     """
     checked_node_id(node_id)
     address = yield from find(wanted)
-    told = yield from inquire(LssCommand.INQUIRE_NODE_ID)
-    before = told & 0xFF
+    answer = yield from inquire(LssCommand.INQUIRE_NODE_ID)
+    before = answer & 0xFF
     message = lss.message(LssCommand.CONFIGURE_NODE_ID, node_id, 1)
     error = yield from _configured(LssCommand.CONFIGURE_NODE_ID, message)
     if error:
@@ -144,15 +144,15 @@ def assign(wanted: PartialAddress, node_id: int) -> Procedure[Assigned]:
 
 
 def inquire(what: LssCommand) -> Procedure[int]:
-    """A number of the slave in CONFIGURATION, by an INQUIRE command. Raises LssError."""
+    """Read a number of the slave in CONFIGURATION with an INQUIRE command. Raises LssError."""
     answer = yield Ask(lss.message(what), what)
     if answer is None:
         raise LssError(f"{what.name} is not answered")
-    return lss.told_number(answer)
+    return lss.first_number(answer)
 
 
 def store() -> Procedure[bool]:
-    """Makes slaves in CONFIGURATION keep what they got; whether they can. Raises LssError."""
+    """Make slaves in CONFIGURATION store their settings, if they can. Raises LssError."""
     error = yield from _configured(LssCommand.STORE, lss.message(LssCommand.STORE))
     if error == lss.STORING_UNSUPPORTED:
         return False
@@ -165,11 +165,11 @@ def store() -> Procedure[bool]:
 def set_bit_rate(
     wanted: PartialAddress, bit_rate: int | None, *, delay: int | None = None
 ) -> Procedure[bool]:
-    """Gives a slave a bit rate in kbit/s, None for automatic; whether it keeps it.
+    """Set a slave's bit rate in kbit/s, None for automatic; return whether the slave stores it.
 
-    It is used after a restart; with `delay`, in ms, by all slaves in CONFIGURATION so long after
-    the end, when nobody may send for as long again. Raises LssError, KeyError for a bit rate that
-    CiA 305 does not have.
+    It takes effect after a restart. With `delay`, in ms, all slaves in CONFIGURATION switch that
+    long after the end, and no station may send for the same time again. Raises LssError, KeyError
+    for a bit rate unknown to CiA 305.
     """
     index = lss.AUTOMATIC_BIT_RATE if bit_rate is None else lss.BIT_RATES[bit_rate]
     yield from find(wanted)
@@ -186,7 +186,7 @@ def set_bit_rate(
 
 
 def _configured(command: LssCommand, message: bytes) -> Procedure[int]:
-    """The error code that answers a message. Raises LssError."""
+    """The error code in the response to a message. Raises LssError."""
     answer = yield Ask(message, command)
     if answer is None:
         raise LssError(f"{command.name} is not answered")
@@ -198,14 +198,14 @@ def _reason(error: int) -> str:
 
 
 def address_text(address: PartialAddress) -> str:
-    """An address in words, parts that are unknown as "any"."""
+    """An address as text, with "any" for unknown parts."""
     return " ".join("any" if part is None else f"{part:08X}h" for part in address)
 
 
 class LssMaster:
-    """Carries out procedures, one at a time, in the order of asking.
+    """Runs procedures one at a time, in the order of submission.
 
-    Frames and the time come from outside; `deadline` is when `poll` is to be called.
+    Frames and the time are passed in; `deadline` is when `poll` has to be called.
     """
 
     def __init__(self, timeout: int = TIMEOUT, settle: int = SETTLE) -> None:
@@ -213,25 +213,25 @@ class LssMaster:
         self._settle = settle
         self._waiting: deque[tuple[Procedure[Any], Callable[[Any], None]]] = deque()
         self._procedure: Procedure[Any] | None = None
-        self._done: Callable[[Any], None] = _forgotten
+        self._done: Callable[[Any], None] = _ignore
         self._asked = Ask(b"")
         self._answer: bytes | None = None
         self.deadline: int | None = None
 
     @property
     def busy(self) -> bool:
-        """Whether a procedure is under way."""
+        """Whether a procedure is in progress."""
         return self._procedure is not None
 
     def submit(
         self, procedure: Procedure[T], done: Callable[[T | LssError], None], now: int
     ) -> list[Frame]:
-        """Has a procedure carried out; `done` gets its result or why it failed."""
+        """Queue a procedure; `done` receives its result or its error."""
         self._waiting.append((procedure, done))
         return self._begin_next(now)
 
     def receive(self, frame: Frame, now: int) -> list[Frame]:
-        """What a frame makes the master send."""
+        """Process a frame; return the frames to send."""
         if frame.can_id != LSS_RESPONSE or frame.extended or frame.remote:
             return []
         data = frame.data
@@ -240,18 +240,18 @@ class LssMaster:
         if data[0] != self._asked.answer or self._answer is not None:
             return []
         if not self._asked.many:
-            return self._go_on(data, now)
+            return self._advance(data, now)
         self._answer, self.deadline = data, now + self._settle
         return []
 
     def poll(self, now: int) -> list[Frame]:
-        """What is to be sent when no answer, or no further one, has come."""
+        """Process the end of waiting for responses; return the frames to send."""
         if self.deadline is None or now < self.deadline:
             return []
-        return self._go_on(self._answer, now)
+        return self._advance(self._answer, now)
 
     def cancel(self) -> None:
-        """Drops every procedure; none of them tells of its end."""
+        """Drop all procedures without calling `done`."""
         self._procedure, self.deadline = None, None
         self._waiting.clear()
 
@@ -259,10 +259,10 @@ class LssMaster:
         if self._procedure is not None or not self._waiting:
             return []
         self._procedure, self._done = self._waiting.popleft()
-        return self._go_on(None, now)
+        return self._advance(None, now)
 
-    def _go_on(self, answer: bytes | None, now: int) -> list[Frame]:
-        """Sends up to the next message that has an answer, or to the end."""
+    def _advance(self, answer: bytes | None, now: int) -> list[Frame]:
+        """Send messages up to the next one with a response, or to the end of the procedure."""
         procedure = self._procedure
         assert procedure is not None
         self._answer, self.deadline = None, None
@@ -284,5 +284,5 @@ class LssMaster:
         return [*frames, *self._begin_next(now)]
 
 
-def _forgotten(_: object) -> None:
+def _ignore(_: object) -> None:
     return None

@@ -1,4 +1,4 @@
-"""The slave of the layer setting services (CiA 305): node-id and bit rate over the bus."""
+"""LSS slave (CiA 305): node-id and bit rate over the bus."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ from rtgen.runtime.canopen.lss import (
     UNCONFIGURED,
     LssAddress,
     LssCommand,
+    first_number,
     message,
-    told_number,
 )
 
 _RATES: Final = {index: rate for rate, index in BIT_RATES.items()}
@@ -47,23 +47,23 @@ _RANGE: Final = {
     LssCommand.IDENTIFY_SERIAL_LOW: (3, operator.ge),
     LssCommand.IDENTIFY_SERIAL_HIGH: (3, operator.le),
 }
-"""Which part of the address a command is about, and how it has to compare."""
+"""The address part of a command, and how to compare it."""
 
 
 @dataclass
 class LssSettings:
-    """What the services set; 255 is no node-id, the bit rate is in kbit/s, None if never set."""
+    """Settings: node-id (255: unconfigured) and bit rate in kbit/s (None: never set)."""
 
     node_id: int = UNCONFIGURED
     bit_rate: int | None = None
 
 
 class LssSlave:
-    """Answers the master; what it sets is `pending` until the node takes it over.
+    """Answers the master; settings stay `pending` until the node applies them.
 
-    `stored` is what a reset of the node comes back with. `activated` is called with a bit rate, in
-    kbit/s, and the delay in ms before and after the change. Bit rates that are not among
-    `bit_rates` are refused; none there: those of CiA 305 are taken.
+    `stored` is restored by a reset of the node. `activated` is called with a bit rate in kbit/s,
+    and the delay in ms before and after the change. Bit rates not in `bit_rates` are rejected; if
+    that is empty, all of CiA 305 are accepted.
     """
 
     def __init__(
@@ -81,17 +81,17 @@ class LssSlave:
             if not bit_rates or rate in bit_rates
         }
         self.active = node_id
-        """The node-id that the node has now."""
+        """The node-id in use."""
         self.pending = LssSettings(node_id)
         self.stored = LssSettings(node_id)
         self.configuring = False
-        """Whether the slave is in the configuration state, not in the waiting state."""
+        """Whether the slave is in the configuration state (not in the waiting state)."""
         self._matched = 0
         self._in_range = 0
         self._scanned = 0
 
     def receive(self, frame: Frame) -> list[Frame]:
-        """The answers to a frame."""
+        """The responses to a frame."""
         if frame.can_id != LSS_REQUEST or frame.extended or frame.remote:
             return []
         if len(frame.data) != MESSAGE:
@@ -103,7 +103,7 @@ class LssSlave:
         return [] if answer is None else [Frame(LSS_RESPONSE, answer)]
 
     def take_over(self, *, stored: bool) -> int:
-        """The node-id that a reset gives; of the whole node, it is the stored one."""
+        """The node-id after a reset; after a reset of the whole node (`stored`), the stored one."""
         if stored:
             self.pending = replace(self.stored)
         self.active = self.pending.node_id
@@ -116,18 +116,18 @@ class LssSlave:
             self._matched = 0
             return None
         if command is LssCommand.FASTSCAN:
-            return self._scan(told_number(data), *data[5:8])
+            return self._scan(first_number(data), *data[5:8])
         if command in _SWITCHES:
-            return self._switch(_SWITCHES.index(command), told_number(data))
+            return self._switch(_SWITCHES.index(command), first_number(data))
         if command in _RANGE:
-            return self._identify(command, told_number(data))
+            return self._identify(command, first_number(data))
         if command is LssCommand.IDENTIFY_UNCONFIGURED:
             unconfigured = self.active == UNCONFIGURED
             return message(LssCommand.UNCONFIGURED_IDENTIFIED) if unconfigured else None
         return self._configure(command, data) if self.configuring else None
 
     def _configure(self, command: LssCommand, data: bytes) -> bytes | None:
-        """The services of the configuration state."""
+        """Services of the configuration state."""
         if command is LssCommand.CONFIGURE_NODE_ID:
             fits = 1 <= data[1] <= MAX_NODE_ID or data[1] == UNCONFIGURED
             if fits:
@@ -153,7 +153,10 @@ class LssSlave:
         return None
 
     def _switch(self, part: int, number: int) -> bytes | None:
-        """The address part by part; whose it is goes to the configuration state."""
+        """Switch state selective: compares the address part by part.
+
+        The matching slave is configured.
+        """
         if self.configuring:
             return None
         if part == 0:
@@ -166,7 +169,7 @@ class LssSlave:
         return message(LssCommand.SWITCHED)
 
     def _identify(self, command: LssCommand, number: int) -> bytes | None:
-        """Vendor and product, then the ends of ranges of revision and serial number."""
+        """Identify: vendor and product, then ranges of revision and serial number."""
         part, compare = _RANGE[command]
         step = list(_RANGE).index(command)
         if step == 0:
@@ -179,7 +182,7 @@ class LssSlave:
         return message(LssCommand.IDENTIFIED)
 
     def _scan(self, number: int, bit: int, part: int, following: int) -> bytes | None:
-        """Fastscan: whose address agrees down to a bit answers; the last one is configured."""
+        """Fastscan: answer if the address matches down to a bit; the last match selects."""
         if self.active != UNCONFIGURED or self.configuring:
             return None
         if bit == START_OF_SCAN:

@@ -1,8 +1,8 @@
-"""A node as its manager sees it: booted, identified, configured, started, supervised.
+"""A node as seen by its manager: boot, identification, configuration, start, supervision.
 
-After the published outline of CiA 302-2's boot procedure: reset communication, the boot-up
-message is awaited, 1000h and 1018h are compared, the configuration is written and read back, the
-node is started. All of it comes again after every boot-up message.
+Follows the published outline of the boot procedure of CiA 302-2: reset communication, wait for
+the boot-up message, compare 1000h and 1018h, write the configuration and read it back, start the
+node. The procedure is repeated after every boot-up message.
 """
 
 from __future__ import annotations
@@ -30,31 +30,31 @@ from rtgen.runtime.canopen.sdo_channel import ATTEMPTS, Done, Outcome
 
 
 class NodePhase(IntEnum):
-    """How far a manager is with a node; CANopen::NodePhase of the shared IDL."""
+    """Phases of the boot procedure; CANopen::NodePhase of the shared IDL."""
 
     IDLE = 0
-    """The manager does not run the network."""
+    """The manager is not running the network."""
     ASSIGNING = 1
-    """It gets its node-id by LSS."""
+    """LSS assigns its node-id."""
     AWAITED = 2
-    """It was reset: its boot-up message is awaited."""
+    """The node was reset; its boot-up message is awaited."""
     IDENTIFYING = 3
     CONFIGURING = 4
     READY = 5
-    """It is configured, and is not to be started."""
+    """The node is configured, and must not be started."""
     STARTING = 6
     RUNNING = 7
     HALTED = 8
-    """It was told to leave operational, or did so by itself."""
+    """The node was commanded to leave OPERATIONAL, or left by itself."""
     MISSING = 9
-    """It may be missing, and is."""
+    """An optional node that is absent."""
     FAILED = 10
 
 
 _IN_USE: Final = frozenset(
     {NodePhase.READY, NodePhase.STARTING, NodePhase.RUNNING, NodePhase.HALTED}
 )
-"""The node is configured, and supervised."""
+"""Phases of a configured, supervised node."""
 
 _SETTING_UP: Final = frozenset(
     {
@@ -75,16 +75,16 @@ _ASKED_STATES: Final = {
 _RESETS: Final = (NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION)
 
 _FOREIGN_ANSWERS: Final = 3
-"""SDO answers that nobody asked for, in one set-up, that tell of a second node (or client)."""
+"""Unexpected SDO responses during set-up that indicate a second node (or client)."""
 _FOREIGN: Final = "SDO answers come that were not asked for"
 _BEATS: Final = 16
-"""Heartbeats that are counted at least, before they are found to be too many."""
+"""Minimum number of heartbeats to count before judging their rate."""
 _EXCESS: Final = 5, 3
-"""More than 5 heartbeats in 3 periods, all along, are not one node's; jitter is short."""
+"""More than 5 heartbeats in 3 periods, over a long time, are not those of one node."""
 
 
 class Channel(Protocol):
-    """What the node needs of an `SdoChannel`."""
+    """The methods of `SdoChannel` that the node uses."""
 
     @property
     def unexpected(self) -> int: ...
@@ -105,30 +105,30 @@ class Channel(Protocol):
 
 
 class Host(Protocol):
-    """What the node needs of its manager."""
+    """The methods of the manager that the node uses."""
 
     def now(self) -> int:
         """The time in ns."""
 
     def command(self, command: NmtCommand, node_id: int) -> None:
-        """Sends an NMT command."""
+        """Send an NMT command."""
 
     def guard(self, request: Frame) -> str:
-        """Sends a node guarding request; why the bus cannot carry it, empty if it can."""
+        """Send a node guarding request; return why the bus cannot carry it, empty if it can."""
 
     def assign(self, node: ManagedNode) -> None:
-        """Gives the node its node-id by LSS; `assigned` or `fail` follows."""
+        """Assign the node-id by LSS; calls `assigned` or `fail` later."""
 
     def changed(self, node: ManagedNode) -> None:
-        """The node's state has changed."""
+        """Notify that the node's state has changed."""
 
     def settle(self, node: ManagedNode) -> None:
-        """Frames and deadline of the node may have changed outside of a call by the manager."""
+        """Notify that the node has frames or a deadline from outside a call by the manager."""
 
 
 @dataclass(frozen=True, slots=True)
 class NodeReport:
-    """A node's state since an instant (ns of the link); `reason` is what went wrong last."""
+    """The state of a node since an instant (ns of the link); `reason` is the latest error."""
 
     since: int
     id: int
@@ -145,11 +145,11 @@ class NodeReport:
 
 
 class ManagedNode:
-    """The procedure for one node. `deadline` is when `poll` is to be called.
+    """The boot procedure of one node. `deadline` is when `poll` has to be called.
 
-    On an error the node is reset up to `restarts` times (of its description), then it has FAILED,
-    or is MISSING if it has never spoken and is not mandatory. It comes back by a boot-up message,
-    or by a command.
+    On an error the node is reset up to `restarts` times (of its description); then it is FAILED,
+    or MISSING if it has never answered and is not mandatory. A boot-up message or a command
+    starts the procedure again.
     """
 
     def __init__(
@@ -182,22 +182,22 @@ class ManagedNode:
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` is to be called; None for never."""
+        """When `poll` has to be called; None for never."""
         times = (self._consumer.deadline, self._guard.deadline, self._limit)
         return min((time for time in times if time is not None), default=None)
 
     @property
     def nmt(self) -> NmtState | None:
-        """The state that it told last; None if nothing is known."""
+        """The last reported NMT state; None if unknown."""
         return self._consumer.state
 
     @property
     def in_use(self) -> bool:
-        """Whether it is configured, and supervised."""
+        """Whether the node is configured and supervised."""
         return self.phase in _IN_USE
 
     def report(self) -> NodeReport:
-        """The node's state now."""
+        """The current state as a report."""
         node = self.description
         return NodeReport(
             self.since,
@@ -209,37 +209,37 @@ class ManagedNode:
             self.reason,
         )
 
-    # What the manager calls.
+    # Called by the manager
 
     def begin(
         self, command: NmtCommand | None = NmtCommand.RESET_COMMUNICATION
     ) -> None:
-        """Resets the node, and awaits its boot-up message; None: it has been reset already."""
+        """Reset the node and wait for its boot-up message; None: it has already been reset."""
         self._attempt += 1
         self._configured = self._assigned = self._bus_gone = False
         self._await_boot_up(command)
 
     def activate(self) -> None:
-        """The network starts, and all nodes were reset: as if nothing had been before."""
+        """Start from the initial state, because the network starts and all nodes were reset."""
         self.restarts, self.reason = 0, ""
         self._start = self.description.start
         self.begin(None)
 
     def idle(self) -> None:
-        """The manager lets go of the network."""
+        """Stop managing the node."""
         self._attempt += 1
         self._configured = False
         self._enter(NodePhase.IDLE)
 
     def cut_off(self, reason: str) -> None:
-        """The bus has gone: the node has till its boot time-out to come back."""
+        """The bus is lost: the node has to boot within its boot time-out."""
         self._attempt += 1
         self._configured = False
         self.reason, self._bus_gone = reason, True
         self._await_boot_up(None)
 
     def request(self, command: NmtCommand, *, send: bool = True) -> None:
-        """Somebody wants the node to go to another state; `send` is False if all are told."""
+        """Process a request for an NMT state; `send` is False for a command to all nodes."""
         if self.phase is NodePhase.IDLE:
             if send:
                 self._host.command(command, self.description.id)
@@ -254,16 +254,16 @@ class ManagedNode:
             self._halt(command, send)
 
     def assigned(self, before: int) -> None:
-        """The node, which had another id or none, has got its own."""
+        """Called after LSS has assigned the configured node-id; `before` is the previous one."""
         if self.phase is not NodePhase.ASSIGNING:
             return
-        # Without an id before it boots up by itself, once LSS lets it go.
+        # A node without a node-id boots up by itself at the end of the LSS procedure.
         self._await_boot_up(None)
         if before != UNCONFIGURED:
             self._host.command(NmtCommand.RESET_COMMUNICATION, before)
 
-    def heard(self, frame: Frame, now: int) -> None:
-        """A frame of the node's error control."""
+    def on_error_control(self, frame: Frame, now: int) -> None:
+        """Process an error control frame of the node (heartbeat, boot-up, guarding response)."""
         if not self._guard.accepts(frame):
             return
         event = self._consumer.receive(frame, now)
@@ -276,18 +276,18 @@ class ManagedNode:
         if event.news is HeartbeatNews.BOOT_UP:
             self._booted(event.asked)
         elif phase in _IN_USE:
-            self._told(event, now)
+            self._on_heartbeat(event, now)
         elif phase is NodePhase.MISSING:
             self.begin()
         else:
             self._host.changed(self)
 
-    def alarmed(self, emergency: Emergency) -> None:
-        """The node has sent an emergency message, which may explain what follows."""
+    def on_emergency(self, emergency: Emergency) -> None:
+        """Process an emergency message, which may explain a later error."""
         self._emergency = None if emergency.cleared else emergency
 
     def poll(self, now: int) -> None:
-        """Does what is due."""
+        """Process what is due."""
         lost = self._consumer.poll(now)
         request = self._guard.poll(now)
         if lost is not None and self.phase in _IN_USE:
@@ -300,12 +300,12 @@ class ManagedNode:
             self.fail(refused, final=True)
         elif self._limit is not None and now >= self._limit:
             self._limit = None
-            self._over()
+            self._on_timeout()
 
     def fail(self, reason: str, *, final: bool = False, absent: bool = False) -> None:
-        """Something went wrong: resets the node, or gives it up.
+        """Handle an error: reset the node, or give it up.
 
-        `final` says that a reset would not help, `absent` that the node has never spoken.
+        `final`: a reset would not help. `absent`: the node has never answered.
         """
         self._attempt += 1
         self.reason = reason
@@ -317,7 +317,7 @@ class ManagedNode:
         started = self.phase in (NodePhase.STARTING, NodePhase.RUNNING)
         self._configured = False
         if started and self.nmt is not NmtState.STOPPED:
-            # What nobody supervises is to do nothing.
+            # An unsupervised node must not stay operational.
             self._host.command(NmtCommand.ENTER_PRE_OPERATIONAL, self.description.id)
         self._enter(NodePhase.MISSING if missing else NodePhase.FAILED)
 
@@ -348,7 +348,7 @@ class ManagedNode:
         self._enter(NodePhase.CONFIGURING)
 
     def _go_on(self, procedure: SetUp, value: bytes | None) -> None:
-        """Carries the set-up on to its next transfer, or to its end."""
+        """Continue the set-up up to its next transfer, or to its end."""
         try:
             transfer = next(procedure) if value is None else procedure.send(value)
         except StopIteration:
@@ -366,7 +366,11 @@ class ManagedNode:
             if isinstance(outcome, SdoAbort):
                 verb = "read" if octets is None else "written"
                 what = f"{number_text(index, subindex)} cannot be {verb}: {outcome}"
-                doubled = self._doubled if outcome.code == sdo.TIMED_OUT else ""
+                doubled = (
+                    self._evidence_of_second_node
+                    if outcome.code == sdo.TIMED_OUT
+                    else ""
+                )
                 if doubled:
                     self._two_nodes(f"{what}, and {doubled}")
                 else:
@@ -387,7 +391,7 @@ class ManagedNode:
 
     def _set_up_done(self) -> None:
         self._configured = True
-        # From here on the configured heartbeat time holds.
+        # The configured heartbeat time is in force from here on.
         self._supervise_anew()
         if self.description.guard_time:
             now = self._host.now()
@@ -421,7 +425,7 @@ class ManagedNode:
             self.begin()
 
     def _halt(self, command: NmtCommand, send: bool) -> None:
-        # A node that is set up is on its way to pre-operational; stopped, it would be mute.
+        # A node in set-up will reach pre-operational; in STOPPED it could not answer SDO.
         if self.phase in _SETTING_UP:
             return
         self._consumer.ask(_ASKED_STATES[command])
@@ -430,7 +434,7 @@ class ManagedNode:
         if send:
             self._host.command(command, self.description.id)
 
-    def _told(self, event: HeartbeatEvent, now: int) -> None:
+    def _on_heartbeat(self, event: HeartbeatEvent, now: int) -> None:
         state, phase = event.state, self.phase
         if phase in (NodePhase.READY, NodePhase.STARTING) and self._answers_too_many():
             self._two_nodes(_FOREIGN)
@@ -449,12 +453,12 @@ class ManagedNode:
             self._host.changed(self)
 
     def _too_many_beats(self, now: int) -> bool:
-        """Counts a heartbeat; whether they come twice as fast as one node sends them."""
+        """Count a heartbeat; return whether they arrive at twice the rate of one node."""
         if self._beats == 0:
             self._first_beat = now
         self._beats += 1
         period = self.description.heartbeat * MILLISECOND
-        # Beats that were held up come at once, up to a time-out's worth of them or two.
+        # Delayed heartbeats may arrive in a burst of up to two time-outs' worth.
         if not period or self._beats < max(_BEATS, 6 * self._timeout // period):
             return False
         beats, self._beats = self._beats, 0
@@ -462,8 +466,8 @@ class ManagedNode:
         return many * (now - self._first_beat) < periods * beats * period
 
     @property
-    def _doubled(self) -> str:
-        """What points to a second node of this id since the reset; empty if nothing does."""
+    def _evidence_of_second_node(self) -> str:
+        """Evidence for a second node with this id since the reset; empty if there is none."""
         if self._boots > 1:
             return "its boot-up message came twice"
         foreign = self._channel.unexpected > self._answers_before
@@ -478,8 +482,8 @@ class ManagedNode:
     def _cause(self) -> str:
         return f", after EMCY {self._emergency}" if self._emergency else ""
 
-    def _over(self) -> None:
-        """The phase has lasted too long."""
+    def _on_timeout(self) -> None:
+        """Handle the time-out of a phase."""
         node = self.description
         if self.phase is NodePhase.AWAITED:
             if self._bus_gone:
@@ -503,7 +507,7 @@ class ManagedNode:
         self._beats = 0
 
     def _enter(self, phase: NodePhase, milliseconds: int | None = None) -> None:
-        """Goes to a phase that may last so long."""
+        """Enter a phase with a time limit."""
         now = self._host.now()
         self.phase, self.since = phase, now
         if phase not in _IN_USE:

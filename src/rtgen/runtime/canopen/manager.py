@@ -1,4 +1,4 @@
-"""The component that runs a network: a manager's station, with a life cycle and ports."""
+"""The manager component: a manager station with life cycle and ports."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
 from rtgen.runtime.service_ports import Provider
 
 _UNSENT_REPORTS: Final = 4096
-"""Reports that wait for the next tick at most; the oldest go first."""
+"""Maximum number of reports queued for the next tick; the oldest are dropped."""
 
 
 class ManagerParameters(Protocol):
-    """The parameters of every manager."""
+    """Configuration parameters of every manager."""
 
     network: str
     interface: str
@@ -32,48 +32,50 @@ class ManagerParameters(Protocol):
 
 
 class CanopenManager(ABC, Component):
-    """The base of a project's generated manager.
+    """Base class of a project's generated manager.
 
-    ACTIVE it runs the network. Deactivated, or reset, it has brought the nodes to pre-operational,
-    and only its heartbeat goes on. It goes to ERROR when a mandatory node has failed for good, and
-    still serves the others then.
+    It runs the network while ACTIVE. Deactivated or reset, it has switched the nodes to
+    pre-operational and keeps only its own heartbeat. It enters ERROR when a mandatory node has
+    finally failed, and continues to manage the other nodes.
     """
 
     networks: ClassVar[str] = ""
     """The package of the generated networks."""
 
     config: Any
-    """Its `ManagerParameters`."""
+    """The `ManagerParameters`."""
     states: OutPort[Any]
     manager: Provider[Any]
 
     def __init__(self, instance_name: str | None = None) -> None:
         super().__init__(instance_name)
         self.station: ManagerStation | None = None
-        """What runs the network; None before the first activation."""
+        """The station that runs the network; None before the first activation."""
         self._unsent: deque[NodeReport] = deque(maxlen=_UNSENT_REPORTS)
         self._bus: tuple[str, str, int, str] | None = None
         self._offset = 0
 
-    # What the generated manager gives.
+    # Implemented by the generated manager
 
     @abstractmethod
     def _servant(self) -> Any:
-        """The servant of the service port; asked once."""
+        """The servant of the service port; called once."""
 
     @abstractmethod
     def _sample(self, report: NodeReport, time: int) -> Any:
-        """A node's state since a time (ns of the component's clock) as a sample."""
+        """Convert a report to a sample; `time` is in ns of the component's clock."""
 
-    # What its servant uses.
+    # Used by its servant
 
     def reports(self) -> list[Any]:
         """The states of all nodes as samples, by node-id."""
         station = self.station
-        return [] if station is None else [self._told(r) for r in station.reports()]
+        return (
+            [] if station is None else [self._to_sample(r) for r in station.reports()]
+        )
 
     def refusal(self, command: NmtCommand, node_id: int) -> str:
-        """Gives an NMT command to a node, or to all (0); why it cannot, empty if it did."""
+        """Send an NMT command to a node, or to all (0); return why it was refused, or ""."""
         station = self.station
         if station is None or not station.running:
             return "the network does not run"
@@ -85,12 +87,12 @@ class CanopenManager(ABC, Component):
     # Callbacks
 
     def on_initialize(self) -> ReturnCode_t:
-        """Offers the service."""
+        """Provide the service."""
         self.manager.set_servant(self._servant())
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Starts the network from the beginning."""
+        """Start the network."""
         try:
             self.station = self._joined()
             self.station.start()
@@ -100,7 +102,7 @@ class CanopenManager(ABC, Component):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Tells what has changed."""
+        """Publish changed states."""
         self._publish()
         station = self.station
         assert station is not None
@@ -108,27 +110,27 @@ class CanopenManager(ABC, Component):
         return self.fail(failure) if failure else RTC_OK
 
     def on_error(self, ec_id: int) -> ReturnCode_t:
-        """Tells what has changed: the other nodes work on."""
+        """Publish changed states; the other nodes remain managed."""
         self._publish()
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Brings the nodes to pre-operational."""
+        """Switch the nodes to pre-operational."""
         return self._halt()
 
     def on_reset(self, ec_id: int) -> ReturnCode_t:
-        """Does the same; the next activation starts over."""
+        """Switch the nodes to pre-operational; the next activation starts over."""
         return self._halt()
 
     def on_finalize(self) -> ReturnCode_t:
-        """Leaves the bus."""
+        """Leave the bus."""
         self._leave()
         return RTC_OK
 
-    # The rest
+    # Private methods
 
     def _joined(self) -> ManagerStation:
-        """The station for the present parameters: the one that there is, if it fits."""
+        """The station for the current parameters; an existing one is reused if it fits."""
         config: ManagerParameters = self.config
         network = load_network(self.networks, config.network)
         bitrate = config.bitrate or network.bit_rate * 1000
@@ -137,7 +139,7 @@ class CanopenManager(ABC, Component):
         if station is not None and (self._bus, station.network) == (bus, network):
             return station
         self._leave()
-        # Once for each station: the link is kept until it is attached.
+        # Once for each station: the link stays open until the station is attached.
         link = open_link(self, *bus)
         self._bus = bus
         self._offset = self.now() - link.now()
@@ -157,7 +159,7 @@ class CanopenManager(ABC, Component):
     def _publish(self) -> None:
         unsent = self._unsent
         for _ in range(len(unsent)):
-            self.states.write(self._told(unsent.popleft()))
+            self.states.write(self._to_sample(unsent.popleft()))
 
-    def _told(self, report: NodeReport) -> Any:
+    def _to_sample(self, report: NodeReport) -> Any:
         return self._sample(report, report.since + self._offset)

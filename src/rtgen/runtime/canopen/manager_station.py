@@ -1,4 +1,4 @@
-"""The manager of a network on its bus: NMT master, producer of SYNC and of its own heartbeat."""
+"""The manager of a network on its bus: NMT master, producer of SYNC and heartbeat."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ _MICROSECOND: Final = 1000
 
 
 class ManagerStation:
-    """Runs a network from `start` to `halt`; between `attach` and `detach` it is on the bus.
+    """Runs a network between `start` and `halt`; on the bus between `attach` and `detach`.
 
-    While it runs it is `link.master`. `listener` gets every change of a node, with the link's lock
-    held.
+    While running it is `link.master`. `listener` receives every change of a node, with the link's
+    lock held.
     """
 
     def __init__(
@@ -76,15 +76,15 @@ class ManagerStation:
         self._attached = False
         self._up = link.up
         self._frames: list[Frame] = []
-        # When nodes may be due, the earliest first; a node's own deadline may have moved on.
+        # Heap of due times; a node's own deadline may have become later.
         self._agenda: list[tuple[int, int]] = []
         self._noted: dict[int, int] = {}
 
-    # For the component that owns it
+    # Interface to the owning component
 
     @property
     def failure(self) -> str:
-        """Why the network cannot do its work; empty if it can."""
+        """Why the network cannot operate; empty if it can."""
         if self._clash:
             return self._clash
         for node in tuple(self._failed.values()):
@@ -98,9 +98,9 @@ class ManagerStation:
             return [self.nodes[node].report() for node in sorted(self.nodes)]
 
     def start(self) -> None:
-        """Resets the nodes and boots them; from now on it is the NMT master.
+        """Reset and boot the nodes, and become the NMT master.
 
-        Raises RuntimeError if the link has another one.
+        Raises RuntimeError if the link already has a master.
         """
         link = self.link
         with link.lock:
@@ -118,7 +118,7 @@ class ManagerStation:
             self._flush()
 
     def halt(self) -> None:
-        """Brings the nodes to pre-operational, and lets go of them; its heartbeat goes on."""
+        """Switch the nodes to pre-operational and stop managing them; the heartbeat continues."""
         with self.link.lock:
             if not self.running:
                 return
@@ -133,7 +133,7 @@ class ManagerStation:
             self._flush()
 
     def close(self) -> None:
-        """Halts the network, and leaves the bus."""
+        """Halt the network, and leave the bus."""
         self.halt()
         self.link.detach(self)
         self._attached = False
@@ -141,7 +141,7 @@ class ManagerStation:
     # NmtMaster
 
     def request(self, command: int, node_id: int) -> None:
-        """See `NmtMaster`. While the bus is gone, it is only noted what is wanted."""
+        """See `NmtMaster`. While the bus is lost, the request is only recorded."""
         wanted = NmtCommand(command)
         with self.link.lock:
             if node_id == 0 and wanted is not NmtCommand.START:
@@ -150,9 +150,9 @@ class ManagerStation:
                 self._command(wanted, node_id)
             for node in self.nodes.values():
                 if node_id in (0, node.description.id):
-                    told = node_id == 0 and wanted is not NmtCommand.START
-                    node.request(wanted, send=not told)
-                    self._note(node)
+                    decoded = node_id == 0 and wanted is not NmtCommand.START
+                    node.request(wanted, send=not decoded)
+                    self._schedule(node)
             self._flush()
 
     def readiness(self, node_id: int) -> bool | str:
@@ -172,8 +172,8 @@ class ManagerStation:
         if can_id > ERROR_CONTROL:
             node = self.nodes.get(can_id - ERROR_CONTROL)
             if node is not None:
-                node.heard(frame, now)
-                self._note(node)
+                node.on_error_control(frame, now)
+                self._schedule(node)
             elif can_id == LSS_RESPONSE:
                 self._frames += self._lss.receive(frame, now)
             elif self.running and not self._clash:
@@ -181,9 +181,9 @@ class ManagerStation:
                     f"another node has the manager's node-id {self.network.manager}"
                 )
         else:
-            told = decode_emergency(frame)
-            if told is not None and told[0] in self.nodes:
-                self.nodes[told[0]].alarmed(told[1])
+            decoded = decode_emergency(frame)
+            if decoded is not None and decoded[0] in self.nodes:
+                self.nodes[decoded[0]].on_emergency(decoded[1])
         return self._answer()
 
     def poll(self, now: int) -> Iterable[Frame]:
@@ -202,11 +202,11 @@ class ManagerStation:
             del self._noted[node_id]
             node = self.nodes[node_id]
             node.poll(now)
-            self._note(node)
+            self._schedule(node)
         return self._answer()
 
     def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
-        """See `Station`: when the bus is back, everything begins anew."""
+        """See `Station`: when the bus is available again, all nodes are booted again."""
         self._up = up
         if not up:
             self._heartbeat.stop()
@@ -246,7 +246,7 @@ class ManagerStation:
                     node.fail(reason, absent=True)
             else:
                 node.assigned(outcome.before)
-            self._note(node)
+            self._schedule(node)
 
         procedure = assign(description.identity[1:], description.id)
         self._frames += self._lss.submit(procedure, done, self.link.now())
@@ -261,13 +261,13 @@ class ManagerStation:
 
     def settle(self, node: ManagedNode) -> None:
         """See `Host`."""
-        self._note(node)
+        self._schedule(node)
         self._flush()
 
-    # The rest
+    # Private methods
 
     def _begin(self, now: int) -> None:
-        """Boots up, and resets all nodes with one frame."""
+        """Send the boot-up message, and reset all nodes with one frame."""
         manager = self.network.manager
         self._frames.append(heartbeat_frame(manager, NmtState.INITIALISING))
         self._heartbeat.booted(now)
@@ -277,7 +277,7 @@ class ManagerStation:
         self._command(NmtCommand.RESET_COMMUNICATION, 0)
         for node in self.nodes.values():
             node.activate()
-            self._note(node)
+            self._schedule(node)
 
     def _cut_off(self) -> None:
         if self._sync is not None:
@@ -285,14 +285,14 @@ class ManagerStation:
         self._lss.cancel()
         for node in self.nodes.values():
             node.cut_off("the bus is gone")
-            self._note(node)
+            self._schedule(node)
 
     def _command(self, command: NmtCommand, node_id: int) -> None:
         if self._up:
             self._frames.append(command_frame(command, node_id))
 
-    def _note(self, node: ManagedNode) -> None:
-        """Puts a node on the agenda, unless it is there for an earlier time."""
+    def _schedule(self, node: ManagedNode) -> None:
+        """Schedule a node, unless it is already scheduled for an earlier time."""
         due, node_id = node.deadline, node.description.id
         if due is None:
             return
@@ -302,16 +302,16 @@ class ManagerStation:
             heappush(self._agenda, (due, node_id))
 
     def _answer(self) -> list[Frame]:
-        """Works the deadline out; gives the frames that are to be sent."""
+        """Compute the deadline; return the frames to send."""
         self._set_deadline()
         frames, self._frames = self._frames, []
         return frames
 
     def _flush(self) -> None:
-        """The same, outside of a call by the link."""
+        """Send pending frames, outside a call by the link."""
         frames = self._answer()
         if frames and self._up:
-            # If the bus has just gone, `link_changed` tells.
+            # If the bus has just been lost, `link_changed` follows.
             with suppress(LinkError):
                 self.link.send(frames, self)
         self.link.refresh(self)

@@ -1,4 +1,4 @@
-"""Finds generated networks by their names."""
+"""Loads generated networks by name."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from rtgen.runtime.canopen.description import Network
 
 
 class UnknownNetworkError(LookupError):
-    """There is no network of that name; the message names those that there are."""
+    """There is no network of that name; the message lists the known ones."""
 
 
 def load_network(package: str, name: str) -> Network:
-    """The network of a name among those that a package has. Raises UnknownNetworkError."""
+    """Load a network from a package of networks. Raises UnknownNetworkError."""
     try:
         names = sorted(module.name for module in iter_modules(_path_of(package)))
     except ModuleNotFoundError:

@@ -1,7 +1,7 @@
-"""Network management of a slave (CiA 301, 7.2.8 and 7.3.2), and its merging with RTC's states.
+"""NMT slave state machine (CiA 301, 7.2.8 and 7.3.2), and its mapping to RTC states.
 
 Figure and transition numbers are those of the published description of RTC-CANopen: figure 110
-merges the two state machines, figure 111 gives "stop" the meaning that depends on a return code.
+merges the two state machines, figure 111 makes the meaning of "stop" depend on a return code.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class NmtCommand(IntEnum):
 
 
 class NmtState(IntEnum):
-    """States as the heartbeat tells them; INITIALISING is what the boot-up message has."""
+    """States as encoded in heartbeats; INITIALISING is the value of the boot-up message."""
 
     INITIALISING = 0x00
     STOPPED = 0x04
@@ -34,7 +34,7 @@ class NmtState(IntEnum):
 
 
 class Service(Enum):
-    """What a node does over the bus."""
+    """Communication services of a node."""
 
     PDO = "PDO"
     SDO = "SDO"
@@ -51,21 +51,21 @@ SERVICES: Final = {
     NmtState.OPERATIONAL: _ALL,
     NmtState.STOPPED: frozenset({Service.NMT}),
 }
-"""Which services a state has (CiA 301, table 38); NMT stands for error control, too."""
+"""The services available in each state (CiA 301, table 38); NMT includes error control."""
 
 
 def command_frame(command: NmtCommand, node_id: int = 0) -> Frame:
-    """The master's command to a node, or to all (0)."""
+    """An NMT command to a node, or to all (0)."""
     return Frame(NMT, bytes((command, checked_node_id(node_id) if node_id else 0)))
 
 
 def heartbeat_frame(node_id: int, state: NmtState) -> Frame:
-    """The heartbeat; the boot-up message for INITIALISING (CiA 301, 7.2.8.3.2 and .3)."""
+    """A heartbeat, or the boot-up message for INITIALISING (CiA 301, 7.2.8.3.2 and .3)."""
     return Frame(ERROR_CONTROL + checked_node_id(node_id), bytes((state,)))
 
 
 def decode_command(frame: Frame) -> tuple[NmtCommand, int] | None:
-    """The command of a frame and whom it is for (0: all); None if it is no such command."""
+    """The command in a frame and its node-id (0: all); None for any other frame."""
     if frame.can_id != NMT or frame.extended or frame.remote or len(frame.data) != 2:
         return None
     try:
@@ -76,7 +76,7 @@ def decode_command(frame: Frame) -> tuple[NmtCommand, int] | None:
 
 @dataclass(frozen=True, slots=True)
 class Transition:
-    """A change of a slave's state; `command` is None where the node went by itself."""
+    """A change of a slave's state; `command` is None if the node changed by itself."""
 
     before: NmtState
     after: NmtState
@@ -84,12 +84,12 @@ class Transition:
 
 
 class NmtSlave:
-    """The slave's state machine, from INITIALISING on.
+    """The slave's state machine, starting in INITIALISING.
 
-    Whoever owns it makes what a reset asks for, and then calls `boot`. `self_start` goes on to
-    OPERATIONAL without a command (CiA 301, 7.3.2.1). With `merged_stop` a stop is split by
-    `stopping`, called when it comes: True is a normal end, in PRE_OPERATIONAL, False is a failure,
-    in STOPPED; and STOPPED is left only by a reset.
+    Its owner performs what a reset requires, and then calls `boot`. `self_start` continues to
+    OPERATIONAL without a command (CiA 301, 7.3.2.1). With `merged_stop` the effect of a stop is
+    decided by `stopping`, called when the command arrives: True is a normal end, in
+    PRE_OPERATIONAL; False is a failure, in STOPPED, which then is only left by a reset.
     """
 
     def __init__(
@@ -103,17 +103,17 @@ class NmtSlave:
         self.node_id = checked_node_id(node_id)
         self.state = NmtState.INITIALISING
         self.reset: NmtCommand = NmtCommand.RESET_NODE
-        """What INITIALISING has to do: reset communication is part of reset node."""
+        """The reset to be performed in INITIALISING; reset communication is part of reset node."""
         self._self_start = self_start
         self._merged_stop = merged_stop
         self._stopping = stopping
 
     def allows(self, service: Service) -> bool:
-        """Whether the present state has the service."""
+        """Whether the service is available in the current state."""
         return service in SERVICES[self.state]
 
     def boot(self) -> Frame:
-        """Ends INITIALISING; gives the boot-up message. Raises RuntimeError in other states."""
+        """Leave INITIALISING; return the boot-up message. Raises RuntimeError in other states."""
         if self.state is not NmtState.INITIALISING:
             raise RuntimeError(f"boot-up in {self.state.name}")
         self.state = (
@@ -122,22 +122,22 @@ class NmtSlave:
         return heartbeat_frame(self.node_id, NmtState.INITIALISING)
 
     def fail(self) -> Transition | None:
-        """The component failed by itself (transitions 5, 6 and 9): STOPPED; None if it was."""
+        """Enter STOPPED after a failure (transitions 5, 6, 9); None if already there."""
         return self._go(NmtState.STOPPED, None)
 
     def go(self, state: NmtState) -> Transition | None:
-        """The node goes to a state by itself; None if it was there."""
+        """Enter a state without a command; None if already there."""
         return self._go(state, None)
 
     def receive(self, frame: Frame) -> Transition | None:
-        """Obeys a command; None if there was none for this node, or it changed nothing.
+        """Process a command; None if it is for another node, or changes nothing.
 
-        A reset is a transition from every state; while INITIALISING nothing is obeyed.
+        A reset is a transition from every state; in INITIALISING commands are ignored.
         """
-        told = decode_command(frame)
-        if told is None or told[1] not in (0, self.node_id):
+        decoded = decode_command(frame)
+        if decoded is None or decoded[1] not in (0, self.node_id):
             return None
-        command = told[0]
+        command = decoded[0]
         if self.state is NmtState.INITIALISING:
             return None
         if command in (NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION):

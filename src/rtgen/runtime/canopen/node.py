@@ -1,7 +1,7 @@
-"""A CANopen device without its application: the slave of CiA 301 with all of its services.
+"""A CANopen slave (CiA 301) with all its services, without an application.
 
-No I/O and no clock: it is a `Station` of a link. What the application does, it does through the
-object dictionary, hooks and `NodeEvents`.
+It is a `Station` of a link, without I/O and without a clock. The application uses the object
+dictionary, hooks and `NodeEvents`.
 """
 
 from __future__ import annotations
@@ -75,17 +75,17 @@ _SELF_STARTING: Final = 8
 _ALL: Final = range(0x10000)
 
 Handler: TypeAlias = Callable[[Frame], None]
-"""What a node does with a frame."""
+"""Processes a frame."""
 
 
 class DeviceNode:
     """A slave, in INITIALISING until `boot`.
 
-    `node_id` 255 waits for LSS, also where the description has none. With `merged_stop` see
+    With `node_id` 255 it waits for LSS, even if the description lacks LSS. For `merged_stop` see
     `NmtSlave`. It starts by itself with `self_start`, or if 1F80h is 8 (CiA 302-2).
-    `serial_number` is for 1018h:4.
+    `serial_number` is the value of 1018h:4.
 
-    What changes it from outside of the link takes effect, and is sent, by `flush`.
+    Changes from outside the link take effect, and are sent, by `flush`.
     """
 
     def __init__(
@@ -105,11 +105,13 @@ class DeviceNode:
         self.serial_number = serial_number
         self.dictionary = DeviceDictionary(description, self._changed)
         self.errors = EmergencyProducer(self.dictionary)
-        self.pdos = DevicePdos(self.dictionary, self.errors, self._received)
+        self.pdos = DevicePdos(self.dictionary, self.errors, self._on_rpdo)
         self.store = ParameterStore(self.dictionary)
         self._has_lss = description.lss or node_id == UNCONFIGURED
         self.lss = self._lss_slave(node_id)
-        self._consumers = HeartbeatConsumers(self.dictionary, self.errors, self._heard)
+        self._consumers = HeartbeatConsumers(
+            self.dictionary, self.errors, self._on_heartbeat
+        )
         self._sync = DeviceSync(self.dictionary, self.errors)
         self._time = DeviceTime(self.dictionary)
         self._nmt: NmtSlave | None = None
@@ -122,7 +124,7 @@ class DeviceNode:
         self._deadline: int | None = None
         self._handlers: dict[int, tuple[Handler, ...]] = {}
         self._identifiers: frozenset[int] | None = None
-        """None if the handlers are to be found anew."""
+        """None if the handlers have to be determined again."""
         self._power_on()
 
     # Station
@@ -184,11 +186,11 @@ class DeviceNode:
             self._communication_error()
         return self._taken()
 
-    # What the application does
+    # Application interface
 
     @property
     def node_id(self) -> int:
-        """The node-id, 255 while it has none."""
+        """The node-id, 255 while unconfigured."""
         return self.lss.active
 
     @property
@@ -197,64 +199,64 @@ class DeviceNode:
         return NmtState.INITIALISING if self._nmt is None else self._nmt.state
 
     def get(self, index: int, subindex: int = 0) -> ObjectValue:
-        """The value of an object. Raises KeyError if there is none."""
+        """The value of an object. Raises KeyError for an unknown object."""
         return self.dictionary.get((index, subindex))
 
     def set(self, index: int, subindex: int, value: ObjectValue) -> None:
-        """Sets an object; TPDOs that map it are sent by `flush`.
+        """Set an object; `flush` sends the TPDOs that map it.
 
-        Raises KeyError if there is none, ObjectValueError for a value that it cannot have.
+        Raises KeyError for an unknown object, ObjectValueError for an invalid value.
         """
         self.dictionary.set((index, subindex), value)
 
     def on_write(self, index: int, subindex: int, hook: WriteHook) -> None:
-        """Calls the hook before a value is taken that came by SDO or RPDO."""
+        """Call the hook before a value received by SDO or RPDO is stored."""
         self.dictionary.on_write((index, subindex), hook)
 
     def on_read(self, index: int, subindex: int, hook: ReadHook) -> None:
-        """Takes the value of an object from the hook whenever it is read or sent."""
+        """Get the value of an object from the hook whenever it is read or sent."""
         self.dictionary.on_read((index, subindex), hook)
 
     def on_change(self, index: int, subindex: int, is_event: IsEvent) -> None:
-        """Lets `is_event` say whether a change of an object is to be sent by TPDOs."""
+        """Let `is_event` decide whether a change of an object triggers its TPDOs."""
         self.pdos.is_event((index, subindex), is_event)
 
     def trigger(self, index: int, subindex: int = 0) -> None:
-        """An event of an object: `flush` sends the TPDOs that carry it, changed or not."""
+        """Trigger an object: `flush` sends the TPDOs that map it, even if unchanged."""
         self.pdos.trigger((index, subindex))
 
     def add_error(
         self, code: int, additional: bytes = b"", register: ErrorRegister | None = None
     ) -> None:
-        """The device has an error from now on, told by EMCY once (CiA 301, 7.2.7)."""
+        """Activate an error, which is sent once by EMCY (CiA 301, 7.2.7)."""
         self.errors.add(code, additional, register)
 
     def remove_error(self, code: int, additional: bytes | None = None) -> None:
-        """The error is gone; without additional octets all of that code."""
+        """Clear an error, or all errors of a code if no additional octets are given."""
         self.errors.remove(code, additional)
 
     def flush(self, now: int) -> list[Frame]:
-        """What is to be sent since something was changed."""
+        """The frames to send after changes."""
         self._now = now
         return self._taken()
 
     def boot(self, now: int) -> list[Frame]:
-        """Ends INITIALISING: boot-up, then PRE_OPERATIONAL. Nothing without a node-id."""
+        """Leave INITIALISING: boot-up, then PRE_OPERATIONAL. No effect without a node-id."""
         self._now = now
         self._boot()
         return self._taken()
 
     def go(self, state: NmtState, now: int) -> list[Frame]:
-        """The application changes the state by itself."""
+        """Change the state on behalf of the application."""
         self._now = now
         if self._nmt is not None and self.state is not NmtState.INITIALISING:
-            self._moved(self._nmt.go(state))
+            self._on_transition(self._nmt.go(state))
         return self._taken()
 
     def reset(
         self, now: int, command: NmtCommand = NmtCommand.RESET_NODE
     ) -> list[Frame]:
-        """The application resets the node by itself."""
+        """Reset the node on behalf of the application."""
         if self._nmt is None:
             return []
         return list(self.receive(command_frame(command, self.node_id), now))
@@ -262,7 +264,7 @@ class DeviceNode:
     def fail(
         self, now: int, code: int = USER_SOFTWARE, additional: bytes = b""
     ) -> list[Frame]:
-        """The application has failed: EMCY at once, then STOPPED; heartbeats go on."""
+        """Report a failure of the application: EMCY, then STOPPED; heartbeats continue."""
         self._now = now
         if self._nmt is None:
             return []
@@ -270,15 +272,15 @@ class DeviceNode:
         initialising = self.state is NmtState.INITIALISING
         if initialising or self._allows(Service.EMERGENCY):
             self._out += self.errors.take(now, at_once=True)
-        self._moved(self._nmt.fail())
+        self._on_transition(self._nmt.fail())
         if initialising:
             self._producer.configure(self._period, now)
         return self._taken()
 
-    # Life
+    # Life cycle
 
     def take_node_id(self, node_id: int) -> None:
-        """Gives it a node-id before the first boot-up. Raises ValueError for none."""
+        """Set the node-id before the first boot-up. Raises ValueError for an invalid one."""
         self._has_lss = self.description.lss or node_id == UNCONFIGURED
         self.lss = self._lss_slave(node_id)
         self._power_on()
@@ -298,7 +300,7 @@ class DeviceNode:
         self._begin()
 
     def _begin(self) -> None:
-        """INITIALISING, with the node-id of now."""
+        """Enter INITIALISING with the current node-id."""
         self._identifiers = self._deadline = None
         if self.node_id == UNCONFIGURED:
             self._nmt = None
@@ -348,16 +350,16 @@ class DeviceNode:
         self._producer.booted(self._now)
         self._life.reset()
         self._sync.start(self._now)
-        self._moved(Transition(NmtState.INITIALISING, nmt.state, None))
+        self._on_transition(Transition(NmtState.INITIALISING, nmt.state, None))
 
     def _obey(self, frame: Frame) -> None:
         if self._nmt is None:
             if frame.data[:1] in (b"\x81", b"\x82") and frame.data[1:] == b"\0":
                 self._assign()
             return
-        self._moved(self._nmt.receive(frame))
+        self._on_transition(self._nmt.receive(frame))
 
-    def _moved(self, transition: Transition | None) -> None:
+    def _on_transition(self, transition: Transition | None) -> None:
         if transition is None:
             return
         if transition.before is NmtState.INITIALISING:
@@ -384,7 +386,7 @@ class DeviceNode:
         self._begin()
 
     def _assign(self) -> None:
-        """A node without a node-id takes the one that LSS gave it."""
+        """Apply the node-id assigned by LSS to an unconfigured node."""
         if self.lss.pending.node_id == UNCONFIGURED:
             return
         self.lss.take_over(stored=False)
@@ -407,7 +409,7 @@ class DeviceNode:
         return self._nmt is not None and self._nmt.allows(service)
 
     def _handlers_of_now(self) -> dict[int, tuple[Handler, ...]]:
-        """What is done with the frames of each identifier."""
+        """The handlers by CAN identifier."""
         found: dict[int, tuple[Handler, ...]] = {}
 
         def add(can_id: int, handler: Handler) -> None:
@@ -418,7 +420,7 @@ class DeviceNode:
         if self._nmt is None:
             return found
         node_id = self.node_id
-        # What nobody else sends.
+        # Identifiers that only this node sends.
         add(SDO_RESPONSE + node_id, self._collide)
         add(ERROR_CONTROL + node_id, self._take_guarding)
         if self.errors.can_id is not None:
@@ -457,7 +459,7 @@ class DeviceNode:
             self._answer_guarding()
 
     def _answer_guarding(self) -> None:
-        """Node guarding, where there is no heartbeat."""
+        """Answer a node guarding request, unless the node has a heartbeat."""
         if self._period:
             return
         self._life.configure(self._lifetime, self._now)
@@ -478,36 +480,36 @@ class DeviceNode:
             self.events.time(moment)
 
     def _communication_error(self) -> None:
-        """What 1029h:1 wants; without it, a node that is OPERATIONAL goes back."""
+        """React to a communication error as 1029h:1 says; by default leave OPERATIONAL."""
         if self._nmt is None:
             return
         wanted = self.dictionary.number(ERROR_BEHAVIOUR)
         if wanted == 2:
             self._out += self.errors.take(self._now, at_once=True)
-            self._moved(self._nmt.go(NmtState.STOPPED))
+            self._on_transition(self._nmt.go(NmtState.STOPPED))
         elif wanted == 0 and self.state is NmtState.OPERATIONAL:
-            self._moved(self._nmt.go(NmtState.PRE_OPERATIONAL))
+            self._on_transition(self._nmt.go(NmtState.PRE_OPERATIONAL))
 
-    def _heard(self, node_id: int, event: HeartbeatEvent) -> None:
-        # Told first: it is the reason for what follows.
+    def _on_heartbeat(self, node_id: int, event: HeartbeatEvent) -> None:
+        # Notified first, since it is the reason for what follows.
         self.events.heard(node_id, event)
         if event.news is HeartbeatNews.LOST:
             self._communication_error()
 
-    def _received(self, number: int) -> None:
+    def _on_rpdo(self, number: int) -> None:
         self.events.received(number)
 
     def _activate_bit_rate(self, bit_rate: int, delay: int) -> None:
         self.events.bit_rate(bit_rate, delay)
 
-    # The object dictionary
+    # Object dictionary
 
     def _address(self) -> LssAddress:
-        told = self.description
+        description = self.description
         return LssAddress(
-            self.dictionary.number((IDENTITY, 1), told.vendor_id),
-            self.dictionary.number((IDENTITY, 2), told.product_code),
-            self.dictionary.number((IDENTITY, 3), told.revision_number),
+            self.dictionary.number((IDENTITY, 1), description.vendor_id),
+            self.dictionary.number((IDENTITY, 2), description.product_code),
+            self.dictionary.number((IDENTITY, 3), description.revision_number),
             self.dictionary.number((IDENTITY, 4), self.serial_number or 0),
         )
 
@@ -517,7 +519,7 @@ class DeviceNode:
 
     @property
     def _lifetime(self) -> int:
-        """How long the master's requests may be missing, in ns; 0 is not supervised."""
+        """The life time of guarding in ns; 0 without supervision."""
         if self._period:
             return 0
         return (
@@ -535,7 +537,7 @@ class DeviceNode:
         self.pdos.changed(number)
 
     def _settle(self) -> None:
-        """Lets written parameters take effect."""
+        """Apply written parameters."""
         effects, self._effects = self._effects, {}
         self._identifiers = None
         indices = {number[0] for number in effects}

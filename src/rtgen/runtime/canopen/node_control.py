@@ -1,7 +1,7 @@
-"""How a proxy brings its node to a state: the steps of each transition, which wait for the bus.
+"""State transitions that a proxy performs on its node, as steps that wait for the bus.
 
-Steps are generators that give what they wait for; they end when the node is there, and raise
-NodeError, SdoAbort or LinkError if it does not get there. They do no I/O but through the link.
+Steps are generators that yield what they wait for. They end when the node has reached the state,
+and raise NodeError, SdoAbort or LinkError otherwise. All I/O goes through the link.
 """
 
 from __future__ import annotations
@@ -28,16 +28,15 @@ from rtgen.runtime.failures import log
 Steps: TypeAlias = Generator[str, None, None]
 
 HEARTBEAT: Final = 100
-"""The heartbeat period, else the guard time, in ms that a proxy that is the master sets where the
-node has none."""
+"""Heartbeat period or guard time in ms that a proxy acting as master sets, if the node has none."""
 _LIFE_FACTOR: Final = 3
-"""Periods without a heartbeat, or an answer to node guarding, after which a node is lost."""
+"""Periods without heartbeat or guarding response after which a node is lost."""
 _PATIENCE: Final = 1000 * MILLISECOND
-"""How long a state is awaited at least."""
+"""Minimum time to wait for a state."""
 _ATTEMPTS: Final = 5
-"""How often a node may boot while it is activated."""
+"""Number of boot-ups allowed during activation."""
 _FOREIGN_ANSWERS: Final = 2
-"""SDO answers that nobody asked for; at least so many, and nearly as many as others."""
+"""Minimum number of unexpected SDO responses that indicate a second node."""
 _TWICE: Final = "answers twice: there are two of them, or another SDO client"
 _HEARTBEAT_TIME: Final = (0x1017, 0)
 _GUARD_TIME: Final = (0x100C, 0)
@@ -52,15 +51,15 @@ _STATES: Final = {
 
 
 class NodeError(Exception):
-    """The node does not do what it is told, or is not the one that it should be."""
+    """The node does not reach the requested state, or has the wrong identity."""
 
 
 class NodeControl:
-    """Brings one node to its states.
+    """Performs state transitions of one node.
 
-    `placed` is the node in its network, None without one. With `master` NMT commands are sent
-    directly where the process has no NMT master; the node is then identified and configured, too.
-    Times are in ns; `heartbeat_timeout` 0 takes it from the network or the device.
+    `placed` is the node's entry in its network, None without one. With `master`, NMT commands are
+    sent directly if the process has no NMT master; the node is then identified and configured,
+    too. Times are in ns; `heartbeat_timeout` 0 defaults to the network or the device.
     """
 
     def __init__(
@@ -90,15 +89,15 @@ class NodeControl:
         self._transfers = 0
         self._boots = 0
         self.running = False
-        """Whether the node was brought to operational."""
+        """Whether the node was brought to OPERATIONAL."""
         self.written: dict[ObjectNumber, ObjectValue] = {}
-        """Parameters as the node has them; nothing is known of the others."""
+        """Parameters as written to the node; others are unknown."""
 
     @property
     def timeout(self) -> int:
-        """After how long without heartbeat the node is lost; 0 if that is not known yet.
+        """The heartbeat time-out of the node; 0 if not known yet.
 
-        What a network says holds when the node is configured, and till it boots again.
+        That of a network applies once the node is configured, until it boots again.
         """
         node, placed, master = self._node, self._placed, self._link.master
         if self._silent or self._heartbeat_timeout:
@@ -113,7 +112,7 @@ class NodeControl:
     def activation(
         self, parameters: Callable[[], Mapping[ObjectNumber, ObjectValue]]
     ) -> Steps:
-        """To operational, with the parameters written; what a reboot undoes is done again."""
+        """Enter OPERATIONAL with the parameters written; repeats what a reboot has undone."""
         for _ in range(_ATTEMPTS):
             self._boots = self._node.boots
             foreign = self._link.sdo(self._node.node_id).unexpected
@@ -131,11 +130,11 @@ class NodeControl:
         raise NodeError(f"{self} boots again and again")
 
     def deactivation(self) -> Steps:
-        """To pre-operational."""
+        """Enter PRE_OPERATIONAL."""
         yield from self._go(NmtCommand.ENTER_PRE_OPERATIONAL, NmtState.PRE_OPERATIONAL)
 
     def reset(self) -> Steps:
-        """Resets the node, and waits for its boot-up message."""
+        """Reset the node, and wait for its boot-up message."""
         node, link = self._node, self._link
         yield from self._await_master(None)
         boots, limit = node.boots, link.now() + self._boot_timeout
@@ -150,9 +149,9 @@ class NodeControl:
         self.written.clear()
 
     def _is_assigned_an_id(self) -> bool:
-        """Whether the manager still works on a node that may have lost its node-id by a reset.
+        """Whether the manager is still assigning a node-id lost by a reset.
 
-        Raises NodeError if it has given up.
+        Raises NodeError if the manager has given up.
         """
         master, placed = self._link.master, self._placed
         if master is None or placed is None or not placed.lss:
@@ -164,11 +163,11 @@ class NodeControl:
 
     @property
     def can_command(self) -> bool:
-        """Whether NMT commands can be sent: the process has a master, or is one."""
+        """Whether NMT commands can be sent: the process has a master, or acts as one."""
         return self._link.master is not None or self._master
 
     def command(self, command: NmtCommand) -> None:
-        """Has an NMT command sent. Raises NodeError if there is nobody to do it, or LinkError."""
+        """Send an NMT command. Raises NodeError without a master, or LinkError."""
         link, node = self._link, self._node
         with link.lock:
             if link.master is not None:
@@ -180,7 +179,7 @@ class NodeControl:
                     f"{self} cannot be told to change its state: this process has no NMT "
                     "master (a manager that is ACTIVE, or `master` of the proxy)"
                 )
-            node.told()
+            node.command_sent()
             self.running = command is NmtCommand.START
 
     def __str__(self) -> str:
@@ -214,7 +213,7 @@ class NodeControl:
         yield from self._go(NmtCommand.START, NmtState.OPERATIONAL)
 
     def _await_master(self, wanted: NmtState | None) -> Steps:
-        """Till there is an NMT master here, or another one has brought the node there."""
+        """Wait for an NMT master here, or until another one has changed the node's state."""
         link, node = self._link, self._node
         limit = link.now() + self._boot_timeout
         while link.master is None and not self._master:
@@ -225,7 +224,7 @@ class NodeControl:
             yield f"an NMT master for {self}"
 
     def _await_manager(self) -> Steps:
-        """Till the manager has configured the node."""
+        """Wait until the manager has configured the node."""
         while (master := self._link.master) is not None:
             readiness = master.readiness(self._node.node_id)
             if isinstance(readiness, str):
@@ -235,7 +234,7 @@ class NodeControl:
             yield f"the manager to configure {self}"
 
     def _set_up(self) -> Steps:
-        """What a manager would do: identifies and configures the node."""
+        """Identify and configure the node, in place of a manager."""
         placed = self._placed
         yield from self._await_answer()
         identity = (None,) * len(IDENTITY) if placed is None else placed.identity
@@ -267,7 +266,7 @@ class NodeControl:
                 )
 
     def _await_answer(self) -> Steps:
-        """Till the node answers, or the boot time-out is over."""
+        """Wait until the node answers, or the boot time-out has expired."""
         link = self._link
         limit = link.now() + self._boot_timeout
         while True:
@@ -284,7 +283,7 @@ class NodeControl:
                 )
 
     def _supervise(self) -> Steps:
-        """Finds out how often the node beats, else guards it; from now on it is supervised."""
+        """Start supervision by the node's heartbeat, or by node guarding."""
         placed, guard_time = self._placed, 0
         if placed is None:
             self._life_factor = _LIFE_FACTOR
@@ -310,7 +309,7 @@ class NodeControl:
                 link.refresh(self._node)
 
     def _read_period(self) -> Generator[str, None, int]:
-        """The heartbeat period in ms; a master gives a node that has none one."""
+        """The heartbeat period in ms; a master sets one in a node without."""
         period = yield from self._read_number(_HEARTBEAT_TIME)
         if period is None:
             return 0
@@ -321,7 +320,7 @@ class NodeControl:
         return period if kept else 0
 
     def _read_guard_time(self) -> Generator[str, None, int]:
-        """The guard time in ms, 0 if the node cannot be guarded; as `_read_period`."""
+        """The guard time in ms, 0 if the node cannot be guarded; see `_read_period`."""
         period = yield from self._read_number(_GUARD_TIME)
         if period is None:
             return 0
@@ -330,14 +329,14 @@ class NodeControl:
             self._life_factor = factor or _LIFE_FACTOR
             return period
         period = self._wanted_period
-        # A node that does not keep them answers all the same, without supervising its master.
+        # A node that does not store them still answers, without supervising its master.
         yield from self._write_number(_GUARD_TIME, period, 2)
         yield from self._write_number(_GUARD_FACTOR, _LIFE_FACTOR, 1)
         return period
 
     @property
     def _configures(self) -> bool:
-        """Whether the proxy sets what the node lacks for its supervision."""
+        """Whether the proxy configures the supervision of the node."""
         return self._master and self._link.master is None
 
     @property
@@ -348,11 +347,11 @@ class NodeControl:
 
     def _default(self, number: ObjectNumber) -> int:
         described = self._description.by_number.get(number)
-        told = None if described is None else described.initial(self._node.node_id)
-        return told if isinstance(told, int) else 0
+        default = None if described is None else described.initial(self._node.node_id)
+        return default if isinstance(default, int) else 0
 
     def _read_number(self, number: ObjectNumber) -> Generator[str, None, int | None]:
-        """An unsigned integer of the node, None if the node refuses."""
+        """Read an unsigned integer, None if the node aborts."""
         try:
             octets = yield from self._upload(number)
         except SdoAbort as abort:
@@ -364,7 +363,7 @@ class NodeControl:
     def _write_number(
         self, number: ObjectNumber, value: int, size: int
     ) -> Generator[str, None, bool]:
-        """Writes an unsigned integer; whether the node takes it."""
+        """Write an unsigned integer; return whether the node accepts it."""
         try:
             yield from self._download(number, value.to_bytes(size, "little"), ATTEMPTS)
         except SdoAbort as abort:
@@ -373,12 +372,12 @@ class NodeControl:
             return False
         return True
 
-    # Steps of all
+    # Common steps
 
     def _go(self, command: NmtCommand, wanted: NmtState) -> Steps:
-        """Tells the node to go to a state, and waits for the heartbeat that has it."""
+        """Command the node to a state, and wait for the heartbeat with that state."""
         link, node = self._link, self._node
-        # Of a node without heartbeat, pre-operational is known by its boot-up message alone.
+        # Without heartbeat, only the boot-up message reveals PRE_OPERATIONAL.
         known = wanted is NmtState.OPERATIONAL or not self._silent
         if node.state is wanted and known:
             self.running = wanted is NmtState.OPERATIONAL
@@ -403,7 +402,7 @@ class NodeControl:
         channel.submit_upload(*number, outcomes.append, attempts=attempts)
         while not outcomes:
             yield f"{_text(number)} of {self}"
-        return _told(outcomes[0], f"{self}: {_text(number)} cannot be read")
+        return _octets_of(outcomes[0], f"{self}: {_text(number)} cannot be read")
 
     def _download(self, number: ObjectNumber, octets: bytes, attempts: int) -> Steps:
         self._transfers += 1
@@ -412,11 +411,11 @@ class NodeControl:
         channel.submit_download(*number, octets, outcomes.append, attempts=attempts)
         while not outcomes:
             yield f"{_text(number)} of {self}"
-        _told(outcomes[0], f"{self}: {_text(number)} cannot be written")
+        _octets_of(outcomes[0], f"{self}: {_text(number)} cannot be written")
 
 
-def _told(outcome: Outcome, what: str) -> bytes:
-    """The octets. Raises what went wrong, with what it was about."""
+def _octets_of(outcome: Outcome, what: str) -> bytes:
+    """The octets of an outcome. Raises its error, with a note about the object."""
     if isinstance(outcome, SdoAbort):
         outcome.add_note(what)
     if isinstance(outcome, bytes):
@@ -425,7 +424,7 @@ def _told(outcome: Outcome, what: str) -> bytes:
 
 
 def reason_of(error: Exception) -> str:
-    """What went wrong, and with what."""
+    """An error as text, with the notes about its object."""
     return ": ".join([*getattr(error, "__notes__", ()), str(error)])
 
 

@@ -1,4 +1,4 @@
-"""What a slave tells its application."""
+"""Events that a slave reports to its application."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from rtgen.runtime.canopen.nmt import Transition
 
 @dataclass
 class NodeEvents:
-    """What a node tells its application, in calls from the link.
+    """Callbacks of a node to its application, called from the link.
 
-    `moved`: a transition of its NMT state. `loaded`: the objects of these indices have their
-    defaults again. `received`: the values of an RPDO are in the object dictionary. `heard`: news
-    of a node that it watches. `time`: a TIME message, in ns of UTC. `collided`: another node has
+    `moved`: a transition of its NMT state. `loaded`: these indices were reset to their defaults.
+    `received`: the values of an RPDO are in the object dictionary. `heard`: a heartbeat event of
+    a node that it monitors. `time`: a TIME message, in ns of UTC. `collided`: another node has
     its node-id, or sends one of its identifiers. `bit_rate`: LSS activates a bit rate, in kbit/s,
-    after a delay in ms. `stopping`: see `NmtSlave`. `ready` says whether the node may boot at once
-    after a reset; if not, its owner calls `boot`.
+    after a delay in ms. `stopping`: see `NmtSlave`. `ready`: whether the node may boot
+    immediately after a reset; if not, its owner calls `boot`.
     """
 
     moved: Callable[[Transition], None] = lambda transition: None

@@ -1,4 +1,4 @@
-"""What a manager reads from a node and writes to it before it is started."""
+"""Identity check and configuration of a node by its manager, before the node is started."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from rtgen.runtime.canopen.description import NodeDescription, ObjectNumber, Wri
 
 @dataclass(frozen=True, slots=True)
 class Transfer:
-    """What is read, or written if there is a `value`.
+    """An SDO read, or a write if there is a `value`.
 
-    A write is `repeatable` if it may be carried out twice: it sets a value, and commands nothing.
+    A write is `repeatable` if it sets a value and does not execute a command.
     """
 
     index: int
@@ -23,7 +23,7 @@ class Transfer:
 
 
 SetUp: TypeAlias = Generator[Transfer, bytes, None]
-"""Yields transfers, and gets what was read; b"" for what was written."""
+"""Yields transfers, and receives the octets read (b"" for a write)."""
 
 IDENTITY: Final = (
     (0x1000, 0, "device type"),
@@ -32,13 +32,13 @@ IDENTITY: Final = (
     (0x1018, 3, "revision"),
     (0x1018, 4, "serial number"),
 )
-"""What `NodeDescription.identity` has, in its order: index, sub-index, name."""
+"""The objects of `NodeDescription.identity` in order: index, sub-index, name."""
 
 
 class SetUpError(Exception):
-    """The node is not the one that is expected, or does not keep what is written.
+    """The node has the wrong identity, or does not keep what is written.
 
-    `final` says that a reset would not help.
+    `final`: a reset would not help.
     """
 
     def __init__(self, reason: str, *, final: bool = False) -> None:
@@ -47,18 +47,18 @@ class SetUpError(Exception):
 
 
 def set_up(node: NodeDescription, identified: Callable[[], None]) -> SetUp:
-    """Compares the identity, then writes the configuration and reads it back.
+    """Compare the identity, then write the configuration and read it back.
 
-    `identified` is called in between. What is written several times is read back once, at the end.
-    Raises SetUpError.
+    `identified` is called in between. An object that is written several times is read back once,
+    at the end. Raises SetUpError.
     """
     for (index, subindex, what), expected in zip(IDENTITY, node.identity, strict=True):
         if expected is None:
             continue
-        told = int.from_bytes((yield Transfer(index, subindex)), "little")
-        if told != expected:
+        actual = int.from_bytes((yield Transfer(index, subindex)), "little")
+        if actual != expected:
             raise SetUpError(
-                f"wrong identity: {what} ({number_text(index, subindex)}) is {told:08X}h, "
+                f"wrong identity: {what} ({number_text(index, subindex)}) is {actual:08X}h, "
                 f"not {expected:08X}h",
                 final=True,
             )
@@ -84,5 +84,5 @@ def number_text(index: int, subindex: int) -> str:
 
 
 def same(kept: bytes, written: bytes) -> bool:
-    """Whether a node kept a value; zeros behind it are padding."""
+    """Whether the node kept a value; trailing zeros are padding."""
     return kept.startswith(written) and not any(kept[len(written) :])

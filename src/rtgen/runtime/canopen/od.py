@@ -1,4 +1,4 @@
-"""The object dictionary of a device: values with access, lengths and limits (CiA 301, 7.4)."""
+"""The object dictionary of a device (CiA 301, 7.4): values with access, lengths and limits."""
 
 from __future__ import annotations
 
@@ -19,23 +19,23 @@ from rtgen.runtime.canopen.values import ObjectValueError
 log = logging.getLogger("rtgen.runtime")
 
 WriteHook: TypeAlias = Callable[[ObjectValue], None]
-"""Gets a value that came over the bus, before it is taken; raises SdoAbort to refuse it."""
+"""Receives a value that came over the bus, before it is stored; raises SdoAbort to reject it."""
 
 ReadHook: TypeAlias = Callable[[], ObjectValue]
-"""Gives the value that an object has now; raises SdoAbort if there is none."""
+"""Returns the current value of an object; raises SdoAbort if there is none."""
 
 Guard: TypeAlias = Callable[[ObjectNumber, ObjectValue], None]
-"""As a WriteHook, for all of an index."""
+"""A WriteHook for all sub-indices of an index."""
 
 COMMUNICATION: Final = range(0x1000, 0x2000)
-"""The communication profile area, which reset communication sets back, too."""
+"""The communication profile area, which reset communication also resets."""
 
 
 class DeviceDictionary:
-    """The values of a device's variables.
+    """The values of a device's objects.
 
-    SDO comes through `read`, `writable_size` and `write`, PDOs through `octets` and `take`, the
-    device itself through `get` and `set`. `changed` is told of every value that is another one now.
+    SDO uses `read`, `writable_size` and `write`, PDOs use `octets` and `take`, the device itself
+    `get` and `set`. `changed` is called for every object whose value has changed.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class DeviceDictionary:
         return number in self._objects
 
     def describe(self, number: ObjectNumber) -> ObjectDescription:
-        """What a variable is. Raises SdoAbort if there is none."""
+        """The description of an object. Raises SdoAbort if it does not exist."""
         found = self._objects.get(number)
         if found is None:
             known = number[0] in self._indices
@@ -68,29 +68,29 @@ class DeviceDictionary:
         """The sub-indices of an index, ascending."""
         return sorted(sub for found, sub in self._objects if found == index)
 
-    # Hooks.
+    # Hooks
 
     def on_write(self, number: ObjectNumber, hook: WriteHook) -> None:
-        """Sets the hook for values that come by SDO or PDO. Raises KeyError for no variable."""
+        """Set the hook for values received by SDO or PDO. Raises KeyError for an unknown object."""
         self._write_hooks[self._known(number)] = hook
 
     def on_read(self, number: ObjectNumber, hook: ReadHook) -> None:
-        """Sets where a value comes from whenever it is asked for. Raises KeyError, as above."""
+        """Set a source for an object's value, called on each access. Raises KeyError, as above."""
         self._read_hooks[self._known(number)] = hook
 
     def guard(self, indices: Iterable[int], guard: Guard) -> None:
-        """Sets what says whether SDO may write to these indices."""
+        """Set a check for SDO writes to these indices."""
         self._guards.update(dict.fromkeys(indices, guard))
 
     def command(self, indices: Iterable[int], action: Guard) -> None:
-        """Sets what a write to these indices does; the objects keep their values."""
+        """Set an action for SDO writes to these indices; the objects keep their values."""
         self._commands.update(dict.fromkeys(indices, action))
 
     def guard_reading(self, index: int, guard: Callable[[ObjectNumber], None]) -> None:
-        """Sets what says whether SDO may read an index."""
+        """Set a check for SDO reads of an index."""
         self._read_guards[index] = guard
 
-    # SDO.
+    # SDO
 
     def read(self, index: int, subindex: int) -> bytes:
         """See `sdo_server.ObjectDictionary`."""
@@ -119,10 +119,10 @@ class DeviceDictionary:
         else:
             self._take(number, value, self._guards.get(index))
 
-    # PDO.
+    # PDO
 
     def octets(self, number: ObjectNumber) -> bytes:
-        """The value of a variable that exists. Raises SdoAbort if its read hook does."""
+        """The value of an existing object. Raises SdoAbort if its read hook does."""
         hook = self._read_hooks.get(number)
         if hook is not None:
             try:
@@ -136,16 +136,16 @@ class DeviceDictionary:
             except Exception:
                 log.exception("read hook of %04X:%02X", *number)
                 raise SdoAbort(sdo.GENERAL_ERROR) from None
-            # Looking is no event: a TPDO would never end to be sent.
+            # Reading is no event; otherwise a TPDO would trigger itself forever.
             self._octets[number] = octets
         return self._octets[number]
 
     def last(self, number: ObjectNumber) -> bytes:
-        """The value as it was last known, whatever a read hook says."""
+        """The last stored value, without calling a read hook."""
         return self._octets[number]
 
     def take(self, number: ObjectNumber, octets: bytes) -> None:
-        """Takes a value that a PDO brought. Raises SdoAbort if it cannot be had."""
+        """Store a value received by a PDO. Raises SdoAbort for an invalid value."""
         self._take(number, octets, None)
 
     def _take(self, number: ObjectNumber, octets: bytes, guard: Guard | None) -> None:
@@ -171,44 +171,44 @@ class DeviceDictionary:
         except ObjectValueError as error:
             raise SdoAbort(error.code) from None
 
-    # The device itself.
+    # Device
 
     def get(self, number: ObjectNumber) -> ObjectValue:
-        """A value. Raises KeyError for no variable, SdoAbort if its read hook does."""
+        """A value. Raises KeyError for an unknown object, SdoAbort if its read hook does."""
         described = self._objects[self._known(number)]
         return values.decode(described.kind, self.octets(number))
 
     def number(self, number: ObjectNumber, absent: int = 0) -> int:
-        """An integer value as it was last known; `absent` where there is no such variable."""
+        """The last stored value of an integer object; `absent` if the object does not exist."""
         if number not in self._objects:
             return absent
         return int.from_bytes(self._octets[number], "little")
 
     def set(self, number: ObjectNumber, value: ObjectValue) -> None:
-        """Sets a value, whatever its access; hooks are not called.
+        """Set a value regardless of its access type; hooks are not called.
 
-        Raises KeyError for no variable, ObjectValueError for a value that it cannot have.
+        Raises KeyError for an unknown object, ObjectValueError for an invalid value.
         """
         described = self._objects[self._known(number)]
         values.checked(described.kind, value, described.low, described.high)
         self.put(number, values.encode(described.kind, value))
 
     def put(self, number: ObjectNumber, octets: bytes) -> None:
-        """Sets a value as it is on the wire, without a check."""
+        """Set the octets of a value, without a check."""
         if self._octets[number] != octets:
             self._octets[number] = octets
             self._changed(number)
 
-    # Resets.
+    # Resets
 
     def load(self, node_id: int, indices: range = range(0x10000)) -> None:
-        """Gives the variables of these indices their defaults; nobody is told."""
+        """Reset these objects to their defaults without calling `changed`."""
         for number, described in self._objects.items():
             if number[0] in indices:
                 self.preset(number, described.initial(node_id))
 
     def preset(self, number: ObjectNumber, value: ObjectValue | None) -> None:
-        """Gives a variable another default; one that it cannot have counts as none."""
+        """Replace the default of an object; an invalid one counts as none."""
         kind = self._objects[number].kind
         try:
             octets = values.encode(kind, values.zero(kind) if value is None else value)
@@ -217,12 +217,12 @@ class DeviceDictionary:
         self._octets[number] = self._initial[number] = octets
 
     def restore(self, number: ObjectNumber, octets: bytes) -> None:
-        """Sets a stored value after `load`."""
+        """Restore a stored value, after `load`."""
         if number in self._objects:
             self._octets[number] = octets
 
     def altered(self, indices: range) -> dict[ObjectNumber, bytes]:
-        """The writable values of these indices that are not their defaults."""
+        """The writable values of these indices that differ from their defaults."""
         return {
             number: self._octets[number]
             for number, described in self._objects.items()

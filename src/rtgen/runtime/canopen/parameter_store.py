@@ -1,4 +1,4 @@
-"""Storing and restoring parameters (objects 1010h and 1011h), in memory."""
+"""Stores and restores parameters in memory (CiA 301, objects 1010h and 1011h)."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ _NOT_STORED: Final = 0x08000020
 _ALL: Final = range(0x1000, 0x10000)
 _GROUPS: Final = {1: _ALL, 2: COMMUNICATION, 3: range(0x6000, 0xA000)}
 _MANUFACTURER: Final = range(0x2000, 0x6000)
-"""Sub-indices from 4 on."""
+"""Objects of sub-indices from 4 on."""
 _NEVER: Final = frozenset((0x1001, 0x1003, STORE, RESTORE))
 
 
 class ParameterStore:
-    """What has been stored: values that are not the defaults.
+    """The stored values that differ from the defaults.
 
-    Restored defaults are in force after the next reset, as stored values are.
+    Restored defaults take effect at the next reset, as stored values do.
     """
 
     def __init__(self, dictionary: DeviceDictionary) -> None:
@@ -33,7 +33,7 @@ class ParameterStore:
         dictionary.command((STORE, RESTORE), self._obey)
 
     def apply(self, indices: range) -> None:
-        """Puts the stored values of these indices in force."""
+        """Apply the stored values of these indices."""
         for number, octets in self.values.items():
             if number[0] in indices:
                 self._dictionary.restore(number, octets)

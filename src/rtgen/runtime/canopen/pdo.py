@@ -1,4 +1,4 @@
-"""What generated PDO codecs use."""
+"""Helpers of generated PDO codecs (data types of CiA 301, 7.1.6)."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def real32(bits: int) -> float:
 
 
 def real32_bits(value: float) -> int:
-    """The bits of a REAL32. Raises struct.error or OverflowError if it is none."""
+    """The bits of a REAL32. Raises struct.error or OverflowError if out of range."""
     return cast("int", _U32.unpack(_F32.pack(value))[0])
 
 
@@ -43,19 +43,19 @@ def real64(bits: int) -> float:
 
 
 def real64_bits(value: float) -> int:
-    """The bits of a REAL64. Raises struct.error if it is none."""
+    """The bits of a REAL64. Raises struct.error if out of range."""
     return cast("int", _U64.unpack(_F64.pack(value))[0])
 
 
 def octets(name: str, value: bytes, size: int) -> bytes:
-    """The octets, if there are no more than `size`; struct fills up with zeros."""
+    """Check that there are at most `size` octets; struct pads with zeros."""
     if len(value) > size:
         raise PdoError(f"{name} has {len(value)} octets, not up to {size}")
     return value
 
 
 def text(name: str, value: str, size: int) -> bytes:
-    """The text as Latin-1, if it is no longer than `size`."""
+    """Encode text as Latin-1 of at most `size` octets."""
     try:
         return octets(name, value.encode("latin-1"), size)
     except UnicodeEncodeError:
@@ -63,7 +63,7 @@ def text(name: str, value: str, size: int) -> bytes:
 
 
 def wide_text(data: bytes) -> str:
-    """The text of UTF-16 units, without the zeros that fill it up. Raises PdoError."""
+    """Decode UTF-16 text without its padding zeros. Raises PdoError."""
     try:
         return data.decode("utf-16-le").rstrip("\0")
     except UnicodeDecodeError:
@@ -71,7 +71,7 @@ def wide_text(data: bytes) -> str:
 
 
 def wide_octets(name: str, value: str) -> bytes:
-    """The text in UTF-16 units."""
+    """Encode text as UTF-16."""
     try:
         return value.encode("utf-16-le")
     except UnicodeEncodeError:
@@ -79,7 +79,7 @@ def wide_octets(name: str, value: str) -> bytes:
 
 
 def unscaled(name: str, value: float, factor: float) -> int:
-    """The whole number whose product with the factor comes next to a physical value."""
+    """The integer nearest to `value / factor`."""
     try:
         return round(value / factor)
     except (OverflowError, ValueError, TypeError):
@@ -87,12 +87,12 @@ def unscaled(name: str, value: float, factor: float) -> int:
 
 
 def quotient(value: float, factor: float) -> float:
-    """The number whose product with the factor is a physical value."""
+    """A physical value divided by its factor."""
     return value / factor
 
 
 def nanoseconds(time: Time) -> int:
-    """A time as the object dictionary has it."""
+    """A time in ns."""
     return time.sec * SECOND + time.nsec
 
 

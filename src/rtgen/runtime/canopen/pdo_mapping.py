@@ -1,4 +1,4 @@
-"""What a PDO carries: objects bit after bit, as its mapping tells (CiA 301, 7.5.2.36 and .38)."""
+"""PDO mapping: packs and unpacks objects as bit fields (CiA 301, 7.5.2.36 and .38)."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def checked_field(
 
 
 def own_field(description: DeviceDescription, entry: int) -> MappedField:
-    """The field of an entry that the device has by itself: what it does not know is a gap."""
+    """The field of a default mapping entry; an unknown object becomes a gap."""
     number = entry >> 16, entry >> 8 & 0xFF
     described = description.by_number.get(number)
     if described is None:
@@ -96,21 +96,21 @@ class Mapping:
         self.bits = sum(field.bits for field in fields)
         if self.bits > MAX_BITS:
             raise SdoAbort(TOO_LONG)
-        # Whole values one behind the other are joined and cut, not shifted.
+        # Fields of whole octets are joined and sliced instead of shifted.
         self._whole = all(map(_is_whole, self.fields))
 
     @property
     def size(self) -> int:
-        """How many octets the PDO has."""
+        """Length of the PDO in octets."""
         return (self.bits + 7) // 8
 
     @cached_property
     def numbers(self) -> frozenset[ObjectNumber]:
-        """The variables in it."""
+        """The mapped objects."""
         return frozenset(f.number for f in self.fields if f.number is not None)
 
     def pack(self, octets: Callable[[ObjectNumber], bytes]) -> bytes:
-        """The data, of the values that `octets` gives."""
+        """Pack the data; `octets` returns the value of an object."""
         if self._whole:
             return b"".join([octets(f.number) for f in self.fields if f.number])
         raw = offset = 0
@@ -123,7 +123,7 @@ class Mapping:
         return raw.to_bytes(self.size, "little")
 
     def unpack(self, data: bytes) -> Iterator[tuple[ObjectNumber, bytes | None]]:
-        """The values in data of at least `size` octets; None where a variable has no room."""
+        """Unpack at least `size` octets; the value is None if the object's type is too small."""
         if self._whole:
             yield from self._cut(data)
             return
@@ -144,7 +144,7 @@ class Mapping:
 
 
 def _is_whole(field: MappedField) -> bool:
-    """Whether a field has all octets of a variable as they are."""
+    """Whether a field consists of all octets of an object."""
     size = values.size(field.kind)
     return field.number is not None and field.bits == 8 * (size or 0)
 

@@ -1,6 +1,6 @@
-"""When PDOs are sent and taken (CiA 301, 7.2.2 and 7.5.2.35 to 7.5.2.37).
+"""Transmission of PDOs: when they are sent and applied (CiA 301, 7.2.2, 7.5.2.35 to 7.5.2.37).
 
-What is in them is the codecs' matter: data come and go as octets.
+The content of a PDO is opaque here: data are octets.
 """
 
 from __future__ import annotations
@@ -32,17 +32,17 @@ _EVENT: Final = (EVENT_MANUFACTURER, EVENT_PROFILE)
 
 
 def is_synchronous(transmission_type: int) -> bool:
-    """Whether SYNC tells when: types 0 to 240."""
+    """Whether the transmission type is synchronous: 0 to 240."""
     return transmission_type <= MAX_SYNC_CYCLIC
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PdoParameters:
-    """A PDO's communication parameters, in the units of the object dictionary.
+    """Communication parameters of a PDO, in the units of the object dictionary.
 
-    `cob_id` has the flag bits. `inhibit_time` is in 100 us, `event_timer` in ms; `sync_start` is
-    the SYNC counter to begin with, 0 for none. Raises ValueError for a reserved transmission type
-    and for a SYNC start over 240.
+    `cob_id` includes the flag bits. `inhibit_time` is in 100 us, `event_timer` in ms;
+    `sync_start` is the SYNC counter to start with, 0 for none. Raises ValueError for a reserved
+    transmission type, and for a SYNC start value over 240.
     """
 
     cob_id: int
@@ -60,11 +60,11 @@ class PdoParameters:
 
 
 class TpdoTransmitter:
-    """Decides when a TPDO is sent; its data come by `update`.
+    """Decides when a TPDO is sent; its data are set by `update`.
 
-    Nothing is sent before `start` (the node is OPERATIONAL) nor after `stop`, nor before there are
-    data. `deadline` is when `poll` is to be called. `overwritten` counts the values that a newer
-    one replaced before they were sent, though they were an event.
+    Nothing is sent before `start` (OPERATIONAL), after `stop`, or without data. `deadline` is
+    when `poll` has to be called. `overwritten` counts events whose data were replaced before they
+    were sent.
     """
 
     def __init__(self, parameters: PdoParameters) -> None:
@@ -86,22 +86,22 @@ class TpdoTransmitter:
 
     @property
     def timed(self) -> bool:
-        """Whether it may ever have a deadline: inhibit time and event timer are for events."""
+        """Whether it can have a deadline; inhibit time and event timer only apply to events."""
         return self._type in _EVENT
 
     @property
     def eventful(self) -> bool:
-        """Whether a change of its data makes it be sent, at once or at the next SYNC."""
+        """Whether a change of its data triggers it, immediately or at the next SYNC."""
         return self._type == SYNC_ACYCLIC or self._type in _EVENT
 
     @property
     def synchronous(self) -> bool:
-        """Whether SYNC is anything to it."""
+        """Whether SYNC affects it."""
         return self._type <= RTR_SYNC
 
     @property
     def deadline(self) -> int | None:
-        """When `poll` has something to send, None for never."""
+        """When `poll` has to be called, None for never."""
         if not self._running or self._type not in _EVENT or self._data is None:
             return None
         if self._pending:
@@ -111,7 +111,7 @@ class TpdoTransmitter:
         return max(self._expires, self._not_before)
 
     def start(self, now: int) -> None:
-        """The node has become OPERATIONAL; SYNCs and the event timer count from here."""
+        """Enter OPERATIONAL; SYNCs and the event timer count from here."""
         if self._cob_id.bit31:
             return
         self._running, self._pending = True, False
@@ -120,14 +120,14 @@ class TpdoTransmitter:
         self._expires = now + self._event_timer if self._event_timer else None
 
     def stop(self) -> None:
-        """The node has left OPERATIONAL; an event that waits is forgotten."""
+        """Leave OPERATIONAL; a pending event is dropped."""
         self._running = False
 
     def update(self, data: bytes, now: int, *, event: bool = True) -> Frame | None:
-        """Takes new data; what is to be sent at once.
+        """Set new data; return the frame to send immediately.
 
-        `event` says that the data are to be sent (types 0, 254 and 255), not only at hand.
-        Raises ValueError for more than 8 octets.
+        `event`: the data are to be sent (types 0, 254 and 255), not only stored. Raises
+        ValueError for more than 8 octets.
         """
         if len(data) > MAX_DATA:
             raise ValueError(f"{len(data)} octets; a PDO has up to {MAX_DATA}")
@@ -140,7 +140,7 @@ class TpdoTransmitter:
         return self.poll(now)
 
     def sync(self, counter: int, now: int) -> Frame | None:
-        """A SYNC has come, with its counter (0 without one); what is to be sent."""
+        """Process a SYNC with its counter (0 without one); return the frame to send."""
         due, data = self._count(counter), self._data
         if not self._running or data is None:
             return None
@@ -151,7 +151,7 @@ class TpdoTransmitter:
         return self._send(data, now) if due else None
 
     def remote(self, now: int) -> Frame | None:
-        """The answer to a remote frame, if the COB-ID allows any; it waits for the inhibit time."""
+        """The response to a remote frame, if the COB-ID allows it; waits for the inhibit time."""
         if not self._running or self._cob_id.bit30 or self._data is None:
             return None
         if self._type == RTR_SYNC:
@@ -163,7 +163,7 @@ class TpdoTransmitter:
         return self._send(self._data, now)
 
     def poll(self, now: int) -> Frame | None:
-        """What is due by the inhibit time or the event timer."""
+        """Process inhibit time and event timer; return the frame to send."""
         if not self._running or self._type not in _EVENT or self._data is None:
             return None
         expired = self._expires is not None and now >= self._expires
@@ -173,7 +173,7 @@ class TpdoTransmitter:
         return self._send(self._data, now)
 
     def _count(self, counter: int) -> bool:
-        """Counts a SYNC; whether it is one of every n-th."""
+        """Count a SYNC; return whether the PDO is due in its cycle."""
         if not self._running or not 1 <= self._type <= MAX_SYNC_CYCLIC:
             return False
         if not self._synced:
@@ -197,7 +197,7 @@ class TpdoTransmitter:
 
 @dataclass(frozen=True, slots=True)
 class Received:
-    """What an RPDO brought: `data`, if it is to be taken now, and an emergency's code, or 0."""
+    """Result of a received RPDO: `data` to apply now, and an EMCY code or 0."""
 
     data: bytes | None = None
     emergency: int = 0
@@ -207,11 +207,11 @@ _NOTHING: Final = Received()
 
 
 class RpdoReceiver:
-    """Decides what is taken of an RPDO of `size` octets.
+    """Decides when the data of an RPDO of `size` octets are applied.
 
-    Too short a PDO is ignored, of too long a one the first octets are taken; both are counted and
-    told (8210h, 8220h). Types 0 to 240 are taken at the next SYNC, the newest wins. With an event
-    timer, supervision starts with the first PDO, and `deadline` is when it is overdue (8250h).
+    A short PDO is dropped (EMCY 8210h), a long one is truncated (8220h); both are counted. Types
+    0 to 240 are applied at the next SYNC, and only the newest. With an event timer, supervision
+    starts with the first PDO; at `deadline` the PDO is overdue (8250h).
     """
 
     def __init__(self, parameters: PdoParameters, size: int) -> None:
@@ -227,23 +227,23 @@ class RpdoReceiver:
         self.too_short = 0
         self.too_long = 0
         self.overwritten = 0
-        """PDOs that a newer one replaced before the SYNC."""
+        """PDOs that were replaced by newer ones before the SYNC."""
 
     @property
     def timed(self) -> bool:
-        """Whether it may ever have a deadline."""
+        """Whether it can have a deadline."""
         return bool(self._timeout)
 
     def start(self) -> None:
-        """The node has become OPERATIONAL."""
+        """Enter OPERATIONAL."""
         self._running = not self._cob_id.bit31
 
     def stop(self) -> None:
-        """The node has left OPERATIONAL; what waits for a SYNC is forgotten."""
+        """Leave OPERATIONAL; data that wait for a SYNC are dropped."""
         self._running, self._waiting, self.deadline = False, None, None
 
     def receive(self, frame: Frame, now: int) -> Received:
-        """What a frame brings."""
+        """Process a frame."""
         if not self._running or frame.remote or not self._cob_id.carries(frame):
             return _NOTHING
         if len(frame.data) < self._size:
@@ -264,7 +264,7 @@ class RpdoReceiver:
         return Received(emergency=code)
 
     def sync(self) -> bytes | None:
-        """A SYNC has come: the data that waited for it."""
+        """Process a SYNC; return the data that waited for it."""
         data, self._waiting = self._waiting, None
         return data
 

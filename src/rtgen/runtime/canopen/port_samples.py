@@ -1,4 +1,4 @@
-"""Samples of InPorts on their way into RPDOs: what generated proxies use."""
+"""Passes samples of InPorts to RPDOs in generated proxies."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from rtgen.runtime.descriptors import DataType
 T = TypeVar("T", bound=DataType)
 
 _KEPT: Final = 1024
-"""How many samples wait for a PDO that nobody asks for."""
+"""Maximum number of samples that wait for a PDO."""
 
 
 def unread(port: InPort[T]) -> Iterator[T]:
-    """The samples that have not been read, oldest first."""
+    """The unread samples, oldest first."""
     while port.is_new():
         sample = port.read()
         if sample is not None:
@@ -24,7 +24,7 @@ def unread(port: InPort[T]) -> Iterator[T]:
 
 
 class Inlet:
-    """An InPort of one object, for all of the PDOs that carry the object."""
+    """An InPort of one object, shared by all PDOs that map the object."""
 
     def __init__(self, port: InPort[Any], pdos: Sequence[int]) -> None:
         self._port = port
@@ -42,16 +42,16 @@ class Inlet:
 
 
 class Gathering:
-    """An RPDO whose objects have InPorts of their own: it is sent with the last value of each."""
+    """An RPDO whose objects have separate InPorts; it is sent with the latest value of each."""
 
     def __init__(self, pdo: int, *fields: tuple[Inlet, Any]) -> None:
-        """`fields` are the inlets of its objects, and what they have before the first sample."""
+        """`fields` are the inlets of its objects with their initial values."""
         self._pdo = pdo
         self._inlets = [inlet for inlet, _ in fields]
         self._values = [value for _, value in fields]
 
     def rounds(self) -> Iterator[list[Any]]:
-        """The values to be sent, as often as there is a new one."""
+        """Yields the values to send, once for each new sample."""
         values = self._values
         while True:
             fresh = False

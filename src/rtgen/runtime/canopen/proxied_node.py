@@ -1,4 +1,4 @@
-"""A node as its proxy sees it: a station that takes PDOs, heartbeats and emergencies."""
+"""A node as seen by its proxy: a station that receives PDOs, heartbeats and emergencies."""
 
 from __future__ import annotations
 
@@ -36,16 +36,16 @@ from rtgen.runtime.canopen.pdo_transmission import (
 from rtgen.runtime.canopen.sync import sync_counter
 
 QUEUE: Final = 4096
-"""PDOs that may wait for the proxy's next tick; over it, the oldest are lost."""
+"""Capacity of the queue of PDOs for the proxy's next tick; the oldest are dropped."""
 _FLIPS: Final = 4
-"""Changes between operational and not within two heartbeats that tell of a second node."""
+"""Number of alternating states within two heartbeat periods that indicates a second node."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wiring:
-    """The PDOs of a node on its bus: by number, those that its proxy takes and those it sends.
+    """The PDOs of a node by number: those that its proxy receives and those it sends.
 
-    `unsent` says of the others why the proxy does not send them.
+    `unsent` gives the reason why the proxy does not send the others.
     """
 
     received: Mapping[int, PdoDescription]
@@ -56,9 +56,10 @@ class Wiring:
 def wiring(
     description: DeviceDescription, node_id: int, network: Network | None = None
 ) -> Wiring:
-    """The PDOs as the network has them, else as the device has them by itself.
+    """The PDOs of the network, falling back to those of the device description.
 
-    An RPDO with the COB-ID of another node's TPDO is wired to that one, and not to the proxy.
+    An RPDO with the COB-ID of another node's TPDO is linked to that TPDO, and not sent by the
+    proxy.
     """
     node = None if network is None else network.node(node_id)
     pdos = description.pdos if node is None else node.pdos
@@ -85,7 +86,7 @@ def wiring(
 def _transmitted(
     network: Network, but: NodeDescription | None
 ) -> set[tuple[int, bool]]:
-    """What the other nodes send as PDOs: identifiers, and whether they have 29 bits."""
+    """The PDOs that other nodes send: identifiers, and whether they have 29 bits."""
     found = set()
     for node in network.nodes:
         for pdo in node.pdos if node is not but else ():
@@ -98,10 +99,10 @@ def _transmitted(
 
 
 def transmitter_of(pdo: PdoDescription, node_id: int) -> TpdoTransmitter:
-    """What sends an RPDO of the node.
+    """The transmitter of an RPDO of the node.
 
-    Of a synchronous one the newest value goes at each SYNC, since the node takes one at a SYNC; of
-    the others every value goes, or the newest when the inhibit time is over.
+    A synchronous RPDO is sent with its latest value at each SYNC, since the node applies one per
+    SYNC. Others are sent for every value, or with the latest when the inhibit time is over.
     """
     synchronous = is_synchronous(pdo.transmission_type)
     return TpdoTransmitter(
@@ -114,36 +115,36 @@ def transmitter_of(pdo: PdoDescription, node_id: int) -> TpdoTransmitter:
 
 
 class Watcher(Protocol):
-    """Who is told what becomes of a node; called with the link's lock held."""
+    """Receives events of a node; called with the link's lock held."""
 
     def timeout(self) -> int:
-        """After how long without heartbeat, in ns, it is lost now; 0 for never."""
+        """The current heartbeat time-out in ns; 0 for none."""
 
     def received(self) -> None:
-        """A PDO has come."""
+        """A PDO was received."""
 
     def booted(self, node: ProxiedNode) -> None:
-        """Its boot-up message has come."""
+        """The boot-up message was received."""
 
     def beat(self, node: ProxiedNode, state: NmtState) -> None:
-        """A heartbeat has come."""
+        """A heartbeat was received."""
 
     def lost(self, node: ProxiedNode) -> None:
-        """Its heartbeat is overdue."""
+        """The heartbeat is overdue."""
 
     def clashed(self, node: ProxiedNode) -> None:
-        """Its heartbeats contradict each other."""
+        """Heartbeats contradict each other."""
 
-    def alarmed(self, node: ProxiedNode, emergency: Emergency) -> None:
-        """An emergency message has come."""
+    def on_emergency(self, node: ProxiedNode, emergency: Emergency) -> None:
+        """An emergency message was received."""
 
     def cut_off(self, node: ProxiedNode) -> None:
-        """The bus has gone."""
+        """The bus is lost."""
 
 
 @dataclass(slots=True)
 class _Received:
-    """A PDO of the device."""
+    """A TPDO of the device."""
 
     receiver: Receiver
     extended: bool
@@ -153,12 +154,11 @@ class _Received:
 
 
 class ProxiedNode:
-    """A station of its link, for one node. `transmitters` are those of its RPDOs.
+    """The station of one node. `transmitters` are those of its RPDOs.
 
-    While it is `listening`, PDOs wait in `queue` with their receivers and times. `boots` counts
-    boot-up messages, `emergencies` emergency messages; `emergency` is the last that was not
-    followed by the one that says that errors are gone. `dropped` counts the PDOs that were lost
-    since the queue was full.
+    While `listening`, PDOs are queued in `queue` with their receivers and times. `boots` counts
+    boot-up messages, `emergencies` emergency messages; `emergency` is the latest one that has not
+    been cleared. `dropped` counts PDOs lost because the queue was full.
     """
 
     deadline: int | None
@@ -207,31 +207,31 @@ class ProxiedNode:
 
     @property
     def state(self) -> NmtState | None:
-        """The state that it told last; None before, and when it is lost."""
+        """The last reported NMT state; None before the first, and when the node is lost."""
         return self._consumer.state
 
     @property
     def timeout(self) -> int:
-        """After how long, in ns, it is lost; 0 if it is not supervised, or not yet."""
+        """The time-out of the supervision in ns; 0 without supervision."""
         return self._consumer.timeout
 
     @property
     def too_short(self) -> int:
-        """PDOs that were ignored since they were too short."""
+        """PDOs that were dropped because they were too short."""
         return sum(pdo.too_short for pdo in self._pdos.values())
 
     @property
     def too_long(self) -> int:
-        """PDOs of which the first octets were taken."""
+        """PDOs that were truncated because they were too long."""
         return sum(pdo.too_long for pdo in self._pdos.values())
 
     @property
     def overwritten(self) -> int:
-        """Values of RPDOs that a newer one replaced before they were sent."""
+        """Values of RPDOs that were replaced by newer ones before they were sent."""
         return sum(transmitter.overwritten for transmitter in self._transmitters)
 
     def listen(self, now: int) -> None:
-        """Takes and sends PDOs from now on."""
+        """Start to receive and send PDOs."""
         if not self.listening:
             self.queue.clear()
             self.listening = True
@@ -239,14 +239,14 @@ class ProxiedNode:
                 transmitter.start(now)
 
     def pause(self) -> None:
-        """Takes and sends no PDOs any more; what waits to be sent is forgotten."""
+        """Stop to receive and send PDOs; unsent values are dropped."""
         self.listening = False
         for transmitter in self._transmitters:
             transmitter.stop()
         self._set_deadline()
 
     def guard(self, period: int, now: int) -> None:
-        """Polls the node by node guarding, each `period` ns, until it boots or is lost."""
+        """Poll the node by node guarding, every `period` ns, until it boots or is lost."""
         self.guarded = True
         self._guard.start(period, now)
         self._consumer.configure(self._watcher.timeout(), now)
@@ -256,13 +256,13 @@ class ProxiedNode:
     def transmit(
         self, values: Iterable[tuple[TpdoTransmitter, bytes]], now: int
     ) -> list[Frame]:
-        """Takes values of RPDOs; the frames that are to be sent at once."""
+        """Set values of RPDOs; return the frames to send immediately."""
         frames = [transmitter.update(data, now) for transmitter, data in values]
         self._set_deadline()
         return [frame for frame in frames if frame is not None]
 
-    def told(self) -> None:
-        """It has been told to change its state, so that a change is no surprise."""
+    def command_sent(self) -> None:
+        """Note that an NMT command was sent, so that a change of state is expected."""
         self._flips.clear()
 
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
@@ -273,13 +273,13 @@ class ProxiedNode:
             if self.listening and frame.extended is pdo.extended and not frame.remote:
                 self._take(pdo, frame.data, now)
         elif can_id == self._heartbeat_id:
-            self._heard(frame, now)
+            self._on_heartbeat(frame, now)
         elif can_id == self._emergency_id:
-            self._alarmed(frame)
+            self._on_emergency(frame)
         elif can_id == NMT:
             command = decode_command(frame)
             if command is not None and command[1] in (0, self.node_id):
-                self.told()
+                self.command_sent()
         elif can_id == self._sync_id and sync_counter(frame) is not None:
             frames = (t.sync(0, now) for t in self._at_sync)
             return [each for each in frames if each is not None]
@@ -297,7 +297,7 @@ class ProxiedNode:
         return [frame for frame in frames if frame is not None]
 
     def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
-        """See `Station`: what was known of the node is not known any more."""
+        """See `Station`: the known state of the node becomes invalid."""
         self._consumer = HeartbeatConsumer(self.node_id, 0)
         self._guard.stop()
         self._set_deadline()
@@ -323,7 +323,7 @@ class ProxiedNode:
         times += [transmitter.deadline for transmitter in self._transmitters]
         self.deadline = min((t for t in times if t is not None), default=None)
 
-    def _heard(self, frame: Frame, now: int) -> None:
+    def _on_heartbeat(self, frame: Frame, now: int) -> None:
         if frame.remote or not self._guard.accepts(frame):
             return
         before = self._consumer.state
@@ -352,10 +352,10 @@ class ProxiedNode:
         flips = self._flips
         return len(flips) == _FLIPS and 3 * (flips[-1] - flips[0]) < 2 * self.timeout
 
-    def _alarmed(self, frame: Frame) -> None:
-        told = decode_emergency(frame)
-        if told is None:
+    def _on_emergency(self, frame: Frame) -> None:
+        decoded = decode_emergency(frame)
+        if decoded is None:
             return
         self.emergencies += 1
-        self.emergency = None if told[1].cleared else told[1]
-        self._watcher.alarmed(self, told[1])
+        self.emergency = None if decoded[1].cleared else decoded[1]
+        self._watcher.on_emergency(self, decoded[1])

@@ -1,7 +1,7 @@
-"""The proxy of a CANopen device: its PDOs as ports, its objects by SDO, its states as RTC states.
+"""The proxy of a CANopen device: PDOs as ports, objects by SDO, NMT states as RTC states.
 
-After the published description of RTC-CANopen (table 3 and figure 110); what each transition sends
-and waits for says `docs/canopen.md`.
+Source: the published description of RTC-CANopen (table 3 and figure 110). The commands of each
+transition are listed in `docs/canopen.md`.
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ from rtgen.runtime.life_cycle import Request
 from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
 
 _BLOCK: Final = 128
-"""Octets from which on a value is written in blocks."""
+"""Length in octets from which a value is written by block transfer."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Settings:
-    """The parameters that every proxy has."""
+    """Configuration parameters of every proxy."""
 
     interface: str
     channel: str
@@ -66,7 +66,7 @@ class _Settings:
 
 @dataclass(frozen=True, slots=True)
 class _Connection:
-    """A proxy on its bus; `offset` is the component's time less the link's."""
+    """A proxy's connection to its bus; `offset` is the component's time minus the link's."""
 
     settings: _Settings
     link: Link
@@ -79,11 +79,11 @@ class _Connection:
 
 
 class CanopenProxy(ProxyHooks, Component):
-    """The base of generated proxies.
+    """Base class of generated proxies.
 
-    It is on the bus from its start on, and follows what its node does: what the heartbeat tells
-    unasked is a request to the component. Samples of the device come to the OutPorts in
-    `on_execute`, in the order of their arrival; `lost` counts those for which there was no room.
+    A proxy is on the bus from its start, and follows its node: an unsolicited change of the
+    node's NMT state becomes a request to the component. Samples of the device are written to the
+    OutPorts in `on_execute`, in order of arrival; `lost` counts those that found the queue full.
     """
 
     config: Any
@@ -102,13 +102,13 @@ class CanopenProxy(ProxyHooks, Component):
     # Callbacks
 
     def on_initialize(self) -> ReturnCode_t:
-        """Lets objects be read and written in every state."""
+        """Make the providers available in every state, so that objects can always be accessed."""
         for provider in self.providers.values():
             provider.in_every_state = True
         return RTC_OK
 
     def on_startup(self, ec_id: int) -> ReturnCode_t:
-        """Joins the bus; if that fails it is tried again when a transition needs it."""
+        """Join the bus; after a failure it is tried again when a transition needs the bus."""
         try:
             self._connect()
         except (NodeError, LinkError) as error:
@@ -116,12 +116,12 @@ class CanopenProxy(ProxyHooks, Component):
         return RTC_OK
 
     def on_finalize(self) -> ReturnCode_t:
-        """Leaves the bus."""
+        """Leave the bus."""
         self._disconnect()
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Brings what has come to the OutPorts, and sends what is in the InPorts."""
+        """Write received PDOs to the OutPorts, and send the samples of the InPorts."""
         connection = self._connection
         assert connection is not None
         self._deliver(connection)
@@ -145,13 +145,13 @@ class CanopenProxy(ProxyHooks, Component):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Notes when its work begins."""
+        """Record the start of ACTIVE for automatic recovery."""
         if self._connection is not None:
             self._connection.recovery.worked(self.now())
         return RTC_OK
 
     def on_error(self, ec_id: int) -> ReturnCode_t:
-        """Asks for a reset where it is to recover by itself."""
+        """Request a reset if automatic recovery is due."""
         connection = self._connection
         if connection is None or self._under_way is not None:
             return RTC_OK
@@ -164,32 +164,32 @@ class CanopenProxy(ProxyHooks, Component):
         return RTC_OK
 
     def on_reset(self, ec_id: int) -> ReturnCode_t:
-        """Goes on to ACTIVE if it recovers by itself."""
+        """Activate the component again after an automatic reset."""
         context, connection = self.get_context(ec_id), self._connection
         if (
             context is not None
             and connection is not None
             and connection.recovery.resumes()
         ):
-            # In this tick it is in ERROR still.
+            # In this tick the component is still in ERROR.
             self._at_end_of_cycle(lambda: _activate(context, self))
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Delivers the last samples; a component that ends tells its node to stop working."""
+        """Deliver the last samples; a component that is finalized stops its node."""
         connection = self._connection
         if connection is None:
             return RTC_OK
         self._deliver(connection)
         self._pause(connection)
         control = connection.control
-        # A manager that has ended before has brought its nodes to pre-operational.
+        # A manager that ended earlier has switched its nodes to pre-operational.
         if control.running and control.can_command:
             return self._command(NmtCommand.ENTER_PRE_OPERATIONAL)
         return RTC_OK
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
-        """Stops the node, or keeps it where SDO works."""
+        """Stop the node, or keep it in a state with SDO."""
         self._under_way = None
         connection = self._connection
         if connection is None:
@@ -206,7 +206,7 @@ class CanopenProxy(ProxyHooks, Component):
     # Objects
 
     def read_object(self, index: int, subindex: int = 0) -> ObjectValue:
-        """See `ProxyHooks`; octets for a variable that the description has not."""
+        """See `ProxyHooks`; returns octets for an object that is not in the description."""
         described = self.description.by_number.get((index, subindex))
         if described is None:
             return self.read_octets(index, subindex)
@@ -242,7 +242,7 @@ class CanopenProxy(ProxyHooks, Component):
         self._in_blocks(len(value) >= _BLOCK, write)
 
     def _channel(self) -> SdoChannel:
-        """The SDO client of the node. Raises SdoAbort for a node that is known to be stopped."""
+        """The node's SDO client. Raises SdoAbort for a node that is known to be stopped."""
         connection = self._joined()
         if connection.node.state is NmtState.STOPPED:
             # CiA 301, table 38: it would not answer.
@@ -250,35 +250,38 @@ class CanopenProxy(ProxyHooks, Component):
         return connection.link.sdo(connection.node.node_id)
 
     def _in_blocks(self, large: bool, transfer: Callable[[bool], bytes]) -> bytes:
-        """A transfer in blocks if it is worth it, else, or if the server has none, without."""
+        """Transfer by blocks if `large`.
+
+        Falls back to segments if the server has no block transfer.
+        """
         if large and not self._without_blocks:
             try:
                 return transfer(True)
             except SdoAbort as abort:
-                # Told before anything was written.
+                # The server rejected it before anything was written.
                 if abort.code != sdo.COMMAND_UNKNOWN:
                     raise
                 self._without_blocks = True
         return transfer(False)
 
-    # For the runtime
+    # Interface to the runtime
 
     @property
     def lost(self) -> int:
-        """See `Component`; PDOs for which there was no room, and samples that go nowhere, too."""
+        """See `Component`; includes dropped PDOs, and samples that are not sent."""
         connection = self._connection
         dropped = 0 if connection is None else connection.node.dropped
         return super().lost + self._dropped + dropped
 
     def _malformed(self) -> tuple[float, float]:
-        """PDOs of the device that were too short, and too long, since it joined the bus."""
+        """PDOs of the device that were too short, and too long, since joining the bus."""
         connection = self._connection
         if connection is None:
             return 0.0, 0.0
         return float(connection.node.too_short), float(connection.node.too_long)
 
     def _overwritten(self) -> tuple[float]:
-        """Values for the device that newer ones replaced before their SYNC or inhibit time."""
+        """Values for the device that were replaced before their SYNC or inhibit time."""
         connection = self._connection
         return (0.0 if connection is None else float(connection.node.overwritten),)
 
@@ -298,7 +301,7 @@ class CanopenProxy(ProxyHooks, Component):
             return self.fail(reason_of(error))
 
     def _steps(self, request: Request) -> Steps:
-        # What was begun is ended with the same node, whatever the parameters say now.
+        # A transition in progress ends with the same node, even if the parameters have changed.
         ending = request is Request.DEACTIVATE
         connection = self._joined() if ending else self._connect()
         if not connection.link.up:
@@ -327,7 +330,7 @@ class CanopenProxy(ProxyHooks, Component):
             receiver(data, time + offset)
 
     def _drop_unsent(self, connection: _Connection) -> None:
-        """What comes for a PDO that the proxy does not send is counted, and told once."""
+        """Count the samples of PDOs that the proxy does not send, and report them once."""
         for number, sender, why in connection.unsent:
             try:
                 dropped = sum(1 for _ in sender())
@@ -342,7 +345,7 @@ class CanopenProxy(ProxyHooks, Component):
                     )
 
     def _command(self, command: NmtCommand) -> ReturnCode_t:
-        """Has an NMT command sent, where nothing can be waited for."""
+        """Send an NMT command from where waiting is impossible."""
         assert self._connection is not None
         try:
             self._connection.control.command(command)
@@ -351,7 +354,7 @@ class CanopenProxy(ProxyHooks, Component):
         return RTC_OK
 
     def _parameters_changed(self) -> None:
-        """Writes the parameters that have changed, if the device is at work."""
+        """Write the changed parameters, if the device is active."""
         connection = self._connection
         if connection is None or not self.is_active:
             return
@@ -367,7 +370,7 @@ class CanopenProxy(ProxyHooks, Component):
                 for number, value in changed.items()
             }
         except ValueError as error:
-            self._tell(str(error))
+            self._warn(str(error))
             return
         channel = connection.link.sdo(node.node_id)
         for number, value in changed.items():
@@ -383,16 +386,16 @@ class CanopenProxy(ProxyHooks, Component):
             if isinstance(outcome, SdoAbort):
                 connection.control.written.pop(number, None)
                 name = self.description.by_number[number].name
-                self._tell(f"{name} cannot be written: {outcome}")
+                self._warn(f"{name} cannot be written: {outcome}")
 
         return done
 
-    def _tell(self, what: str) -> None:
-        """Notes what went wrong without an end to the work."""
+    def _warn(self, what: str) -> None:
+        """Report an error that does not end the work."""
         self.reason = what
         log.warning("%s: %s", self.instance_name, what)
 
-    # The bus
+    # Bus
 
     def _joined(self) -> _Connection:
         """The connection. Raises LinkError without one."""
@@ -401,7 +404,7 @@ class CanopenProxy(ProxyHooks, Component):
         return self._connection
 
     def _connect(self) -> _Connection:
-        """Joins the bus of the present parameters. Raises LinkError, or NodeError."""
+        """Join the bus of the current parameters. Raises LinkError, or NodeError."""
         config = self.config
         settings = _Settings(
             *(getattr(config, name) for name in _Settings.__dataclass_fields__)
@@ -438,7 +441,7 @@ class CanopenProxy(ProxyHooks, Component):
                 self._timeout,
                 lambda: link.now(),
                 emergencies,
-                self._tell,
+                self._warn,
             ),
             transmitters.values(),
             sync_id(self.description, settings.node_id),

@@ -1,4 +1,4 @@
-"""Where a proxy finds its node: in a network, else as the device's description has it."""
+"""Locates a proxy's node in a network, with defaults from the device description."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rtgen.runtime.canopen.networks import UnknownNetworkError, load_network
 from rtgen.runtime.canopen.node_control import NodeError
 
 BOOT_TIMEOUT: Final = 2000
-"""The default of `boot_timeout` in ms: what the network, or 1F89h, says is taken instead."""
+"""Default of the parameter `boot_timeout` in ms; overridden by the network, or by 1F89h."""
 _BOOT_TIME: Final = (0x1F89, 0)
 _COB_ID_SYNC: Final = (0x1005, 0)
 
@@ -22,10 +22,10 @@ _COB_ID_SYNC: Final = (0x1005, 0)
 def place(
     networks: str, name: str, node_id: int, module: str
 ) -> tuple[Network | None, NodeDescription | None]:
-    """The network of a name, and the node in it; nothing for an empty name.
+    """Find a network by name, and the node in it; (None, None) for an empty name.
 
     `networks` is the package of the generated networks, `module` that of the device. Raises
-    NodeError if they are not known, or the node is of another kind.
+    NodeError if either is unknown, or the node is of another kind.
     """
     if not name:
         return None, None
@@ -46,14 +46,14 @@ def place(
 def default_boot_timeout(
     description: DeviceDescription, placed: NodeDescription | None
 ) -> int:
-    """In ms: what the network says, else 1F89h of the device (CiA 302-2), else 2 s."""
+    """Boot time-out in ms: the network's, else 1F89h of the device (CiA 302-2), else 2 s."""
     if placed is not None:
         return placed.boot_timeout
     return _number(description, _BOOT_TIME, 0) or BOOT_TIMEOUT
 
 
 def sync_id(description: DeviceDescription, node_id: int) -> int:
-    """The identifier of SYNC, by 1005h of the device if it has that."""
+    """The identifier of SYNC from the device's 1005h, or the predefined one."""
     cob_id = _number(description, _COB_ID_SYNC, node_id)
     return CobId(cob_id).can_id if cob_id else SYNC
 
@@ -62,5 +62,5 @@ def _number(
     description: DeviceDescription, number: tuple[int, int], node_id: int
 ) -> int:
     described = description.by_number.get(number)
-    told = None if described is None else described.initial(node_id)
-    return told if isinstance(told, int) else 0
+    value = None if described is None else described.initial(node_id)
+    return value if isinstance(value, int) else 0

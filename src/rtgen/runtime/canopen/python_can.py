@@ -1,4 +1,4 @@
-"""A python-can bus as links use it: opened with clear errors, and it tells when its end has gone.
+"""Adapter for python-can buses: clear errors when opening, and detection of a lost bus.
 
 python-can is imported when a bus is opened.
 """
@@ -21,19 +21,19 @@ if TYPE_CHECKING:
 Option: TypeAlias = bool | int | float | str
 
 SOCKETCAND_PORT: Final = 29536
-"""The port that socketcand listens at."""
+"""Default port of socketcand."""
 _HELLO: Final = b"< hi >"
 _PATIENCE: Final = 2.0
-"""Seconds that a hub may take to answer, and that a transmission may wait for an interface."""
+"""Seconds to wait for a hub's answer, and for an interface to accept a frame."""
 _BUS_OFF: Final = 0x40
 _RESTARTED: Final = 0x100
-"""Classes of error frames of SocketCAN."""
+"""Error classes of SocketCAN."""
 _SOCKETCAN_ERRORS: Final = frozenset(("socketcan", "socketcand"))
 
 
 @dataclass(frozen=True)
 class BusAddress:
-    """What names a python-can bus. `bitrate` is in bit/s, 0 for what the interface has."""
+    """Identifies a python-can bus. `bitrate` is in bit/s, 0 for the interface's default."""
 
     interface: str
     channel: str
@@ -42,12 +42,12 @@ class BusAddress:
 
     @property
     def key(self) -> tuple[str, str, tuple[tuple[str, Option], ...]]:
-        """What tells one bus from another."""
+        """The key of the bus, without its bit rate."""
         return self.interface, self.channel, self.options
 
     @property
     def hub(self) -> tuple[str, int] | None:
-        """Host and port of the hub of interface `socketcand`."""
+        """Host and port of the hub, for interface `socketcand`."""
         if self.interface != "socketcand":
             return None
         options = dict(self.options)
@@ -67,9 +67,9 @@ class BusAddress:
 def bus_address(
     interface: str, channel: str, bitrate: int = 0, options: str = ""
 ) -> BusAddress:
-    """The address of the parameters of a component; options: "name=value,name=value".
+    """The address in a component's parameters; options: "name=value,name=value".
 
-    `bitrate` is in bit/s, 0 for what the interface has. Raises LinkError.
+    `bitrate` is in bit/s, 0 for the interface's default. Raises LinkError.
     """
     if bitrate < 0:
         raise LinkError(f"{bitrate} is no bit rate")
@@ -84,13 +84,13 @@ def bus_address(
     address = BusAddress(interface, channel, bitrate, tuple(sorted(found.items())))
     if not channel or not channel.isprintable():
         raise LinkError(f"{channel!r} is no channel")
-    # What is wrong with the hub's name is told here.
+    # An invalid host or port of the hub is reported here.
     str(address)
     return address
 
 
 class OpenBus:
-    """An open bus. Whatever ends it raises LinkError, from then on always."""
+    """An open bus. Once it has failed, all methods raise LinkError."""
 
     def __init__(self, bus: can.BusABC, address: BusAddress) -> None:
         self.bus = bus
@@ -99,12 +99,12 @@ class OpenBus:
         self._more = False
 
     def receive(self, timeout: float) -> can.Message | None:
-        """The next message, None if none comes in `timeout` s. Raises LinkError."""
+        """The next message, None if none arrives within `timeout` s. Raises LinkError."""
         found = self.receive_some(timeout, 1)
         return found[0] if found else None
 
     def receive_some(self, timeout: float, most: int) -> list[can.Message]:
-        """As `receive`; also what is there behind the first message, up to so many."""
+        """Like `receive`, but returns up to `most` messages that are already available."""
         import can
 
         found: list[can.Message] = []
@@ -122,7 +122,7 @@ class OpenBus:
         return found
 
     def send(self, frame: Frame) -> bool:
-        """Sends a frame; False if the interface has no room. Raises LinkError."""
+        """Send a frame; False if the interface's queue is full. Raises LinkError."""
         import can
 
         try:
@@ -134,7 +134,7 @@ class OpenBus:
         return True
 
     def went_off(self, message: can.Message) -> bool | None:
-        """Whether an error frame tells of bus-off (True) or of the return from it (False)."""
+        """Whether an error frame reports bus-off (True) or the return from bus-off (False)."""
         if self._address.interface in _SOCKETCAN_ERRORS:
             kind = message.arbitration_id
             if kind & _RESTARTED:
@@ -144,7 +144,10 @@ class OpenBus:
 
     @property
     def has_returned(self) -> bool:
-        """Whether the controller says that it is not bus-off; error frames tell of SocketCAN."""
+        """Whether the controller reports that it is not bus-off.
+
+        SocketCAN uses error frames instead.
+        """
         return self._address.interface not in _SOCKETCAN_ERRORS and not self._is_off
 
     @property
@@ -157,16 +160,16 @@ class OpenBus:
             return False
 
     def interrupt(self) -> None:
-        """Ends a transmission that is stuck in another thread."""
+        """Interrupt a transmission that blocks another thread."""
         if self._stream is not None:
             try:
                 self._stream.shutdown(socket.SHUT_RDWR)
             except OSError:
-                # The other end has gone: then nothing is stuck.
+                # The other end has disconnected, so nothing blocks.
                 return
 
     def close(self) -> None:
-        """Closes the bus; that its end has gone is no error."""
+        """Close the bus; a disconnected other end is no error."""
         import can
 
         try:
@@ -178,14 +181,14 @@ class OpenBus:
         if self._stream is None:
             return self.bus.recv(timeout)
         if self._more:
-            # python-can takes several messages at once and keeps them.
+            # python-can reads several messages at once and buffers them.
             message = self.bus.recv(0)
             if message is not None:
                 return message
             self._more = False
         if not select.select([self._stream], [], [], timeout)[0]:
             return None
-        # Its own `recv` spins and returns nothing when the other end has gone.
+        # python-can's own `recv` spins when the other end has disconnected.
         if not self._stream.recv(1, socket.MSG_PEEK):
             raise LinkError("the other end has closed the connection")
         message = self.bus.recv(0)
@@ -194,7 +197,7 @@ class OpenBus:
 
 
 def open_bus(address: BusAddress) -> OpenBus:
-    """Opens a bus. Raises LinkError that says why it cannot be."""
+    """Open a bus. Raises LinkError with the reason."""
     try:
         import can
     except ImportError as error:
@@ -211,9 +214,9 @@ def open_bus(address: BusAddress) -> OpenBus:
     arguments: dict[str, Option] = dict(address.options)
     hub = address.hub
     if hub is not None:
-        _ask(address, hub)
+        _check_hub(address, hub)
         arguments = {"tcp_tune": True, **arguments, "host": hub[0], "port": hub[1]}
-        # What it logs are halves of messages, which are no mistakes, and tracebacks.
+        # Its log records are about partial messages, which are no errors, and tracebacks.
         logger = logging.getLogger("can.interfaces.socketcand.socketcand")
         if logger.level == logging.NOTSET:
             logger.setLevel(logging.CRITICAL)
@@ -234,7 +237,7 @@ def open_bus(address: BusAddress) -> OpenBus:
 
 
 def frame_of(message: can.Message) -> Frame | None:
-    """The frame of a message; None for what is no frame of classical CAN."""
+    """Convert a message to a frame; None if it is no frame of classical CAN."""
     if message.is_error_frame or message.is_fd or message.dlc > MAX_DATA:
         return None
     data = b"" if message.is_remote_frame else bytes(message.data)
@@ -250,7 +253,7 @@ def frame_of(message: can.Message) -> Frame | None:
 
 
 def message_of(frame: Frame) -> can.Message:
-    """The message of a frame that is sent."""
+    """Convert a frame to a message."""
     import can
 
     return can.Message(
@@ -263,8 +266,8 @@ def message_of(frame: Frame) -> can.Message:
     )
 
 
-def _ask(address: BusAddress, hub: tuple[str, int]) -> None:
-    """Looks whether a hub is there and has the channel: python-can would try for ten seconds."""
+def _check_hub(address: BusAddress, hub: tuple[str, int]) -> None:
+    """Check that a hub exists and has the channel: python-can would try for ten seconds."""
     try:
         with socket.create_connection(hub, _PATIENCE) as end:
             end.settimeout(_PATIENCE)
@@ -287,7 +290,7 @@ def _refused(error: OSError) -> bool:
 
 
 def _stream_of(bus: can.BusABC) -> socket.socket | None:
-    """The TCP connection of a bus that has one, such as that of `socketcand`."""
+    """The TCP connection of a bus such as `socketcand`, None if it has none."""
     for value in vars(bus).values():
         if isinstance(value, socket.socket) and value.type is socket.SOCK_STREAM:
             return value
@@ -295,7 +298,7 @@ def _stream_of(bus: can.BusABC) -> socket.socket | None:
 
 
 def _is_full(error: Exception) -> bool:
-    """Whether an interface had no room, which ends: ENOBUFS, or its own time-out."""
+    """Whether the error is temporary: the interface's queue is full (ENOBUFS, or a time-out)."""
     import errno
 
     code = getattr(error, "error_code", None) or getattr(error, "errno", None)
@@ -303,14 +306,14 @@ def _is_full(error: Exception) -> bool:
 
 
 def _reason(error: Exception) -> str:
-    """Why, in one line."""
+    """The reason of an error, in one line."""
     number = getattr(error, "errno", None)
     text = os.strerror(number) if isinstance(number, int) else str(error)
     return " ".join(text.split()) or type(error).__name__
 
 
 def option(text: str) -> Option:
-    """The value of a further argument: a truth value, a number, else the text."""
+    """Parse a further argument: a boolean, a number, else text."""
     if text.lower() in ("true", "false"):
         return text.lower() == "true"
     for kind in (lambda word: int(word, 0), float):

@@ -1,4 +1,4 @@
-"""A link in real time: a python-can bus, and threads that receive, transmit and watch the time."""
+"""A link in real time: a python-can bus with threads for reception, transmission and timers."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from rtgen.runtime.canopen.shared_link import Seat, SharedLink
 from rtgen.runtime.failures import log
 
 _QUEUE: Final = 4096
-"""Frames that may wait for the bus."""
+"""Capacity of the transmit queue in frames."""
 _BATCH: Final = 64
-"""Frames that are received before stations get them."""
+"""Maximum number of frames received before they are delivered."""
 _LOCAL_BURST: Final = 16384
-"""Frames that stations of this process may exchange in answer to one."""
+"""Maximum number of frames exchanged within the process in response to one frame."""
 _LOOK: Final = 0.05
-"""Seconds after which a thread that waits looks whether the link is closed."""
+"""Seconds after which a waiting thread checks whether the link is closed."""
 _PATIENCE: Final = 1.0
-"""Seconds that frames may take to leave when the link is closed."""
+"""Seconds for queued frames to be sent when the link is closed."""
 _FIRST_PAUSE, _LAST_PAUSE = 0.1, 2.0
-"""Seconds between attempts to open a bus that has gone: at first, and at most."""
+"""Seconds between attempts to reopen a lost bus: initially, and at most."""
 
 
 class RealLink(SharedLink):
     """A process's link to a python-can bus, for all its stations.
 
-    Receiving, transmitting and timers have a thread each, since any bus may block where it
-    pleases; stations are called in the thread that has something for them, with `lock` held. A bus
-    that has gone is tried again, ever more slowly. Time is the machine's monotonic clock.
+    Reception, transmission and timers have a thread each, because a bus may block anywhere;
+    stations are called in the thread that has an event for them, with `lock` held. A lost bus is
+    reopened, with increasing pauses. Time is the machine's monotonic clock.
     """
 
     def __init__(
@@ -45,9 +45,9 @@ class RealLink(SharedLink):
         on_attached: Callable[[], None],
         may_close: Callable[[], bool],
     ) -> None:
-        """Opens the bus. Raises LinkError.
+        """Open the bus. Raises LinkError.
 
-        `on_attached` is told of every station; `may_close` is asked when the last one has left.
+        `on_attached` is called for every station; `may_close` when the last one has left.
         """
         super().__init__(str(address))
         self.address = address
@@ -68,7 +68,7 @@ class RealLink(SharedLink):
         self._local: deque[tuple[Frame, Seat | None]] = deque()
         self._delivering = False
         self._failure: LinkError | None = None
-        """Why the bus cannot be used, as the thread that transmits found."""
+        """Why the bus cannot be used, as found by the transmitting thread."""
         self._threads = [
             threading.Thread(target=run, name=f"rtgen {address} {what}", daemon=True)
             for what, run in (
@@ -92,7 +92,7 @@ class RealLink(SharedLink):
 
     @property
     def closed(self) -> bool:
-        """Whether it is closed, for good."""
+        """Whether the link is closed for good."""
         return self._closing.is_set()
 
     def now(self) -> int:
@@ -119,16 +119,17 @@ class RealLink(SharedLink):
                     rest = end - self.now()
                     if rest <= 0 or self.closed:
                         return False
-                    # What it waits for may also come about elsewhere.
+                    # The condition may also depend on other events.
                     self._news.wait(min(rest / SECOND, _LOOK))
                 return True
             finally:
                 self._waiters -= 1
 
     def close(self) -> None:
-        """Lets what waits go, then ends the threads and closes the bus.
+        """Send queued frames, then end the threads and close the bus.
 
-        Called when the last station is detached; by itself only for a link without stations.
+        Called when the last station is detached; call it directly only for a link without
+        stations.
         """
         if self.closed:
             return
@@ -157,7 +158,7 @@ class RealLink(SharedLink):
             self._bus = None
         self._up = False
 
-    # What stations send.
+    # Transmission
 
     def _put(self, frames: Iterable[Frame], seat: Seat | None) -> None:
         for frame in frames:
@@ -170,7 +171,7 @@ class RealLink(SharedLink):
             self._deliver()
 
     def _deliver(self) -> None:
-        """Lets the other stations of this process take what was sent."""
+        """Deliver sent frames to the other stations of this process."""
         self._delivering = True
         try:
             for _ in range(_LOCAL_BURST):
@@ -185,7 +186,7 @@ class RealLink(SharedLink):
             self._notice()
 
     def _notice(self) -> None:
-        """Stations were called: their deadlines may differ, and somebody may wait for that."""
+        """Update timers and wake waiting threads after stations were called."""
         self._timers_changed()
         if self._waiters:
             self._news.notify_all()
@@ -201,10 +202,10 @@ class RealLink(SharedLink):
     def _failed(self, seat: Seat, error: Exception) -> None:
         log.error("%s: %r failed", self.bus, seat.station, exc_info=error)
 
-    # The threads.
+    # Threads
 
     def _enter(self) -> bool:
-        """Takes the lock; False if the link is closed, whoever holds the lock then."""
+        """Take the lock; False if the link is closed, even if another thread holds the lock."""
         while not self._lock.acquire(timeout=_LOOK):
             if self.closed:
                 return False
@@ -242,7 +243,7 @@ class RealLink(SharedLink):
         self._take(frames)
 
     def _take(self, frames: list[Frame]) -> None:
-        """Gives the stations what was received."""
+        """Deliver received frames to the stations."""
         if not frames or not self._enter():
             return
         try:
@@ -272,7 +273,7 @@ class RealLink(SharedLink):
             return
 
     def _turn_all(self, up: bool) -> None:
-        """Tells all stations that the bus is off or back."""
+        """Notify all stations that the bus is lost or available again."""
         if not self._enter():
             return
         try:

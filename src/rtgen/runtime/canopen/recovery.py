@@ -1,4 +1,4 @@
-"""When a proxy leaves ERROR by itself, where its network or a parameter allows that."""
+"""Automatic recovery of a proxy from ERROR, if its network or a parameter allows it."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import Final
 from rtgen.runtime.canopen.frames import SECOND
 
 PAUSE: Final = 1 * SECOND
-"""How long it waits in ERROR before a reset: the node stands still, and others can notice."""
+"""Time in ERROR before a reset: the node stands still, and others can react."""
 SOUND: Final = 10 * SECOND
-"""After so long in ACTIVE the attempts are counted anew."""
+"""Time in ACTIVE after which the attempts are counted from zero."""
 
 
 class Recovery:
@@ -27,12 +27,12 @@ class Recovery:
         self._resumes = False
 
     def worked(self, now: int) -> None:
-        """The component has become ACTIVE."""
+        """The component has entered ACTIVE."""
         self._active_since = now
         self._was_active = True
 
     def failed(self, now: int) -> None:
-        """The component has come to ERROR, or a reset of it has failed."""
+        """The component has entered ERROR, or a reset of it has failed."""
         since, self._active_since = self._active_since, None
         if since is not None and now - since >= SOUND:
             self._made = 0
@@ -40,11 +40,11 @@ class Recovery:
         self._resumes = False
 
     def due(self, now: int, *, up: bool) -> bool:
-        """Whether a reset is to be tried now; `up`: the bus is there. Counts the attempt."""
+        """Whether to reset now; `up`: the bus is available. Counts the attempt."""
         if self._made >= self._attempts or self._failed_at is None:
             return False
         if not up:
-            # The pause begins when the bus is back.
+            # The pause starts when the bus is available again.
             self._failed_at = now
             return False
         if now - self._failed_at < PAUSE:
@@ -55,7 +55,7 @@ class Recovery:
         return True
 
     def resumes(self) -> bool:
-        """Whether the component, just reset, is to be activated: only after a reset of `due`.
+        """Whether to activate the component after a reset: only after a reset of `due`.
 
         A component that has never been ACTIVE stays INACTIVE.
         """

@@ -1,4 +1,4 @@
-"""What SDO server and client share (CiA 301, 7.2.4): abort codes, commands, blocks."""
+"""SDO protocol (CiA 301, 7.2.4) shared by server and client: abort codes, commands, blocks."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Final
 
 MAX_SIZE: Final = 1 << 20
-"""The longest value, in octets, that is taken unless told otherwise."""
+"""Default maximum length of a value in octets."""
 TIMEOUT: Final = 1_000_000_000
-"""How long, in ns, an end waits for the other unless told otherwise."""
+"""Default time-out for a message of the other end, in ns."""
 
 FRAME: Final = 8
 EXPEDITED: Final = 4
-"""Octets that an expedited transfer has room for."""
+"""Maximum length of a value in an expedited transfer."""
 SEGMENT: Final = 7
 """Octets in a segment."""
 MAX_BLOCK: Final = 127
@@ -39,8 +39,8 @@ CODE: Final = 0xE0
 """The bits of the command specifier."""
 WITH_CRC: Final = 0x04
 WITH_SIZE: Final = 0x02
-"""Of a block transfer; of another one it is the flag `e`, expedited."""
-SIZE_TOLD: Final = 0x01
+"""Size indicator of a block transfer; otherwise the flag `e` (expedited)."""
+SIZE_INDICATED: Final = 0x01
 TOGGLE: Final = 0x10
 LAST: Final = 0x01
 LAST_IN_BLOCK: Final = 0x80
@@ -101,11 +101,11 @@ ABORT_TEXTS: Final = {
     0x08000023: "no object dictionary",
     0x08000024: "no data available",
 }
-"""CiA 301, table 22."""
+"""Texts of CiA 301, table 22."""
 
 
 class SdoAbort(Exception):
-    """A transfer was aborted, or an object dictionary refuses an access; `code` says why."""
+    """A transfer was aborted, or an access rejected; `code` is the abort code."""
 
     def __init__(self, code: int) -> None:
         self.code = code
@@ -114,18 +114,18 @@ class SdoAbort(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """The variable that a transfer is about: its multiplexer in octets 1 to 3."""
+    """The object of a transfer: its multiplexer in octets 1 to 3."""
 
     index: int
     subindex: int
 
     @classmethod
     def of(cls, data: bytes) -> Target:
-        """The one that a frame names."""
+        """The object in a frame."""
         return cls(data[1] | data[2] << 8, data[3])
 
     def message(self, command: int, data: bytes = b"") -> bytes:
-        """A message about it, with up to 4 octets of data."""
+        """A message about the object, with up to 4 octets of data."""
         head = bytes((command, self.index & 0xFF, self.index >> 8, self.subindex))
         return head + data.ljust(EXPEDITED, b"\0")
 
@@ -135,24 +135,24 @@ class Target:
 
 
 def size_octets(size: int) -> bytes:
-    """A length as messages have it."""
+    """Encode a length."""
     return size.to_bytes(4, "little")
 
 
-def told_size(data: bytes) -> int:
+def announced_size(data: bytes) -> int:
     """The length, or abort code, in octets 4 to 7."""
     return int.from_bytes(data[4:8], "little")
 
 
 def expedited(command: int, target: Target, value: bytes) -> bytes:
-    """A message that has the whole value, 1 to 4 octets."""
+    """An expedited message with a value of 1 to 4 octets."""
     unused = EXPEDITED - len(value)
-    return target.message(command | unused << 2 | WITH_SIZE | SIZE_TOLD, value)
+    return target.message(command | unused << 2 | WITH_SIZE | SIZE_INDICATED, value)
 
 
 def expedited_value(data: bytes) -> bytes:
-    """The value in an expedited message; 4 octets where the length is not told."""
-    unused = data[0] >> 2 & 3 if data[0] & SIZE_TOLD else 0
+    """The value in an expedited message; 4 octets if the size is not indicated."""
+    unused = data[0] >> 2 & 3 if data[0] & SIZE_INDICATED else 0
     return data[4 : FRAME - unused]
 
 
@@ -162,7 +162,7 @@ def crc(data: bytes | bytearray) -> int:
 
 
 class Segments:
-    """A value that goes out segment by segment, with the toggle bit."""
+    """Splits a value into segments with the toggle bit."""
 
     def __init__(self, value: bytes) -> None:
         self._value = value
@@ -171,11 +171,11 @@ class Segments:
 
     @property
     def done(self) -> bool:
-        """Whether the last segment is out; an empty value has one, too."""
+        """Whether the last segment has been sent; an empty value has one, too."""
         return self._at > 0 and self._at >= len(self._value)
 
     def next(self, command: int) -> bytes:
-        """The next segment, of this command (CiA 301, 7.2.4.3.4 and .7)."""
+        """The next segment, with this command (CiA 301, 7.2.4.3.4 and .7)."""
         part = self._value[self._at : self._at + SEGMENT]
         self._at += SEGMENT
         last = LAST if self.done else 0
@@ -185,7 +185,7 @@ class Segments:
 
 
 class Collector:
-    """A value that comes in segments: no longer than `limit`, as long as `size` if that is told."""
+    """Joins segments to a value: at most `limit` octets, exactly `size` if that was announced."""
 
     def __init__(self, limit: int, size: int | None) -> None:
         if size is not None and size > limit:
@@ -196,7 +196,7 @@ class Collector:
         self.toggle = 0
 
     def take(self, data: bytes) -> bool:
-        """Takes a segment; whether it was the last one. Raises SdoAbort."""
+        """Append a segment; return whether it was the last one. Raises SdoAbort."""
         if data[0] & TOGGLE != self.toggle:
             raise SdoAbort(TOGGLE_ERROR)
         self.toggle ^= TOGGLE
@@ -204,25 +204,25 @@ class Collector:
         return bool(data[0] & LAST)
 
     def add(self, part: bytes) -> None:
-        """Takes octets. Raises SdoAbort if they are too many."""
+        """Append octets. Raises SdoAbort if there are too many."""
         self._value += part
         room = self._limit if self._size is None else self._size
         if len(self._value) > room:
-            told = self._size is not None
-            raise SdoAbort(LENGTH_TOO_HIGH if told else OUT_OF_MEMORY)
+            announced = self._size is not None
+            raise SdoAbort(LENGTH_TOO_HIGH if announced else OUT_OF_MEMORY)
 
     def value(self) -> bytes:
-        """The whole value. Raises SdoAbort if octets are missing."""
+        """The complete value. Raises SdoAbort if octets are missing."""
         if self._size is not None and len(self._value) != self._size:
             raise SdoAbort(LENGTH_TOO_LOW)
         return bytes(self._value)
 
 
 class BlockSender:
-    """A value that goes out in blocks (CiA 301, 7.2.4.3.10 and .14), lost segments again."""
+    """Sends a value in blocks (CiA 301, 7.2.4.3.10 and .14), repeating lost segments."""
 
     _ATTEMPTS: Final = 5
-    """Blocks in a row of which nothing arrives before it gives up."""
+    """Maximum number of consecutive blocks without any acknowledged segment."""
 
     def __init__(self, value: bytes) -> None:
         self._value = value
@@ -236,7 +236,7 @@ class BlockSender:
         return self._at > 0 and self._at >= len(self._value)
 
     def block(self, size: int) -> list[bytes]:
-        """The next block of up to `size` segments. Raises SdoAbort for a size that cannot be."""
+        """The next block of up to `size` segments. Raises SdoAbort for an invalid size."""
         if not 1 <= size <= MAX_BLOCK:
             raise SdoAbort(BLOCK_SIZE_INVALID)
         segments: list[bytes] = []
@@ -253,7 +253,7 @@ class BlockSender:
         return segments
 
     def acknowledge(self, sequence: int) -> None:
-        """The peer has the segments up to this one of the block. Raises SdoAbort."""
+        """Process the acknowledgement of the segments up to `sequence`. Raises SdoAbort."""
         self._fruitless = 0 if sequence else self._fruitless + 1
         if sequence > self._sent or self._fruitless == self._ATTEMPTS:
             raise SdoAbort(SEQUENCE_INVALID)
@@ -269,23 +269,25 @@ class BlockSender:
 
 
 class BlockReceiver:
-    """A value that comes in blocks of `size` segments."""
+    """Receives a value in blocks of `size` segments."""
 
-    def __init__(self, limit: int, told: int | None, size: int = MAX_BLOCK) -> None:
-        if told is not None and told > limit:
+    def __init__(
+        self, limit: int, announced: int | None, size: int = MAX_BLOCK
+    ) -> None:
+        if announced is not None and announced > limit:
             raise SdoAbort(OUT_OF_MEMORY)
         self.size = size
-        self._told = told
-        self._limit = limit if told is None else told
+        self._told = announced
+        self._limit = limit if announced is None else announced
         self._value = bytearray()
         self._sequence = 0
         self.complete = False
-        """Whether the last segment has come."""
+        """Whether the last segment has arrived."""
 
     def take(self, data: bytes) -> bytes | None:
-        """Takes a segment; gives the acknowledgement at the end of a block. Raises SdoAbort.
+        """Append a segment; return the acknowledgement at the end of a block. Raises SdoAbort.
 
-        A segment out of sequence, and those behind it, are left for the next block.
+        A segment out of sequence, and those after it, are expected again in the next block.
         """
         sequence = data[0] & ~LAST_IN_BLOCK
         last = bool(data[0] & LAST_IN_BLOCK)
@@ -303,7 +305,7 @@ class BlockReceiver:
         return bytes((BLOCK_ACKNOWLEDGED, got, self.size)) + bytes(5)
 
     def value(self, end: bytes, with_crc: bool) -> bytes:
-        """The whole value, by the message that ends the transfer. Raises SdoAbort."""
+        """The complete value, checked with the end message. Raises SdoAbort."""
         value = bytes(self._value[: len(self._value) - (end[0] >> 2 & 7)])
         if with_crc and int.from_bytes(end[1:3], "little") != crc(value):
             raise SdoAbort(CRC_ERROR)

@@ -1,4 +1,4 @@
-"""A process's only SDO client of a node: transfers wait here for each other."""
+"""A process's SDO client for a node, which queues transfers."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ Outcome: TypeAlias = bytes | SdoAbort | LinkError
 Done: TypeAlias = Callable[[Outcome], None]
 
 ATTEMPTS: Final = 3
-"""How often a transfer of a node's set-up is tried, where it may be carried out twice."""
+"""Attempts for each transfer of a node's set-up that may be repeated."""
 _SLACK: Final = 100
-"""A blocking transfer is given up after this many time-outs of a single message."""
+"""A blocking transfer is abandoned after this many time-outs of a single message."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,12 +52,12 @@ class SdoLink(Protocol):
 
 
 class SdoChannel:
-    """Reads and writes variables of one node, one transfer at a time, in the order of asking.
+    """Reads and writes objects of one node, one transfer at a time, in order of submission.
 
-    A station of its link. `submit_upload` and `submit_download` return at once and tell the
-    outcome in a call from the link; `upload` and `download` wait, and are not for stations.
-    A transfer that times out is begun anew up to `attempts` times in all, after the client has
-    drained late answers: only for transfers that may be carried out twice.
+    A station of its link. `submit_upload` and `submit_download` return immediately and report the
+    outcome in a call from the link; `upload` and `download` block, and must not be called by
+    stations. A transfer that times out is repeated, up to `attempts` in total, after the client
+    has drained late responses; only for transfers that may be repeated.
     """
 
     def __init__(self, link: SdoLink, node_id: int, timeout: int = sdo.TIMEOUT) -> None:
@@ -68,7 +68,7 @@ class SdoChannel:
         self._waiting: deque[_Transfer] = deque()
         self._current: _Transfer | None = None
         self.unexpected = 0
-        """Answers to nothing that was asked: another client is at work, or a second node."""
+        """Unexpected responses: another client is active, or a second node has this id."""
         self.identifiers = frozenset((SDO_RESPONSE + node_id,))
 
     @property
@@ -85,7 +85,7 @@ class SdoChannel:
         block: bool = False,
         attempts: int = 1,
     ) -> None:
-        """Reads a variable; `done` gets its octets or what went wrong."""
+        """Read an object; `done` receives its octets or the error."""
         self._submit(_Transfer(index, subindex, None, block, done, attempts))
 
     def submit_download(
@@ -98,11 +98,11 @@ class SdoChannel:
         block: bool = False,
         attempts: int = 1,
     ) -> None:
-        """Writes a variable; `done` gets b"" or what went wrong."""
+        """Write an object; `done` receives b"" or the error."""
         self._submit(_Transfer(index, subindex, value, block, done, attempts))
 
     def upload(self, index: int, subindex: int = 0, *, block: bool = False) -> bytes:
-        """The octets of a variable. Raises SdoAbort, or LinkError if the bus is gone."""
+        """The octets of an object. Raises SdoAbort, or LinkError if the bus is lost."""
         return self._awaited(
             lambda done: self.submit_upload(index, subindex, done, block=block)
         )
@@ -110,7 +110,7 @@ class SdoChannel:
     def download(
         self, index: int, subindex: int, value: bytes, *, block: bool = False
     ) -> None:
-        """Writes a variable. Raises SdoAbort, or LinkError if the bus is gone."""
+        """Write an object. Raises SdoAbort, or LinkError if the bus is lost."""
         self._awaited(
             lambda done: self.submit_download(index, subindex, value, done, block=block)
         )
@@ -118,21 +118,21 @@ class SdoChannel:
     def receive(self, frame: Frame, now: int) -> Iterable[Frame]:
         """See `Station`."""
         client = self._client
-        # Late answers, which are drained, are no news.
+        # Late responses during draining are not unexpected.
         draining, dropped = not (client.ready or client.busy), client.dropped
         frames = client.receive(frame, now)
         if not draining:
             self.unexpected += client.dropped - dropped
-        return [*frames, *self._go_on(now)]
+        return [*frames, *self._advance(now)]
 
     def poll(self, now: int) -> Iterable[Frame]:
         """See `Station`."""
-        return [*self._client.poll(now), *self._go_on(now)]
+        return [*self._client.poll(now), *self._advance(now)]
 
     def link_changed(self, up: bool, now: int) -> Iterable[Frame]:
-        """See `Station`: what is under way fails when the bus goes."""
+        """See `Station`: the current transfer fails when the bus is lost."""
         if up:
-            return self._go_on(now)
+            return self._advance(now)
         if self._client.busy:
             self._client.cancel(now)
         failed = [self._current] if self._current is not None else []
@@ -149,12 +149,12 @@ class SdoChannel:
                 transfer.done(LinkError(f"node {self.node_id}: the bus is gone"))
                 return
             self._waiting.append(transfer)
-            frames = self._go_on(self._link.now())
+            frames = self._advance(self._link.now())
             self._link.refresh(self)
             self._link.send(frames, self)
 
-    def _go_on(self, now: int) -> list[Frame]:
-        """Tells of a transfer that has ended, and begins the next."""
+    def _advance(self, now: int) -> list[Frame]:
+        """Report a transfer that has ended, and start the next one."""
         client = self._client
         if self._current is not None and not client.busy:
             ended, self._current = self._current, None
@@ -181,7 +181,7 @@ class SdoChannel:
         if not self._link.wait(lambda: bool(outcomes), _SLACK * self._timeout):
             with self._link.lock:
                 frames = self._client.cancel(self._link.now(), sdo.TIMED_OUT)
-                self._link.send([*frames, *self._go_on(self._link.now())], self)
+                self._link.send([*frames, *self._advance(self._link.now())], self)
                 self._link.refresh(self)
         outcome = outcomes[0] if outcomes else LinkError(f"node {self.node_id}: silent")
         if isinstance(outcome, bytes):

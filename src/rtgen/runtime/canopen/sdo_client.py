@@ -1,8 +1,8 @@
-"""An SDO client (CiA 301, 7.2.4): one transfer at a time, of every kind.
+"""SDO client (CiA 301, 7.2.4): expedited, segmented and block transfers, one at a time.
 
-Answers that begin a transfer, and aborts, are matched by index and sub-index. After a time-out the
-client aborts and drains: late answers are dropped until the server has been silent for a while.
-Nothing is ever repeated but segments of a block, which the server numbers.
+Responses that start a transfer, and aborts, are matched by index and sub-index. After a time-out
+the client aborts and drains: late responses are dropped until the server has been silent for a
+while. Only segments of a block, which the server numbers, are ever repeated.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ _BEGUN: Final = "a transfer is under way"
 
 
 class SdoClient:
-    """Reads and writes variables of one server.
+    """Reads and writes objects of one server.
 
-    `upload` and `download` give the first frames and raise RuntimeError unless `ready`. The
-    transfer has ended when `busy` is False; `result` then gives the value (empty for a download)
-    or raises SdoAbort. `deadline` is when `poll` is to be called. `drain` is the silence, in ns,
-    that ends draining; ten times that ends it in any case.
+    `upload` and `download` return the first frames, and raise RuntimeError unless `ready`. The
+    transfer has ended when `busy` is False; `result` then returns the value (empty for a
+    download) or raises SdoAbort. `deadline` is when `poll` has to be called. `drain` is the
+    silence in ns that ends draining, which takes at most ten times as long.
     """
 
     def __init__(
@@ -62,20 +62,20 @@ class SdoClient:
         self._draining = False
         self.deadline: int | None = None
         self.dropped = 0
-        """Answers that belonged to no transfer, or to one that was given up."""
+        """Responses that belonged to no transfer, or to an abandoned one."""
 
     @property
     def busy(self) -> bool:
-        """Whether a transfer is under way."""
+        """Whether a transfer is in progress."""
         return self._step is not None
 
     @property
     def ready(self) -> bool:
-        """Whether a transfer may begin: none is under way, and nothing is drained."""
+        """Whether a transfer may start: none is in progress, and draining has ended."""
         return self._step is None and not self._draining
 
     def result(self) -> bytes:
-        """The outcome of the last transfer. Raises SdoAbort, RuntimeError if there is none."""
+        """The result of the last transfer. Raises SdoAbort, or RuntimeError without a transfer."""
         if self._outcome is None:
             raise RuntimeError("no transfer has ended")
         if isinstance(self._outcome, SdoAbort):
@@ -85,7 +85,7 @@ class SdoClient:
     def upload(
         self, index: int, subindex: int, now: int, *, block: bool = False
     ) -> list[Frame]:
-        """Begins to read a variable; a server without block transfer may answer the other way."""
+        """Start to read an object; a server without block transfer may answer by segments."""
         self._begin(index, subindex, now, self._upload_answer)
         if not block:
             return self._frames([self._target.message(sdo.UPLOAD)])
@@ -97,27 +97,27 @@ class SdoClient:
     def download(
         self, index: int, subindex: int, value: bytes, now: int, *, block: bool = False
     ) -> list[Frame]:
-        """Begins to write a variable. Raises ValueError for more than `max_size` octets."""
+        """Start to write an object. Raises ValueError for more than `max_size` octets."""
         size = len(value)
         if size > self._max_size:
             raise ValueError(f"{size} octets; up to {self._max_size} are written")
-        told = sdo.size_octets(size)
+        announced = sdo.size_octets(size)
         if block:
             sender = BlockSender(value)
             step: _Step = lambda data: self._block_begun(sender, data)  # noqa: E731
             self._begin(index, subindex, now, step)
             command = sdo.BLOCK_DOWNLOAD | sdo.WITH_CRC | sdo.WITH_SIZE
-            return self._frames([self._target.message(command, told)])
+            return self._frames([self._target.message(command, announced)])
         if 1 <= size <= sdo.EXPEDITED:
             self._begin(index, subindex, now, self._written)
             return self._frames([sdo.expedited(sdo.DOWNLOAD, self._target, value)])
         segments = Segments(value)
         self._begin(index, subindex, now, lambda data: self._begun(segments, data))
-        command = sdo.DOWNLOAD | sdo.SIZE_TOLD
-        return self._frames([self._target.message(command, told)])
+        command = sdo.DOWNLOAD | sdo.SIZE_INDICATED
+        return self._frames([self._target.message(command, announced)])
 
     def receive(self, frame: Frame, now: int) -> list[Frame]:
-        """What a frame makes the client send."""
+        """Process a frame; return the frames to send."""
         if frame.can_id != self._response or frame.extended or frame.remote:
             return []
         data = frame.data
@@ -133,7 +133,7 @@ class SdoClient:
             self.dropped += 1
             return []
         if data[0] == sdo.ABORT:
-            self._end(SdoAbort(sdo.told_size(data)))
+            self._end(SdoAbort(sdo.announced_size(data)))
             return []
         try:
             messages = self._step(data)
@@ -146,7 +146,7 @@ class SdoClient:
         return self._frames(messages)
 
     def poll(self, now: int) -> list[Frame]:
-        """The abort of a transfer whose server is silent for too long; ends draining."""
+        """Abort the transfer if the server is silent for too long; ends draining."""
         if self.deadline is None or now < self.deadline:
             return []
         if self._draining:
@@ -155,7 +155,7 @@ class SdoClient:
         return self.cancel(now, sdo.TIMED_OUT)
 
     def cancel(self, now: int, code: int = sdo.GENERAL_ERROR) -> list[Frame]:
-        """Gives up the transfer under way: aborts it with that code, and drains."""
+        """Abort the current transfer with a code, and drain."""
         if self._step is None:
             return []
         self._end(SdoAbort(code))
@@ -173,7 +173,7 @@ class SdoClient:
         self.deadline = now + self._timeout
 
     def _go(self, step: _Step) -> None:
-        """What follows is not about an index: the answers have none."""
+        """Set the next step, whose responses carry no index."""
         self._step, self._matching = step, False
 
     def _end(self, outcome: bytes | SdoAbort) -> None:
@@ -236,14 +236,14 @@ class SdoClient:
 
     def _upload_answer(self, data: bytes) -> list[bytes]:
         code = data[0] & sdo.CODE
-        if code == sdo.BLOCK_UPLOAD_ANSWER and not data[0] & sdo.SIZE_TOLD:
+        if code == sdo.BLOCK_UPLOAD_ANSWER and not data[0] & sdo.SIZE_INDICATED:
             return self._block_upload_begun(data)
         if code != sdo.UPLOAD:
             raise SdoAbort(sdo.COMMAND_UNKNOWN)
         if data[0] & sdo.WITH_SIZE:
             self._end(sdo.expedited_value(data))
             return []
-        size = sdo.told_size(data) if data[0] & sdo.SIZE_TOLD else None
+        size = sdo.announced_size(data) if data[0] & sdo.SIZE_INDICATED else None
         collector = Collector(self._max_size, size)
         self._go(lambda data: self._segment(collector, data))
         return [self._ask(collector)]
@@ -261,7 +261,7 @@ class SdoClient:
         return [self._ask(collector)]
 
     def _block_upload_begun(self, data: bytes) -> list[bytes]:
-        size = sdo.told_size(data) if data[0] & sdo.WITH_SIZE else None
+        size = sdo.announced_size(data) if data[0] & sdo.WITH_SIZE else None
         receiver = BlockReceiver(self._max_size, size, self._block_size)
         with_crc = bool(data[0] & sdo.WITH_CRC)
         self._go(lambda data: self._block_segment(receiver, with_crc, data))

@@ -1,4 +1,4 @@
-"""An SDO server (CiA 301, 7.2.4): one transfer at a time, of every kind."""
+"""SDO server (CiA 301, 7.2.4): expedited, segmented and block transfers, one at a time."""
 
 from __future__ import annotations
 
@@ -23,27 +23,27 @@ from rtgen.runtime.canopen.sdo import (
 
 
 class ObjectDictionary(Protocol):
-    """What a server serves. Each of its functions raises SdoAbort to refuse."""
+    """The objects of a server. Each method may raise SdoAbort."""
 
     def read(self, index: int, subindex: int) -> bytes:
-        """The value, as SDO has it."""
+        """The value as octets."""
 
     def writable_size(self, index: int, subindex: int) -> int:
-        """The most octets that may be written; asked before any of them are taken."""
+        """Maximum number of octets that may be written; called before any octets are accepted."""
 
     def write(self, index: int, subindex: int, value: bytes) -> None:
-        """Takes a value."""
+        """Write a value."""
 
 
 _Step: TypeAlias = Callable[[bytes], list[bytes]]
-"""What the transfer under way does with the next message; gives the answers."""
+"""Processes the next message of the current transfer; returns the responses."""
 
 
 class SdoServer:
-    """Answers one client; `deadline` is when the transfer under way is given up by `poll`.
+    """Answers one client; `poll` abandons the current transfer at `deadline`.
 
-    A request that begins a transfer ends the one before: the client has given it up. Messages
-    that have not 8 octets are ignored.
+    A request that starts a transfer ends the previous one, which the client has abandoned.
+    Messages that do not have 8 octets are ignored.
     """
 
     def __init__(
@@ -67,11 +67,11 @@ class SdoServer:
         self.deadline: int | None = None
 
     def reset(self) -> None:
-        """Forgets the transfer under way, without a message."""
+        """Drop the current transfer without a message."""
         self._step, self._in_block, self.deadline = None, False, None
 
     def receive(self, frame: Frame, now: int) -> list[Frame]:
-        """The answers to a frame."""
+        """The responses to a frame."""
         if frame.can_id != self._request or frame.extended or frame.remote:
             return []
         if len(frame.data) != sdo.FRAME:
@@ -88,7 +88,7 @@ class SdoServer:
         return self._frames(answers)
 
     def poll(self, now: int) -> list[Frame]:
-        """The abort of a transfer whose client is silent for too long."""
+        """Abort the transfer if the client is silent for too long."""
         if self.deadline is None or now < self.deadline:
             return []
         self.reset()
@@ -135,18 +135,18 @@ class SdoServer:
         limit = self._limit()
         if data[0] & sdo.WITH_SIZE:
             value = sdo.expedited_value(data)
-            self._write(value if data[0] & sdo.SIZE_TOLD else value[:limit])
+            self._write(value if data[0] & sdo.SIZE_INDICATED else value[:limit])
         else:
-            size = self._size(data, data[0] & sdo.SIZE_TOLD, limit)
+            size = self._size(data, data[0] & sdo.SIZE_INDICATED, limit)
             collector = Collector(limit, size)
             self._step = lambda data: self._download_segment(collector, data)
         return [self._target.message(sdo.DOWNLOAD_DONE)]
 
     @staticmethod
-    def _size(data: bytes, told: int, limit: int) -> int | None:
-        if not told:
+    def _size(data: bytes, announced: int, limit: int) -> int | None:
+        if not announced:
             return None
-        size = sdo.told_size(data)
+        size = sdo.announced_size(data)
         if size > limit:
             raise SdoAbort(sdo.LENGTH_TOO_HIGH)
         return size
@@ -204,8 +204,8 @@ class SdoServer:
             return [sdo.expedited(sdo.UPLOAD, self._target, value)]
         segments = Segments(value)
         self._step = lambda data: self._upload_segment(segments, data)
-        told = sdo.size_octets(len(value))
-        return [self._target.message(sdo.UPLOAD | sdo.SIZE_TOLD, told)]
+        announced = sdo.size_octets(len(value))
+        return [self._target.message(sdo.UPLOAD | sdo.SIZE_INDICATED, announced)]
 
     def _upload_segment(self, segments: Segments, data: bytes) -> list[bytes]:
         if data[0] & sdo.CODE != sdo.UPLOAD_SEGMENT:

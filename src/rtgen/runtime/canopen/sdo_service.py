@@ -1,4 +1,4 @@
-"""The SDO service of a generated proxy, without the types of its interface."""
+"""Generic part of the SDO service of a generated proxy."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def value_kind(value: ObjectValue, *, unsigned: bool) -> int:
 class SdoAccess:
     """Reads and writes objects for the generated servant, and reports errors as its IDL does.
 
-    `aborted` and `gone` make the exceptions CANopen::SdoAbort and CANopen::BusGone. With a factor,
-    values are physical ones: factor * value.
+    `aborted` and `gone` construct the exceptions CANopen::SdoAbort and CANopen::BusGone. With a
+    factor, values are physical: factor * value.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class SdoAccess:
 
     def get(self, index: int, subindex: int, factor: float | None = None) -> Any:
         """The value of an object."""
-        with self._told():
+        with self._idl_exceptions():
             value: Any = self._proxy.read_object(index, subindex)
         return value if factor is None else value * factor
 
@@ -61,7 +61,7 @@ class SdoAccess:
         self, index: int, subindex: int, value: Any, factor: float | None = None
     ) -> None:
         """Sets the value of an object."""
-        with self._told():
+        with self._idl_exceptions():
             if factor is not None:
                 described = self._proxy.description.by_number[index, subindex]
                 real = described.kind in ("r32", "r64")
@@ -72,17 +72,17 @@ class SdoAccess:
 
     def read(self, index: int, subindex: int) -> bytes:
         """The octets of an object."""
-        with self._told():
+        with self._idl_exceptions():
             return self._proxy.read_octets(index, subindex)
 
     def write(self, index: int, subindex: int, value: bytes) -> None:
         """Sets the octets of an object."""
-        with self._told():
+        with self._idl_exceptions():
             self._proxy.write_octets(index, subindex, value)
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
-        """Errors become those of the IDL; a value that cannot be is an abort of this end."""
+    def _idl_exceptions(self) -> Iterator[None]:
+        """Convert errors to exceptions of the IDL; an invalid value becomes a local SDO abort."""
         try:
             yield
         except sdo.SdoAbort as error:

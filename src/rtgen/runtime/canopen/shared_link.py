@@ -1,4 +1,4 @@
-"""What real and simulated links have in common: stations, their timers, and who takes a frame."""
+"""Common part of real and simulated links: stations, timers, delivery of frames."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rtgen.runtime.canopen.sdo_channel import SdoChannel
 
 
 class Seat:
-    """A station's place at a link."""
+    """A station attached to a link."""
 
     __slots__ = ("deadline", "identifiers", "left", "order", "station", "up", "wake")
 
@@ -23,9 +23,9 @@ class Seat:
         self.identifiers: frozenset[int] | None = frozenset()
         self.deadline: int | None = None
         self.wake: int | None = None
-        """Where it stands in the queue of timers: not after its deadline."""
+        """Its time in the queue of timers, not later than its deadline."""
         self.up = True
-        """Whether it is told that frames go through."""
+        """Whether the station regards the bus as available."""
         self.left = False
 
     def __lt__(self, other: Seat) -> bool:
@@ -33,11 +33,11 @@ class Seat:
 
 
 class Seats:
-    """The stations of a link, by the identifiers that they take and by their deadlines."""
+    """The stations of a link, indexed by identifiers and by deadlines."""
 
     def __init__(self) -> None:
         self._seats: dict[int, Seat] = {}
-        self._takers: dict[int, tuple[Seat, ...]] = {}
+        self._receivers: dict[int, tuple[Seat, ...]] = {}
         self._timers: list[tuple[int, Seat]] = []
         self._added = 0
 
@@ -48,32 +48,32 @@ class Seats:
         return iter(tuple(self._seats.values()))
 
     def find(self, station: Station) -> Seat | None:
-        """The place of a station."""
+        """Find a station."""
         return self._seats.get(id(station))
 
     def add(self, station: Station) -> Seat:
-        """Gives a station a place, behind all others. Raises ValueError if it has one."""
+        """Add a station after all others. Raises ValueError if it is already attached."""
         if id(station) in self._seats:
             raise ValueError(f"{station!r} is attached already")
         self._added += 1
         seat = self._seats[id(station)] = Seat(station, self._added)
-        self.look_at(seat)
+        self.update(seat)
         return seat
 
     def remove(self, seat: Seat) -> None:
-        """Takes a place away."""
+        """Remove a station."""
         del self._seats[id(seat.station)]
         seat.left = True
         seat.wake = None
-        self._takers.clear()
+        self._receivers.clear()
 
-    def look_at(self, seat: Seat, not_before: int = 0) -> None:
-        """Notes what a station takes and when it is due; to be called after each call to it."""
+    def update(self, seat: Seat, not_before: int = 0) -> None:
+        """Update the index of a station; must be called after each call to the station."""
         station = seat.station
         identifiers = station.identifiers
         if identifiers is not seat.identifiers:
             if identifiers != seat.identifiers:
-                self._takers.clear()
+                self._receivers.clear()
             seat.identifiers = identifiers
         deadline = seat.deadline = station.deadline
         if deadline is not None:
@@ -82,27 +82,27 @@ class Seats:
                 seat.wake = wake
                 heappush(self._timers, (wake, seat))
 
-    def takers(self, can_id: int) -> tuple[Seat, ...]:
-        """Who takes frames of an identifier, in the order of attachment."""
-        takers = self._takers.get(can_id)
-        if takers is None:
-            if len(self._takers) >= _KNOWN_TAKERS:
-                self._takers.clear()
-            takers = self._takers[can_id] = tuple(
+    def receivers(self, can_id: int) -> tuple[Seat, ...]:
+        """The stations that receive an identifier, in order of attachment."""
+        receivers = self._receivers.get(can_id)
+        if receivers is None:
+            if len(self._receivers) >= _CACHED_IDENTIFIERS:
+                self._receivers.clear()
+            receivers = self._receivers[can_id] = tuple(
                 seat
                 for seat in self._seats.values()
                 if seat.identifiers is None or can_id in seat.identifiers
             )
-        return takers
+        return receivers
 
     @property
     def deadline(self) -> int | None:
-        """When a station is to be looked at, None for never."""
+        """When the next station is due, None for never."""
         self._tidy()
         return self._timers[0][0] if self._timers else None
 
     def due(self, now: int) -> Iterator[Seat]:
-        """The stations whose deadline has come, each once, the earliest first."""
+        """The stations whose deadline has passed, each once, earliest first."""
         found = []
         while self._timers and self._timers[0][0] <= now:
             wake, seat = heappop(self._timers)
@@ -122,14 +122,14 @@ class Seats:
             heappop(timers)
 
 
-_KNOWN_TAKERS = 4096
-"""Identifiers whose takers are kept; there are more of 29 bits."""
+_CACHED_IDENTIFIERS = 4096
+"""Size of the cache of receivers by identifier; 29-bit identifiers are many."""
 
 
 class SharedLink(Link):
-    """A link of several stations.
+    """A link with several stations.
 
-    `lost` counts the frames that were not sent, `bus` names the bus in messages.
+    `lost` counts frames that were not sent, `bus` names the bus in messages.
     """
 
     def __init__(self, bus: str) -> None:
@@ -147,17 +147,17 @@ class SharedLink(Link):
 
     @property
     def has_stations(self) -> bool:
-        """Whether anything is attached."""
+        """Whether any station is attached."""
         return len(self._seats) > 0
 
     def attach(self, station: Station) -> None:
-        """See `Link`. Raises ValueError if it is attached already."""
+        """See `Link`. Raises ValueError if the station is already attached."""
         with self.lock:
             self._seats.add(station).up = self.up
             self._timers_changed()
 
     def detach(self, station: Station) -> None:
-        """See `Link`. One that is not attached is no error."""
+        """See `Link`. Ignores a station that is not attached."""
         with self.lock:
             seat = self._seats.find(station)
             if seat is None:
@@ -166,7 +166,7 @@ class SharedLink(Link):
             if len(self._seats) > len(self._sdo):
                 return
             for channel in self._sdo.values():
-                # What waits for an answer is told that there will be none.
+                # Pending transfers fail.
                 channel.link_changed(False, self.now())
             for rest in self._seats:
                 self._seats.remove(rest)
@@ -179,7 +179,7 @@ class SharedLink(Link):
         with self.lock:
             seat = self._seats.find(station)
             if seat is not None:
-                self._seats.look_at(seat)
+                self._seats.update(seat)
                 self._timers_changed()
 
     def send(self, frames: Iterable[Frame], sender: Station | None = None) -> None:
@@ -199,33 +199,33 @@ class SharedLink(Link):
                 self._seats.add(channel).up = self.up
             return channel
 
-    # For the links.
+    # Implemented by the links
 
     @abstractmethod
     def _put(self, frames: Iterable[Frame], seat: Seat | None) -> None:
-        """Takes what a station sends; what does not go is counted as lost."""
+        """Queue a station's frames; frames that cannot be queued count as lost."""
 
     @abstractmethod
     def _timers_changed(self) -> None:
-        """A deadline may be earlier than the one that is waited for."""
+        """Called when a deadline may have become earlier than the one waited for."""
 
     @abstractmethod
     def _close(self) -> None:
-        """The last station has left; called without lock."""
+        """Called without the lock when the last station has left."""
 
     def _give(self, frame: Frame, sender: Seat | None, now: int) -> None:
-        """Lets all but the sender take a frame."""
-        for seat in self._seats.takers(frame.can_id):
+        """Deliver a frame to all stations except the sender."""
+        for seat in self._seats.receivers(frame.can_id):
             if seat is not sender and seat.up and not seat.left:
                 try:
                     frames = tuple(seat.station.receive(frame, now))
                 except Exception as error:
                     self._failed(seat, error)
                     continue
-                self._answered(seat, frames)
+                self._sent_by(seat, frames)
 
     def _poll(self, now: int) -> None:
-        """Lets the stations do what is due."""
+        """Poll the stations that are due."""
         for seat in self._seats.due(now):
             if not seat.left:
                 try:
@@ -233,11 +233,11 @@ class SharedLink(Link):
                 except Exception as error:
                     self._failed(seat, error)
                     frames = ()
-                # One that is still due is not asked again at once, for ever.
-                self._answered(seat, frames, now + MILLISECOND)
+                # Avoids an endless loop with a station that remains due.
+                self._sent_by(seat, frames, now + MILLISECOND)
 
     def _turn(self, seat: Seat, up: bool, now: int) -> None:
-        """Tells a station that the bus has gone or is back."""
+        """Notify a station that the bus is lost or available again."""
         if seat.up == up:
             return
         seat.up = up
@@ -246,15 +246,15 @@ class SharedLink(Link):
         except Exception as error:
             self._failed(seat, error)
             return
-        self._answered(seat, frames)
+        self._sent_by(seat, frames)
 
-    def _answered(
+    def _sent_by(
         self, seat: Seat, frames: tuple[Frame, ...], not_before: int = 0
     ) -> None:
-        self._seats.look_at(seat, not_before)
+        self._seats.update(seat, not_before)
         if frames:
             self._put(frames, seat)
 
     def _failed(self, seat: Seat, error: Exception) -> None:
-        """A station raised what no station may."""
+        """Called when a station has raised an exception, which is a bug in the station."""
         raise error

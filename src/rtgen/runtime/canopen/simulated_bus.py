@@ -1,4 +1,4 @@
-"""A CAN bus in simulated time, on the scheduler of its system."""
+"""A CAN bus in simulated time, driven by the scheduler of its system."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from rtgen.runtime.canopen.shared_link import Seat, SharedLink
 from rtgen.runtime.instants import Instants, SimulatedTime
 
 Disturbance: TypeAlias = Callable[[Frame, int], Iterable[tuple[int, Frame]]]
-"""What becomes of a frame that the bus has carried: frames, each with a delay in ns.
+"""Maps a transmitted frame and its time to the frames to deliver, each with a delay in ns.
 
-It gets the frame and the time. Nothing: the frame is lost; two: it is doubled.
+An empty result loses the frame, two frames duplicate it.
 """
 
 _QUEUE: Final = 16384
-"""Frames of one station that may wait."""
+"""Capacity of a station's queue in frames."""
 _BURST: Final = 65536
-"""Frames that go at one instant on a bus without bit rate; then time goes on."""
+"""Maximum number of frames at one instant on a bus without bit rate; then time advances."""
 
 
 class SimulatedCanBus(SharedLink):
     """The link of all stations of a system on one channel.
 
-    `bit_rate` is in bit/s; with 0 frames take no time. Frames that wait when the bus is free go
-    in the order of arbitration, after the ticks of that instant; each station's keep their order.
-    A frame arrives when it has ended. A run depends on nothing but its inputs.
+    `bit_rate` is in bit/s; with 0 frames take no time. Queued frames are sent in order of
+    arbitration, after the ticks of that instant; frames of one station keep their order. A frame
+    is delivered when its transmission has ended. A run is deterministic.
     """
 
     def __init__(self, clock: SimulatedTime, channel: str, bit_rate: int = 0) -> None:
@@ -39,7 +39,7 @@ class SimulatedCanBus(SharedLink):
             raise LinkError(f"{self.bus}: no system runs on its clock")
         self.bit_rate = bit_rate
         self.disturbance: Disturbance | None = None
-        """For tests: what becomes of frames."""
+        """For tests: faults of the bus."""
         self._clock = clock
         self._instants: Instants = clock.instants
         self._up = True
@@ -53,7 +53,7 @@ class SimulatedCanBus(SharedLink):
 
     @property
     def lock(self) -> AbstractContextManager[object]:
-        """See `Link`; there is one thread only."""
+        """See `Link`; there is only one thread."""
         return self._lock
 
     @property
@@ -80,14 +80,14 @@ class SimulatedCanBus(SharedLink):
                 break
         return until()
 
-    # For tests.
+    # For tests
 
     def cut(self, *stations: Station) -> None:
-        """Bus-off: the stations, or the whole bus if none is named, neither send nor receive."""
+        """Bus-off: the given stations, or the whole bus by default, neither send nor receive."""
         self._switch(stations, False)
 
     def mend(self, *stations: Station) -> None:
-        """Ends that."""
+        """End of `cut`."""
         self._switch(stations, True)
 
     def _switch(self, stations: tuple[Station, ...], up: bool) -> None:
@@ -106,7 +106,7 @@ class SimulatedCanBus(SharedLink):
             self._under_way = None
         self._timers_changed()
 
-    # The bus.
+    # Bus
 
     def _put(self, frames: Iterable[Frame], seat: Seat | None) -> None:
         arbiter = self._arbiter
@@ -119,7 +119,7 @@ class SimulatedCanBus(SharedLink):
         self._begin()
 
     def _begin(self) -> None:
-        """Lets arbitration take place if the bus is free, when all have had their turn."""
+        """Schedule arbitration if the bus is free, after all stations have had their turn."""
         if self._arbiter and self._under_way is None and not self._turn_is_due:
             self._turn_is_due = True
             self._instants.behind_ticks(self._arbitrate)
@@ -139,7 +139,7 @@ class SimulatedCanBus(SharedLink):
         under_way = self._under_way = seat, frame
 
         def end() -> None:
-            # It may have been lost, or waited for, in the meantime.
+            # The frame may have been dropped, or delivered by `wait`, in the meantime.
             if self._under_way is under_way:
                 self._arrive()
 

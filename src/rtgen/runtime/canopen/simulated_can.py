@@ -1,7 +1,7 @@
 """A python-can bus in simulated time, for python-can's readers, loggers and cyclic tasks.
 
-Nothing waits and there are no threads: what python-can does by threads, `Notifier` and
-`send_periodic`, is done on the system's clock.
+Nothing blocks and there are no threads: `Notifier` and `send_periodic` are replaced by the
+system's clock.
 """
 
 from __future__ import annotations
@@ -28,15 +28,15 @@ from rtgen.runtime.component import Component
 Recipient = Callable[[can.Message], object]
 
 _QUEUE: Final = 1 << 20
-"""Messages that are kept for `recv`; the oldest go first."""
+"""Maximum number of messages buffered for `recv`; the oldest are dropped."""
 
 
 class SimulatedBus(can.BusABC):
-    """A python-can bus over the bus of a channel in simulated time.
+    """A python-can bus on a channel in simulated time.
 
-    Time stamps are seconds of simulated time. `recv` does not wait: it lets the frames go that
-    wait, and returns None if there is none for it. A `can.Listener` is added by `add_listener`, in
-    place of a `Notifier`.
+    Time stamps are seconds of simulated time. `recv` does not block: it delivers queued frames,
+    and returns None if none is for it. Use `add_listener` for a `can.Listener` instead of a
+    `Notifier`.
     """
 
     def __init__(
@@ -53,19 +53,19 @@ class SimulatedBus(can.BusABC):
 
     @property
     def dropped(self) -> int:
-        """Messages that were dropped because nobody took them with `recv`."""
+        """Messages that were dropped because `recv` was not called."""
         return self._station.dropped
 
     def add_listener(self, listener: Recipient) -> None:
-        """Lets a listener take each message at once; messages are not kept for `recv` then."""
+        """Call a listener for each message; messages are then not buffered for `recv`."""
         self._station.listeners.append(listener)
 
     def remove_listener(self, listener: Recipient) -> None:
-        """Ends that. Raises ValueError if it was not added."""
+        """Remove a listener. Raises ValueError if it was not added."""
         self._station.listeners.remove(listener)
 
     def send(self, msg: can.Message, timeout: float | None = None) -> None:
-        """Queues a message. Raises CanOperationError if the bus is off, or for CAN FD."""
+        """Queue a message. Raises CanOperationError if the bus is off, or for CAN FD."""
         frame = _frame(msg)
         station = self._station
         try:
@@ -74,13 +74,13 @@ class SimulatedBus(can.BusABC):
             raise can.CanOperationError(str(error)) from error
 
     def shutdown(self) -> None:
-        """Leaves the bus."""
+        """Leave the bus."""
         super().shutdown()
         self._station.link.detach(self._station)
 
     @property
     def state(self) -> can.BusState:
-        """ERROR while the bus is off."""
+        """ERROR while the bus is off, else ACTIVE."""
         return can.BusState.ACTIVE if self._station.up else can.BusState.ERROR
 
     @state.setter
@@ -94,7 +94,7 @@ class SimulatedBus(can.BusABC):
         return (messages.popleft() if messages else None), False
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
-        """The next message; None if there is none, since no time passes meanwhile."""
+        """The next message; None if there is none, since no time passes."""
         return super().recv(0)
 
     def _send_periodic_internal(
@@ -116,7 +116,7 @@ class SimulatedBus(can.BusABC):
 class SimulatedCyclicTask(
     LimitedDurationCyclicSendTaskABC, ModifiableCyclicTaskABC, RestartableCyclicTaskABC
 ):
-    """Messages that are sent again and again, in turn, on the clock of the link."""
+    """Messages sent periodically, in turn, on the clock of the link."""
 
     def __init__(
         self,
@@ -136,7 +136,7 @@ class SimulatedCyclicTask(
         self._end: int | None = None
 
     def start(self) -> None:
-        """Begins now, also anew."""
+        """Start, or start again, now."""
         now = self._station.link.now()
         self.due = now
         self._end = (
@@ -146,12 +146,12 @@ class SimulatedCyclicTask(
         self._station.changed()
 
     def stop(self) -> None:
-        """Ends it; one that has ended is no error."""
+        """Stop; a task that has ended is ignored."""
         self._station.tasks.pop(self, None)
         self._station.changed()
 
     def next_frame(self) -> Frame | None:
-        """What is due; None if the task has ended."""
+        """The frame that is due; None if the task has ended."""
         if self._end is not None and self.due >= self._end:
             self._station.tasks.pop(self, None)
             return None
@@ -164,7 +164,7 @@ class SimulatedCyclicTask(
 
 
 class _Station:
-    """The bus's station at its link."""
+    """The station of a bus at its link."""
 
     identifiers = None
 

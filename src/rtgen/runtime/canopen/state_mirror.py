@@ -1,4 +1,4 @@
-"""What a node does unasked becomes a request to its proxy (figure 110, from the node's side)."""
+"""Turns unsolicited changes of a node into requests to its proxy (figure 110)."""
 
 from __future__ import annotations
 
@@ -16,18 +16,17 @@ from rtgen.runtime.return_codes import (
 )
 
 _MOST_REPORTED: Final = 16
-"""Codes that are reported until the node says that its errors are gone, or boots."""
+"""Maximum number of reported codes until errors are cleared, or the node boots."""
 
 
 class StateMirror:
-    """The watcher of a proxy's node; nothing here waits, since the link's lock is held.
+    """The watcher of a proxy's node; it never blocks, because the link's lock is held.
 
-    `busy` tells whether a transition of the proxy is under way, which looks at the states itself;
-    `timeout` is for `Watcher`, `now` is the link's time. `policy` decides which emergency messages
-    stop the proxy; the others go to `report`, each code once until the node says that its errors
-    are gone.
-    Every heartbeat is compared with the component's state, not only the first of a kind: so no
-    race between the two can leave them apart.
+    `busy` is True while a transition of the proxy is in progress, which checks the states itself;
+    `timeout` implements `Watcher`, `now` is the link's time. `policy` decides which emergency
+    messages stop the proxy; the others go to `report`, each code once until errors are cleared.
+    Every heartbeat, not only the first of a kind, is compared with the component's state, so that
+    no race can leave the two in different states.
     """
 
     def __init__(
@@ -90,7 +89,7 @@ class StateMirror:
             node, "tells states that contradict each other: are there two of them?"
         )
 
-    def alarmed(self, node: ProxiedNode, emergency: Emergency) -> None:
+    def on_emergency(self, node: ProxiedNode, emergency: Emergency) -> None:
         """See `Watcher`."""
         if emergency.cleared:
             self._reported.clear()
@@ -108,7 +107,7 @@ class StateMirror:
         self._fail(node, "cannot be reached: the bus is gone")
 
     def _state(self) -> LifeCycleState | None:
-        """The component's state, None if it is in no context."""
+        """The component's state, None without a context."""
         for context in tuple(self._component._contexts.values()):
             return context.get_component_state(self._component)
         return None

@@ -14,10 +14,10 @@ _LAST_DAY: Final = 0xFFFF
 
 
 class SyncProducer:
-    """Sends SYNC every `period` ns; with `overflow` (2 to 240) it counts from 1 to it.
+    """SYNC producer with a period in ns; `overflow` (2 to 240) is the highest counter.
 
-    `deadline` is when `poll` has something to send. SYNCs that are late by more than a period are
-    left out.
+    `deadline` is when `poll` has a SYNC to send. SYNCs that are late by more than a period are
+    skipped.
     """
 
     def __init__(self, period: int, overflow: int = 0, can_id: int = SYNC) -> None:
@@ -34,16 +34,16 @@ class SyncProducer:
         self.deadline: int | None = None
 
     def start(self, now: int) -> None:
-        """Begins at once, with counter 1 (also when leaving STOPPED: CiA 301, 7.2.5.2)."""
+        """Start immediately, with counter 1 (also when leaving STOPPED: CiA 301, 7.2.5.2)."""
         self._counter = 0
         self.deadline = now
 
     def stop(self) -> None:
-        """Sends no more."""
+        """Stop."""
         self.deadline = None
 
     def poll(self, now: int) -> Frame | None:
-        """The SYNC if it is due."""
+        """The SYNC, if due."""
         if self.deadline is None or now < self.deadline:
             return None
         self.deadline += self._period * (1 + (now - self.deadline) // self._period)
@@ -61,7 +61,7 @@ def sync_counter(frame: Frame) -> int | None:
 
 
 def time_frame(now: int) -> Frame:
-    """TIME for a moment in ns of UTC since 1970. Raises ValueError outside of 1984 to 2163."""
+    """The TIME message for a time in ns of UTC since 1970 (1984 to 2163, else ValueError)."""
     days, milliseconds = divmod(now // MILLISECOND - _EPOCH, _DAY)
     if not 0 <= days <= _LAST_DAY:
         raise ValueError("TIME goes from 1984 on, for 65536 days")
@@ -69,7 +69,7 @@ def time_frame(now: int) -> Frame:
 
 
 def decode_time(frame: Frame) -> int | None:
-    """The moment of a TIME, in ns of UTC since 1970; None if the frame is none."""
+    """The time in a TIME message, in ns of UTC since 1970; None for any other frame."""
     if frame.can_id != TIME or frame.extended or frame.remote or len(frame.data) != 6:
         return None
     milliseconds = int.from_bytes(frame.data[:4], "little") & 0x0FFFFFFF

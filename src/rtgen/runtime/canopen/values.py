@@ -1,6 +1,6 @@
-"""Values of objects as octets: what SDO carries, and what a PDO has of them (CiA 301, 7.1.6).
+"""Encodes values of objects for SDO and PDO (data types of CiA 301, 7.1.6).
 
-Times are integers in ns, of day since 1970 (UTC); on the wire they count milliseconds.
+Times are integers in ns (time of day: since 1970, UTC); on the wire they count milliseconds.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ BITS: Final[dict[Kind, int]] = {
     "time_of_day": 48, "time_difference": 48,
     **SIGNED_BITS, **UNSIGNED_BITS,
 }  # fmt: skip
-"""How many bits a value has; text and octets have no length of their own."""
+"""Size of a value in bits; text and octets have variable length."""
 
 _ENCODINGS: Final[dict[Kind, str]] = {
     "char": "latin-1", "string": "utf-8", "wstring": "utf-16-le",
@@ -45,7 +45,7 @@ _MAX_DAYS: Final = 0xFFFF
 
 
 class ObjectValueError(ValueError):
-    """A value that an object cannot have; `code` is the SDO abort code for it."""
+    """An invalid value of an object; `code` is the corresponding SDO abort code."""
 
     def __init__(self, message: str, code: int = sdo.VALUE_INVALID) -> None:
         super().__init__(message)
@@ -53,7 +53,7 @@ class ObjectValueError(ValueError):
 
 
 def size(kind: Kind) -> int | None:
-    """The octets that SDO has for such a value; None where every length will do."""
+    """Size of a value in SDO in octets; None for variable length."""
     bits = BITS.get(kind)
     return None if bits is None else (bits + 7) // 8
 
@@ -69,7 +69,7 @@ def limits(kind: Kind) -> tuple[int, int] | None:
 
 
 def zero(kind: Kind) -> ObjectValue:
-    """What an object without a default has."""
+    """The value of an object without a default."""
     if kind == "bool":
         return False
     if kind in _REALS:
@@ -84,7 +84,7 @@ def zero(kind: Kind) -> ObjectValue:
 
 
 def encode(kind: Kind, value: ObjectValue) -> bytes:
-    """The octets of a value. Raises ObjectValueError for one that is none of its kind."""
+    """Encode a value. Raises ObjectValueError if it does not fit the kind."""
     if kind in SIGNED_BITS or kind in UNSIGNED_BITS:
         number = checked(kind, _integer(kind, value))
         octets = BITS[kind] // 8
@@ -105,9 +105,9 @@ def encode(kind: Kind, value: ObjectValue) -> bytes:
 
 
 def decode(kind: Kind, octets: bytes) -> ObjectValue:
-    """The value of octets. Raises ObjectValueError if there are too many or too few of them.
+    """Decode a value. Raises ObjectValueError for a wrong number of octets.
 
-    Text ends before the zeros that fill it up. Every other octet than 0 is True.
+    Trailing zeros of text are padding. Any octet other than 0 is True.
     """
     wanted = size(kind)
     if wanted is not None and len(octets) != wanted:
@@ -147,7 +147,7 @@ def checked(
     low: int | float | None = None,
     high: int | float | None = None,
 ) -> ObjectValue:
-    """The value, if it is within the limits and those of its kind. Raises ObjectValueError."""
+    """Check a value against limits and the range of its kind. Raises ObjectValueError."""
     if isinstance(value, (str, bytes)):
         return value
     own = limits(kind)
@@ -162,9 +162,9 @@ def checked(
 
 
 def to_bits(kind: Kind, value: ObjectValue, bits: int) -> int:
-    """What a PDO has of a value in a field of so many bits: the first ones.
+    """Encode a value in a PDO field of `bits` bits: its least significant ones.
 
-    Longer fields are filled up with the sign, or with zeros.
+    Longer fields are filled with the sign, or with zeros.
     """
     octets = encode(kind, value)
     raw = int.from_bytes(octets, "little", signed=kind in SIGNED_BITS)
@@ -172,9 +172,9 @@ def to_bits(kind: Kind, value: ObjectValue, bits: int) -> int:
 
 
 def from_bits(kind: Kind, raw: int, bits: int) -> ObjectValue:
-    """The value of a PDO's field of so many bits.
+    """Decode a PDO field of `bits` bits.
 
-    Raises ObjectValueError for what the kind has no room for.
+    Raises ObjectValueError for a value outside the kind's range.
     """
     if kind in SIGNED_BITS:
         sign = 1 << bits - 1
@@ -236,9 +236,9 @@ def _encode_text(kind: Kind, value: ObjectValue) -> bytes:
 
 
 def _visible_octets(text: str) -> bytes:
-    """A VISIBLE_STRING as it is sent: ASCII by CiA 301, else Latin-1, as many devices have it.
+    """Encode a VISIBLE_STRING: ASCII by CiA 301, else Latin-1, as used by many devices.
 
-    UTF-8 where there are other characters, or Latin-1 would be read back as UTF-8.
+    UTF-8 if Latin-1 lacks a character, or would be decoded as UTF-8.
     """
     try:
         octets = text.encode("latin-1")
@@ -250,7 +250,7 @@ def _visible_octets(text: str) -> bytes:
 
 
 def _decode_visible(octets: bytes) -> str:
-    """Text of a device: UTF-8 if that is what it is, else Latin-1, which fits always."""
+    """Decode text of a device: UTF-8 if valid, else Latin-1, which never fails."""
     try:
         return octets.decode("utf-8")
     except UnicodeDecodeError:
