@@ -113,17 +113,17 @@ class HeartbeatConsumer:
             self._beating, self.deadline = False, None
             self.state = NmtState.PRE_OPERATIONAL
             return HeartbeatEvent(
-                HeartbeatNews.BOOT_UP, state, self._was_requested(state)
+                HeartbeatNews.BOOT_UP, state, self._take_request(state)
             )
         before = self.state
         found = before is None or not self._beating
         self._beating, self.state = True, state
         self.deadline = now + self._timeout if self._timeout else None
         if state is before and not found:
-            self._was_requested(state)
+            self._take_request(state)
             return None
         news = HeartbeatNews.FOUND if found else HeartbeatNews.CHANGED
-        asked = self._was_requested(state)
+        asked = self._take_request(state)
         return HeartbeatEvent(news, state, asked)
 
     def poll(self, now: int) -> HeartbeatEvent | None:
@@ -144,7 +144,7 @@ class HeartbeatConsumer:
         code = octet & ~TOGGLE or octet
         return NmtState(code) if code in _STATES else None
 
-    def _was_requested(self, state: NmtState) -> bool:
+    def _take_request(self, state: NmtState) -> bool:
         """Whether the state was requested; clears the request."""
         if self._asked is not state:
             return False

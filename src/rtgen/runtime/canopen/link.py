@@ -12,13 +12,7 @@ from contextlib import AbstractContextManager
 from typing import Protocol
 
 from rtgen.runtime.canopen.frames import Frame
-
-if TYPE_CHECKING:
-    from rtgen.runtime.canopen.sdo_channel import SdoChannel
-
-
-class LinkError(OSError):
-    """The bus cannot be used: opening failed, it is bus-off, or its other end disconnected."""
+from rtgen.runtime.canopen.sdo_channel import SdoChannel
 
 
 class Station(Protocol):

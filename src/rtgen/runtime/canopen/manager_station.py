@@ -150,8 +150,8 @@ class ManagerStation:
                 self._command(wanted, node_id)
             for node in self.nodes.values():
                 if node_id in (0, node.description.id):
-                    decoded = node_id == 0 and wanted is not NmtCommand.START
-                    node.request(wanted, send=not decoded)
+                    broadcast = node_id == 0 and wanted is not NmtCommand.START
+                    node.request(wanted, send=not broadcast)
                     self._schedule(node)
             self._flush()
 

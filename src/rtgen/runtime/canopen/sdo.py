@@ -277,7 +277,7 @@ class BlockReceiver:
         if announced is not None and announced > limit:
             raise SdoAbort(OUT_OF_MEMORY)
         self.size = size
-        self._told = announced
+        self._announced = announced
         self._limit = limit if announced is None else announced
         self._value = bytearray()
         self._sequence = 0
@@ -311,6 +311,6 @@ class BlockReceiver:
             raise SdoAbort(CRC_ERROR)
         if len(value) > self._limit:
             raise SdoAbort(LENGTH_TOO_HIGH)
-        if self._told is not None and len(value) != self._told:
+        if self._announced is not None and len(value) != self._told:
             raise SdoAbort(LENGTH_TOO_LOW)
         return value
