@@ -311,6 +311,6 @@ class BlockReceiver:
             raise SdoAbort(CRC_ERROR)
         if len(value) > self._limit:
             raise SdoAbort(LENGTH_TOO_HIGH)
-        if self._announced is not None and len(value) != self._told:
+        if self._announced is not None and len(value) != self._announced:
             raise SdoAbort(LENGTH_TOO_LOW)
         return value
