@@ -149,7 +149,7 @@ def _fill(
         elif profile.activation:
             before.append(instance)
     for step in steps:
-        system.at(step.time, _at_its_place(step, _performing(system, step.action)))
+        system.at(step.time, _with_place(step, _performing(system, step.action)))
 
 
 def _ports(component: runtime.Component) -> InstancePorts:
