@@ -30,6 +30,7 @@ from rtgen.runtime import (
     RealClock,
     System,
 )
+from rtgen.runtime.opaque_rpc.communication import OpaqueRpcCommunication
 
 CALLS, SERIES = 100, 20
 
@@ -83,7 +84,6 @@ def main() -> int:
         marshallers = rpc.generated(folder, "empty.empty_marshaller")
         interface = rpc.generated(folder, "empty._idl.empty").Empty
         clients = rpc.generated(folder, "empty.components.empty_client")
-        communication = rpc.generated(folder, "opaque_rpc_communication")
 
         class Servant(interface):  # type: ignore[misc, valid-type]
             def nothing(self) -> int:
@@ -107,7 +107,7 @@ def main() -> int:
             show("proxy to TECS", rpc.rtgen_call(port, folder))
             client = clients.EmptyClientBase("Client0")
             marshaller = marshallers.EmptyMarshaller("Marshaller0")
-            link = communication.OpaqueRpcCommunication("Communication0")
+            link = OpaqueRpcCommunication("Communication0")
             link.configuration_sets.set("port", port)
             with active(
                 client,

@@ -15,6 +15,7 @@ from rtgen.cli.adopted import Adopted, adopted
 from rtgen.inspection.models import inspect
 from rtgen.model import Component, Model
 from rtgen.project import load
+from rtgen.runtime.opaque_rpc.interface import IDL
 
 ROOT = Path(__file__).parents[2]
 
@@ -40,8 +41,8 @@ def without_annotations(item: Any) -> Any:
 def folders(out: Path) -> list[Path]:
     """Where the IDL files of the reference build are."""
     device_files = sorted(path.parent for path in out.glob("refrobots/canopen/*/*.idl"))
-    boards = out / "refrobots/tecs"
-    own = [boards, boards / "board", out / "refrobots/canopen", *device_files]
+    boards = [out / "refrobots/tecs/board", IDL.parent]
+    own = [*boards, out / "refrobots/canopen", *device_files]
     return [ROOT / "specs/idl", *own]
 
 

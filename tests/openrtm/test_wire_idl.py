@@ -24,6 +24,7 @@ from wires import (
 )
 
 from rtgen.resources import idl_file
+from rtgen.runtime.opaque_rpc import OpaqueRpc
 from rtgen.runtime.openrtm import stubs
 from rtgen.runtime.openrtm.stubs import StubsMissingError
 from rtgen.runtime.openrtm.wire import class_of
@@ -48,7 +49,7 @@ def packages(
     middleware.compile_idl(made, sorted(together.iterdir()), [together])
     stubs.load(made, sorted(idl))
     shutil.copytree(reference / "refrobots", folder / "wired_refrobots")
-    names = {"refrobots": "", "tecs": ".tecs", "board": ".tecs.board"}
+    names = {"refrobots": "", "board": ".tecs.board"}
     return {
         given: imported(folder, f"wired_refrobots{name}")
         for given, name in names.items()
@@ -66,9 +67,18 @@ def test_types_of_devices_and_boards(packages: dict[str, Wires]) -> None:
     for kind in of_devices:
         values_agree(kind, reference.types)
     assert packages["board"].kinds
-    for name in ("tecs", "board"):
-        for kind in packages[name].kinds:
-            values_agree(kind, packages[name].types)
+    for kind in packages["board"].kinds:
+        values_agree(kind, packages["board"].types)
+
+
+@pytest.mark.usefixtures("packages")
+def test_the_channel_of_boards_has_its_types_in_the_runtime() -> None:
+    conversions = importlib.import_module("wired_refrobots.tecs._corba.opaque_rpc")
+    failed = OpaqueRpc.Failed(-50, "no answer")
+    wire = conversions.to_OpaqueRpc_Failed(failed)
+    assert (wire.code, wire.reason) == (-50, "no answer")
+    assert conversions.from_OpaqueRpc_Failed(wire) == failed
+    assert issubclass(conversions.OpaqueRpcStub, OpaqueRpc)
 
 
 def test_repository_ids_and_type_codes(packages: dict[str, Wires]) -> None:
@@ -303,6 +313,7 @@ def test_a_reopened_module_of_openrtm(
     assert (reopening / "RTC" / "__init__.py").is_file()
     run = python(
         f"""
+from rtgen.runtime.opaque_rpc import OpaqueRpc
 from rtgen.runtime.openrtm import stubs
 stubs.load({str(reopening)!r}, ["TimedVelocity", "intellirobot"])
 import OpenRTM_aist, RTC, IIS
@@ -336,6 +347,7 @@ def test_interfaces_outside_of_modules(
     assert (made / "_GlobalIDL" / "__init__.py").is_file()
     run = python(
         f"""
+from rtgen.runtime.opaque_rpc import OpaqueRpc
 from rtgen.runtime.openrtm import stubs
 import _GlobalIDL
 before = set(vars(_GlobalIDL))
@@ -365,6 +377,7 @@ def test_modules_with_the_name_of_something_else(
     (tmp_path / "Ship.py").write_text("raise SystemExit('the wrong one')\n")
     script = tmp_path / "start.py"
     script.write_text(f"""
+from rtgen.runtime.opaque_rpc import OpaqueRpc
 from rtgen.runtime.openrtm import stubs
 stubs.load({str(made)!r}, ["ship"])
 import Ship, Ship__POA, calendar, calendar__POA
@@ -393,6 +406,7 @@ def test_a_file_with_the_name_of_one_of_openrtms(
     (tmp_path / "SDOPackage.idl").write_text(text)
     middleware.compile_idl(made, [tmp_path / "SDOPackage.idl"])
     code = f"""
+from rtgen.runtime.opaque_rpc import OpaqueRpc
 from rtgen.runtime.openrtm import stubs
 stubs.load({str(made)!r}, ["SDOPackage"])
 import Harbour, Harbour__POA, SDOPackage
@@ -414,6 +428,7 @@ import sys
 sys.path.insert(0, {out!r})
 from omniORB import CORBA, cdrMarshal, findTypeCode
 CORBA.ORB_init(["test", *{options!r}])
+from rtgen.runtime.opaque_rpc import OpaqueRpc
 from rtgen.runtime.openrtm import stubs
 stubs.load({stubs!r}, ["BasicDataType"])
 from refrobots._corba.basic_data_type import to_TimedString, from_TimedString

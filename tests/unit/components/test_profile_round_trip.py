@@ -32,7 +32,7 @@ PROFILES = sorted((ROOT / "generated").glob("**/components/*/RTC.xml"))
 INCLUDE = (
     SPECS / "idl",
     SPECS / "tecs",
-    ROOT / "generated/refrobots/tecs",
+    ROOT / "src/rtgen/runtime/opaque_rpc",
     ROOT / "generated/refrobots/tecs/board",
     ROOT / "generated/refrobots/canopen",
     *sorted(p.parent for p in (ROOT / "generated/refrobots/canopen").glob("*/*.idl")),

@@ -8,8 +8,9 @@ from typing import ClassVar
 import pytest
 from boards import SERVER, emit, imported, joined, texts, write
 
-from rtgen.backends.tecs.options import FIRST_PORT, LONGEST_TIMEOUT, RtcOptions
+from rtgen.backends.tecs.options import RtcOptions
 from rtgen.backends.tecs.rules import UNKNOWN_OPTION
+from rtgen.facts.opaque_rpc import FIRST_PORT, LONGEST_TIMEOUT
 from rtgen.runtime.opaque_rpc import (
     REQUEST_LIMIT,
     Codec,

@@ -30,6 +30,7 @@ from rtgen.runtime.opaque_rpc import (
     RpcError,
     TcpServer,
 )
+from rtgen.runtime.opaque_rpc.communication import OpaqueRpcCommunication
 from rtgen.runtime.values import AnyValue
 
 
@@ -44,7 +45,6 @@ def modules(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]
     emission, _ = emit(folder, files)
     write(folder, emission.artifacts)
     names = (
-        "robots.tecs.opaque_rpc_communication",
         "robots.tecs.server.server_marshaller",
         "robots.tecs.server.server_server",
         "nodes.server_client",
@@ -79,10 +79,9 @@ class Pipeline:
             ].MotorClientBase,
             "anys": modules["robots.tecs.anys.components.motor_client"].MotorClientBase,
         }[stem]
-        communication = modules["robots.tecs.opaque_rpc_communication"]
         self.system = System(RealClock())
         self.marshaller = getattr(marshaller, f"{name}Marshaller")("Marshaller0")
-        self.link = communication.OpaqueRpcCommunication("Communication0")
+        self.link = OpaqueRpcCommunication("Communication0")
         self.components = [self.link, self.marshaller]
         self.client = client("Client0")
         self.components.append(self.client)

@@ -14,11 +14,12 @@ if errorlevel 1 "%PYTHON%" -m pip install "%RTGEN%" || exit /b 1
 pushd ..\..\..
 "%PYTHON%" -c "import refrobots.tecs.board.motor_board_marshaller, refrobots.tecs.board.motor_board_server" || exit /b 1
 popd
+for /f "delims=" %%i in ('^""%PYTHON%" -c "from rtgen.runtime.opaque_rpc.interface import IDL; print(IDL)"^"') do set CHANNEL=%%i
 where omniidl >nul 2>nul
 if errorlevel 1 (
     echo omniidl is missing: no CORBA stubs were made 1>&2
 ) else (
     if not exist "%STUBS%" mkdir "%STUBS%"
-    omniidl -bpython -C"%STUBS%" MotorBoard.idl ..\OpaqueRpc.idl || exit /b 1
+    omniidl -bpython -C"%STUBS%" MotorBoard.idl "%CHANNEL%" || exit /b 1
 )
 echo refrobots.tecs.board: ready

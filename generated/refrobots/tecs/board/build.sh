@@ -12,7 +12,8 @@ stubs="${STUBS:-../../../../build/refrobots.tecs.board}"
 (cd ../../.. && "$python" -c 'import refrobots.tecs.board.motor_board_marshaller, refrobots.tecs.board.motor_board_server')
 if command -v omniidl >/dev/null 2>&1; then
     mkdir -p "$stubs"
-    omniidl -bpython -C"$stubs" MotorBoard.idl ../OpaqueRpc.idl
+    channel=$("$python" -c "from rtgen.runtime.opaque_rpc.interface import IDL; print(IDL)")
+    omniidl -bpython -C"$stubs" MotorBoard.idl "$channel"
 else
     echo "omniidl is missing: no CORBA stubs were made" >&2
 fi

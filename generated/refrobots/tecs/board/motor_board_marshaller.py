@@ -14,10 +14,14 @@ from rtgen.runtime import (
     ReturnCode_t,
     service_port,
 )
-from rtgen.runtime.opaque_rpc import Channel, CommunicationChannel, ProxyServant
+from rtgen.runtime.opaque_rpc import (
+    Channel,
+    CommunicationChannel,
+    OpaqueRpc,
+    ProxyServant,
+)
 
 from . import MotorBoard, tagWheelState as tagWheelState_
-from .. import OpaqueRpc
 from ._types import tagWheelState
 from ._views import idl_tagWheelState
 from .motor_board_codec import MotorBoardCodec

@@ -70,4 +70,5 @@ def _of_tecs(model: Model, options: Options) -> Iterator[Unit]:
             found.options,
             {**found.factories, **options.factories},
             found.external,
+            found.types,
         )

@@ -79,7 +79,8 @@ class Unit:
     """A generated Python package: the project's own, or one of its TECS packages.
 
     `options.package` is the package. `external` maps the displayed path of a file to the absolute
-    name of the package that has its types, where that is another one. `factories` has
+    name of the package that has its conversions, where that is another one; `types` has the
+    module to import what such a file declares from, where the package does not. `factories` has
     `module:name` for the component types whose behaviour does not stand in a skeleton.
     """
 
@@ -87,6 +88,7 @@ class Unit:
     options: Options
     factories: Mapping[str, str] = field(default_factory=dict)
     external: Mapping[str, str] = field(default_factory=dict)
+    types: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def components(self) -> list[Component]:

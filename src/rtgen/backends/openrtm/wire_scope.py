@@ -53,7 +53,13 @@ class WireScope:
 
     def type(self, name: ScopedName) -> str:
         """Our class of a declared type or interface: `extended_data_types.Point2D`."""
-        known = self._names.conversions(self._unit.model.find(name))
+        declaration = self._unit.model.find(name)
+        elsewhere = self._unit.types.get(declaration.file)
+        if elsewhere is not None:
+            _, attribute = self._names.python.public(name)
+            outer, dot, inner = attribute.partition(".")
+            return self._imported(elsewhere, outer) + dot + inner
+        known = self._names.conversions(declaration)
         home = self._relative(known.package, "_idl")
         return f"{self._imported(home, known.module)}.{known.name}"
 

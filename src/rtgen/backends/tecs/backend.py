@@ -6,7 +6,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from rtgen.backends import Artifact, Emission, Options, Owner, rtc_profile
-from rtgen.backends.components import BACKEND as COMPONENTS
 from rtgen.backends.components.checks import check
 from rtgen.backends.components.skeleton import skeleton_module
 from rtgen.backends.idl_text import idl_text
@@ -20,9 +19,9 @@ from rtgen.backends.tecs.build_files import (
 )
 from rtgen.backends.tecs.codec import codec_texts
 from rtgen.backends.tecs.communication import (
-    COMPONENT,
+    FACTORY,
     FILE,
-    communication_artifacts,
+    RUNTIME,
     communication_model,
 )
 from rtgen.backends.tecs.idl_model import IdlService, IdlSide, idl_side
@@ -36,6 +35,7 @@ from rtgen.backends.tecs.types_module import types_text
 from rtgen.backends.tecs.views_module import views_module
 from rtgen.backends.types import BACKEND as TYPES
 from rtgen.diagnostics import Diagnostic, has_errors
+from rtgen.facts import opaque_rpc as facts
 from rtgen.layouts.tdr import SignatureLayout, TransferError
 from rtgen.layouts.tdr_messages import layout_of, problems
 from rtgen.model import Component, Declaration, Model, SourceFile
@@ -54,18 +54,16 @@ class TecsBackend:
         tecs, findings = _read(model)
         if tecs is None or has_errors(findings):
             return Emission((), findings)
-        sources, communication = tecs.sources, tecs.communication
+        sources = tecs.sources
         shared = _options(options, FOLDER)
-        artifacts = [
-            *_types(communication, shared, sources),
-            *_component(communication, shared, sources),
-            *communication_artifacts(communication, shared, sources),
-        ]
+        artifacts: list[Artifact] = []
         if not any(
             is_emitted(d) or isinstance(d, Component) for d in model.declarations
         ):
-            artifacts += _root(options, sources)
-        entries = _communication(shared)
+            artifacts += _package(options, "What is made of CDL files.", sources)
+        title = "TECS boards, a package for each CDL file."
+        artifacts += _package(shared, title, sources)
+        entries = {facts.COMPONENT: FACTORY}
         skeletons: dict[str, Artifact] = {}
         for package, side, layouts in tecs.sides:
             writer = _Writer(package, side, layouts, options)
@@ -81,30 +79,30 @@ class TecsBackend:
 BACKEND = TecsBackend()
 
 
-def _root(options: Options, sources: Sequence[SourceFile]) -> Iterator[Artifact]:
-    """The project's own package, where no IDL makes it."""
+def _package(
+    options: Options, title: str, sources: Sequence[SourceFile]
+) -> Iterator[Artifact]:
+    """A package that has nothing but others."""
     origin = tuple(source.key for source in sources)
     header = header_comment(options.version, origin)
-    text = f"{header}{docstring('What is made of CDL files.', 0)}"
+    text = f"{header}{docstring(title, 0)}"
     yield Artifact(f"{options.folder}/__init__.py", text, origin)
     yield Artifact(f"{options.folder}/py.typed", "", origin)
-
-
-def _communication(shared: Options) -> dict[str, str]:
-    return {COMPONENT: f"{shared.package}.opaque_rpc_communication:{COMPONENT}"}
 
 
 @dataclass(frozen=True, slots=True)
 class RtcPackage:
     """The RTCs of a package and their IDL as a model; `factories` has `module:name` by type.
 
-    `external` maps the displayed path of a file whose types another package has to that one.
+    `external` maps the displayed path of a file whose conversions another package has to that
+    one, `types` that of a file whose types another package has.
     """
 
     model: Model
     options: Options
     factories: Mapping[str, str]
     external: Mapping[str, str]
+    types: Mapping[str, str]
 
 
 def rtc_packages(model: Model, options: Options) -> list[RtcPackage]:
@@ -113,11 +111,13 @@ def rtc_packages(model: Model, options: Options) -> list[RtcPackage]:
     if tecs is None or has_errors(findings):
         return []
     shared = _options(options, FOLDER)
-    found = [RtcPackage(tecs.communication, shared, _communication(shared), {})]
+    types = {FILE: RUNTIME}
+    found = [RtcPackage(tecs.communication, shared, {}, {}, types)]
     external = {FILE: shared.package}
     for package, side, _ in tecs.sides:
         own = _options(options, package.name)
-        found.append(RtcPackage(side.model, own, _entries(package, own), external))
+        entries = _entries(package, own)
+        found.append(RtcPackage(side.model, own, entries, external, types))
     return found
 
 
@@ -204,7 +204,7 @@ class _Writer:
         self._side = side
         anys = any(s.options.array == "any" for s in package.services)
         self.options = replace(
-            _options(options, package.name, anys=anys), external={FILE: "...."}
+            _options(options, package.name, anys=anys), external={FILE: RUNTIME}
         )
         self._sources = [source.key for source in package.sources]
         self._header = header_comment(options.version, self._sources)
@@ -321,18 +321,6 @@ def _types(
     )
     for artifact in TYPES.emit(inner, options).artifacts:
         yield replace(artifact, origin=origin)
-
-
-def _component(
-    model: Model, options: Options, sources: Sequence[SourceFile]
-) -> Iterator[Artifact]:
-    """The base and the profile of the communication RTC."""
-    origin = tuple(source.key for source in sources)
-    for backend in (COMPONENTS, rtc_profile.BACKEND):
-        for artifact in backend.emit(model, options).artifacts:
-            is_made = artifact.path.endswith("entry_points.txt")
-            if artifact.owner is Owner.RTGEN and not is_made:
-                yield replace(artifact, origin=origin)
 
 
 def _entry_points(

@@ -4,14 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from rtgen.backends import Artifact, Options
-from rtgen.backends.components.members import attributes_of
-from rtgen.backends.idl_text import idl_text
-from rtgen.backends.python_text import header_comment
-from rtgen.backends.rendering import render
-from rtgen.backends.tecs.options import FIRST_PORT, RtcOptions
 from rtgen.backends.tecs.rtc_components import COMMUNICATION
 from rtgen.diagnostics import Span
+from rtgen.facts import opaque_rpc as facts
 from rtgen.model import (
     VOID,
     Component,
@@ -36,24 +31,19 @@ from rtgen.model import (
     Typedef,
 )
 
-COMPONENT = "OpaqueRpcCommunication"
 FILE = "OpaqueRpc.idl"
-PORT = "service"
-"""The service port of the communication RTC."""
+"""The IDL file of the interface, which stands in the runtime."""
+
+RUNTIME = "rtgen.runtime.opaque_rpc"
+"""The package that has the interface in Python."""
+
+FACTORY = f"{RUNTIME}.communication:{facts.COMPONENT}"
+"""What makes the component."""
 
 _NOWHERE = Span(FILE, 1, 1, 1, 1)
 _OCTETS = NamedType((*COMMUNICATION, "Octets"))
 _FAILED = (*COMMUNICATION, "Failed")
 _UNSIGNED_LONG = PrimitiveType(Primitive.UNSIGNED_LONG)
-_USUAL = RtcOptions()
-_PARAMETERS: tuple[tuple[str, str | float, str, str], ...] = (
-    ("type", "TCP", "", "`TCP`, or `SERIA` (`SERIAL`) for a serial line."),
-    ("ipaddr", _USUAL.address, "", "TCP: the board's address."),
-    ("port", str(FIRST_PORT), "", "TCP: the board's port; serial line: its device."),
-    ("baudrate", "none", "", "Serial line: its speed in bit/s."),
-    ("tap", "none", "", "TCP: the local address or network interface to use."),
-    ("timeout", _USUAL.timeout, "s", "How long a call may take."),
-)
 
 
 def communication_model(sources: tuple[SourceFile, ...]) -> Model:
@@ -131,63 +121,40 @@ def _octet() -> PrimitiveType:
 
 
 def _component() -> Component:
-    doc = "Carries requests of any signature to a TECS board."
     return Component(
-        **_named((COMPONENT,), doc),
+        **_named((facts.COMPONENT,), f"{facts.DESCRIPTION}."),
         ports=(
             Port(
                 kind=PortKind.PROVIDER,
-                name=PORT,
-                identifier=PORT,
+                name=facts.PORT,
+                identifier=facts.PORT,
                 type=NamedType(COMMUNICATION),
-                port=PORT,
-                instance="communication",
+                port=facts.PORT,
+                instance=facts.INSTANCE,
                 span=_NOWHERE,
-                doc="The channel, for one marshaller.",
+                doc=facts.PORT_DESCRIPTION,
             ),
         ),
         configuration=tuple(
             ConfigurationParameter(
-                name=name,
-                identifier=name,
-                type=StringType() if isinstance(default, str) else _DOUBLE,
-                default=default,
-                unit=unit,
-                constraint="" if isinstance(default, str) else "x>0.0",
+                name=parameter.name,
+                identifier=parameter.name,
+                type=StringType() if isinstance(parameter.default, str) else _DOUBLE,
+                default=parameter.default,
+                unit=parameter.unit,
+                constraint=parameter.constraint,
                 span=_NOWHERE,
-                doc=doc,
+                doc=parameter.description,
             )
-            for name, default, unit, doc in _PARAMETERS
+            for parameter in facts.PARAMETERS
         ),
-        category="TECS",
-        vendor="rtgen",
-        description=doc.rstrip("."),
-        rate=10.0,
+        category=facts.CATEGORY,
+        vendor=facts.VENDOR,
+        description=facts.DESCRIPTION,
+        rate=facts.RATE,
         max_instances=0,
+        factory=FACTORY,
     )
 
 
 _DOUBLE = PrimitiveType(Primitive.DOUBLE)
-
-
-def communication_artifacts(
-    model: Model, options: Options, sources: tuple[SourceFile, ...]
-) -> tuple[Artifact, ...]:
-    """`OpaqueRpc.idl` and `opaque_rpc_communication.py`, in the package of the options."""
-    origin = tuple(source.key for source in sources)
-    header = header_comment(options.version, origin)
-    component = model.find((COMPONENT,))
-    assert isinstance(component, Component)
-    attributes = attributes_of(component)
-    text = render(
-        "tecs/opaque_rpc_communication.py.j2",
-        header=header,
-        provider=attributes.ports[0][1],
-        fields={parameter.name: name for parameter, name in attributes.configuration},
-    )
-    comment = header.replace("# ", "// ")
-    idl = f"{comment}\n{idl_text(model, model.declarations)}"
-    return (
-        Artifact(f"{options.folder}/{FILE}", idl, origin),
-        Artifact(f"{options.folder}/opaque_rpc_communication.py", text, origin),
-    )

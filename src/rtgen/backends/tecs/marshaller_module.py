@@ -10,6 +10,7 @@ from rtgen.backends.python_text import fit_text
 from rtgen.backends.quoting.python import docstring, string_literal
 from rtgen.backends.rendering import render
 from rtgen.backends.tecs.communication import FILE
+from rtgen.backends.tecs.communication import RUNTIME as CHANNEL
 from rtgen.backends.tecs.function_text import LOCALS, tuple_type
 from rtgen.backends.tecs.idl_model import IdlService
 from rtgen.backends.tecs.proxies import proxy_class
@@ -55,7 +56,7 @@ def marshaller_module(
     own = (f"{name}Proxy", servant, f"{name}Marshaller", text.codec)
     target = f"{name}Target"
     taken = {*structs, *_LOCALS, *own, target, *_BOUND, "Sequence", "make_tdr"}
-    imports = Imports(model, names, ".", taken, {FILE: ".."})
+    imports = Imports(model, names, ".", taken, {FILE: CHANNEL})
     interface = imports.type_name(idl.interface.name)
     servants = _Servant(text, names, idl, imports)
     layouts = text.layout.functions
@@ -75,7 +76,7 @@ def marshaller_module(
     attributes = attributes_of(component)
     values = [line for line in imports.lines() if f"from {_VALUES} " in line]
     lines = [
-        *(line for line in imports.lines() if line not in values),
+        *(line for line in imports.lines() if "from rtgen." not in line),
         import_from("._types", structs) if structs else "",
         import_from("._views", views) if views else "",
         import_from(text.codec_module, [text.codec]),
@@ -85,6 +86,7 @@ def marshaller_module(
         "Channel",
         "CommunicationChannel",
         "ProxyServant",
+        _imported("OpaqueRpc", imports.spell(CHANNEL, "OpaqueRpc")),
         *(["make_tdr"] if text.makes_tdr else []),
     }
     rendered = render(
@@ -94,7 +96,7 @@ def marshaller_module(
         standard=standard_imports(functions),
         runtime=[
             import_from("rtgen.runtime", ["RTC_OK", "ReturnCode_t", *RUNTIME]),
-            import_from("rtgen.runtime.opaque_rpc", used),
+            import_from(CHANNEL, used),
             *values,
         ],
         imports=sorted(filter(None, lines)),
@@ -110,6 +112,10 @@ def marshaller_module(
         consumer=attributes.ports[1][1],
     )
     return fit_text(rendered)
+
+
+def _imported(name: str, local: str) -> str:
+    return name if name == local else f"{name} as {local}"
 
 
 def _keyword(name: str, values: dict[str, str]) -> str:

@@ -12,14 +12,9 @@ from typing import Any
 
 from rtgen.backends.tecs.rules import BAD_OPTION, UNKNOWN_OPTION
 from rtgen.diagnostics import Diagnostic
+from rtgen.facts.opaque_rpc import LONGEST_TIMEOUT, TIMEOUT
 from rtgen.model.tecs import PluginOption, Through
 from rtgen.typemap.tecs_idl import Widths
-
-FIRST_PORT = 8931
-"""The port of the first join, as tecsgen has it."""
-
-LONGEST_TIMEOUT = 1e6
-"""The greatest time-out [s] that the runtime takes."""
 
 TECSGEN_OPTIONS = frozenset(
     {
@@ -149,7 +144,7 @@ class RtcOptions:
     port: int | None = _option("port", _port, None)
     device: str = _option("device", _text, "")
     baudrate: int = _option("baudrate", _count, 115200)
-    timeout: float = _option("timeout", _seconds, 1.0)
+    timeout: float = _option("timeout", _seconds, TIMEOUT)
     name: str = _option("name", _identifier, "")
 
     @property

@@ -6,13 +6,14 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
-from rtgen.backends.tecs.options import FIRST_PORT, RtcOptions, read_options
+from rtgen.backends.tecs.options import RtcOptions, read_options
 from rtgen.backends.tecs.rules import (
     DIFFERENT_OPTIONS,
     SAME_COMPONENT,
     SAME_NAME,
 )
 from rtgen.diagnostics import Diagnostic, Related, Span
+from rtgen.facts.opaque_rpc import FIRST_PORT
 from rtgen.model import Model, ScopedName, SourceFile, TecsUnit
 from rtgen.model.tecs import Cell, Join, Signature, Through
 from rtgen.typemap.python_names import identifier, module_name
@@ -22,7 +23,7 @@ PLUGIN = "RTCPlugin"
 FOLDER = "tecs"
 """The package of what is made of CDL files, below the project's own."""
 
-_TAKEN = frozenset({"_idl", "components", "opaque_rpc_communication"})
+_TAKEN = frozenset({"_corba"})
 """What stands beside the packages of the CDL files."""
 
 

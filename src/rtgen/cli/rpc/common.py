@@ -15,10 +15,11 @@ from rtgen.cli.common import Refusal
 from rtgen.cli.rpc.codecs import Function, Service
 from rtgen.cli.rpc.values import Json
 from rtgen.diagnostics import InputError, has_errors
+from rtgen.facts.opaque_rpc import TIMEOUT
 from rtgen.layouts.tdr import TransferError
 from rtgen.model.tecs import Signature, TecsUnit
 from rtgen.runtime.opaque_rpc import REPLY_LIMIT, Order, ReplyOrder, Tdr, make_tdr
-from rtgen.runtime.opaque_rpc.connection import TIMEOUT, checked_timeout
+from rtgen.runtime.opaque_rpc.connection import checked_timeout
 
 P = ParamSpec("P")
 R = TypeVar("R")

@@ -18,13 +18,13 @@ from rtgen.cli.rpc.common import (
     with_peer,
 )
 from rtgen.diagnostics import ToolError
+from rtgen.facts.opaque_rpc import FIRST_PORT
 from rtgen.runtime.opaque_rpc import (
     REQUEST_LIMIT,
     ChannelError,
     SerialServer,
     TcpServer,
 )
-from rtgen.runtime.opaque_rpc.connection import PORT
 from rtgen.runtime.opaque_rpc.messages import log
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 
@@ -35,7 +35,7 @@ from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 @click.option(
     "--port",
     type=click.IntRange(0, 65535),
-    default=PORT,
+    default=FIRST_PORT,
     show_default=True,
     help="0 takes a free one.",
 )

@@ -33,6 +33,7 @@ from rtgen.runtime.opaque_rpc.errors import (
     RpcError,
 )
 from rtgen.runtime.opaque_rpc.functions import Messages
+from rtgen.runtime.opaque_rpc.interface import OpaqueRpc
 from rtgen.runtime.opaque_rpc.link import Link, LinkSettings
 from rtgen.runtime.opaque_rpc.messages import (
     Dispatcher,
@@ -89,6 +90,7 @@ __all__ = [
     "MessageReader",
     "Messages",
     "More",
+    "OpaqueRpc",
     "Order",
     "PacketServer",
     "ProtocolError",

@@ -7,14 +7,9 @@ import struct
 import sys
 from time import monotonic
 
+from rtgen.facts.opaque_rpc import LONGEST_TIMEOUT
 from rtgen.runtime.opaque_rpc.messages import log
 
-PORT = 8931
-"""The port of the first board of a CDL file, as tecsgen has it."""
-TIMEOUT = 1.0
-"""Seconds that a call may take by default."""
-LONGEST_TIMEOUT = 1e6
-"""The most that systems take, in milliseconds, for a wait."""
 SMALL_BLOCK = 448
 BLOCK = 65536
 """How many bytes a read asks for that is likely to get few, and at most.

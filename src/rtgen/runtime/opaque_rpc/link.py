@@ -7,8 +7,9 @@ import threading
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+from rtgen.facts.opaque_rpc import FIRST_PORT, TIMEOUT
 from rtgen.runtime.opaque_rpc.channel import Channel
-from rtgen.runtime.opaque_rpc.connection import PORT, TIMEOUT, checked_timeout
+from rtgen.runtime.opaque_rpc.connection import checked_timeout
 from rtgen.runtime.opaque_rpc.errors import E_NOEXS, E_TMOUT, ChannelError
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ class ClosableChannel(Channel, Protocol):
         """Closes the connection."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class LinkSettings:
     """The configuration of a communication RTC, as texts; `timeout` in seconds.
 
@@ -40,7 +41,7 @@ class LinkSettings:
 
     type: str = _TCP
     ipaddr: str = "127.0.0.1"
-    port: str = str(PORT)
+    port: str = str(FIRST_PORT)
     baudrate: str = NONE
     tap: str = NONE
     timeout: float = TIMEOUT

@@ -17,7 +17,8 @@ from time import monotonic
 from types import TracebackType
 from typing import TYPE_CHECKING
 
-from rtgen.runtime.opaque_rpc.connection import TIMEOUT, checked_timeout
+from rtgen.facts.opaque_rpc import TIMEOUT
+from rtgen.runtime.opaque_rpc.connection import checked_timeout
 from rtgen.runtime.opaque_rpc.errors import E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import MessageReader, Service, log, serve, starts
 from rtgen.runtime.opaque_rpc.tdr import SOP_REPLY, SOP_REQUEST

@@ -8,11 +8,11 @@ import socket
 import threading
 from time import monotonic, sleep
 
+from rtgen.facts.opaque_rpc import TIMEOUT
 from rtgen.runtime.opaque_rpc.connection import (
     BLOCK,
     SMALL_BLOCK,
     TIME_OVER,
-    TIMEOUT,
     Connection,
     checked_timeout,
 )

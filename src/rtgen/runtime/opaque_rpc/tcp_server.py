@@ -10,11 +10,11 @@ import threading
 from time import monotonic
 from types import TracebackType
 
+from rtgen.facts.opaque_rpc import TIMEOUT
 from rtgen.runtime.opaque_rpc.connection import (
     BLOCK,
     SMALL_BLOCK,
     TIME_OVER,
-    TIMEOUT,
     Connection,
     checked_timeout,
 )

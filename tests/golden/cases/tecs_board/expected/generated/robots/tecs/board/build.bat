@@ -14,11 +14,12 @@ if errorlevel 1 "%PYTHON%" -m pip install "%RTGEN%" || exit /b 1
 pushd ..\..\..
 "%PYTHON%" -c "import robots.tecs.board.motor_marshaller, robots.tecs.board.motor_server, robots.tecs.board.lamp_marshaller, robots.tecs.board.lamp_server" || exit /b 1
 popd
+for /f "delims=" %%i in ('^""%PYTHON%" -c "from rtgen.runtime.opaque_rpc.interface import IDL; print(IDL)"^"') do set CHANNEL=%%i
 where omniidl >nul 2>nul
 if errorlevel 1 (
     echo omniidl is missing: no CORBA stubs were made 1>&2
 ) else (
     if not exist "%STUBS%" mkdir "%STUBS%"
-    omniidl -bpython -C"%STUBS%" Motor.idl Lamp.idl ..\OpaqueRpc.idl || exit /b 1
+    omniidl -bpython -C"%STUBS%" Motor.idl Lamp.idl "%CHANNEL%" || exit /b 1
 )
 echo robots.tecs.board: ready

@@ -12,7 +12,8 @@ stubs="${STUBS:-../../../../build/robots.tecs.board}"
 (cd ../../.. && "$python" -c 'import robots.tecs.board.motor_marshaller, robots.tecs.board.motor_server, robots.tecs.board.lamp_marshaller, robots.tecs.board.lamp_server')
 if command -v omniidl >/dev/null 2>&1; then
     mkdir -p "$stubs"
-    omniidl -bpython -C"$stubs" Motor.idl Lamp.idl ../OpaqueRpc.idl
+    channel=$("$python" -c "from rtgen.runtime.opaque_rpc.interface import IDL; print(IDL)")
+    omniidl -bpython -C"$stubs" Motor.idl Lamp.idl "$channel"
 else
     echo "omniidl is missing: no CORBA stubs were made" >&2
 fi

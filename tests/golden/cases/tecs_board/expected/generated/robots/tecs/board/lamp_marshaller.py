@@ -16,12 +16,12 @@ from rtgen.runtime import (
 from rtgen.runtime.opaque_rpc import (
     Channel,
     CommunicationChannel,
+    OpaqueRpc,
     ProxyServant,
     make_tdr,
 )
 
 from . import nboard
-from .. import OpaqueRpc
 from ._types import nBoard_tagPoint
 from ._views import codec_nBoard_tagPoint
 from .lamp_codec import LampCodec

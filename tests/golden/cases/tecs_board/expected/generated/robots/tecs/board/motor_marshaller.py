@@ -17,12 +17,12 @@ from rtgen.runtime import (
 from rtgen.runtime.opaque_rpc import (
     Channel,
     CommunicationChannel,
+    OpaqueRpc,
     ProxyServant,
     make_tdr,
 )
 
 from . import nboard
-from .. import OpaqueRpc
 from ._types import nBoard_tagPoint, nBoard_tagState
 from ._views import (
     codec_nBoard_tagPoint,

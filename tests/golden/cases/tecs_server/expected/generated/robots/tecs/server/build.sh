@@ -12,7 +12,8 @@ stubs="${STUBS:-../../../../build/robots.tecs.server}"
 (cd ../../.. && "$python" -c 'import robots.tecs.server.server_marshaller, robots.tecs.server.server_server')
 if command -v omniidl >/dev/null 2>&1; then
     mkdir -p "$stubs"
-    omniidl -bpython -C"$stubs" Server.idl ../OpaqueRpc.idl
+    channel=$("$python" -c "from rtgen.runtime.opaque_rpc.interface import IDL; print(IDL)")
+    omniidl -bpython -C"$stubs" Server.idl "$channel"
 else
     echo "omniidl is missing: no CORBA stubs were made" >&2
 fi

@@ -13,10 +13,14 @@ from rtgen.runtime import (
     ReturnCode_t,
     service_port,
 )
-from rtgen.runtime.opaque_rpc import Channel, CommunicationChannel, ProxyServant
+from rtgen.runtime.opaque_rpc import (
+    Channel,
+    CommunicationChannel,
+    OpaqueRpc,
+    ProxyServant,
+)
 
 from . import Server
-from .. import OpaqueRpc
 from .server_codec import ServerCodec
 from .server_server import ServerTarget
 

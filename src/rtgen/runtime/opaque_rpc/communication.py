@@ -1,0 +1,119 @@
+"""The communication RTC: carries requests of any signature to a TECS board."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import ClassVar
+
+from rtgen.facts import opaque_rpc as facts
+from rtgen.facts.opaque_rpc import CommunicationParameter
+from rtgen.runtime import (
+    RTC_OK,
+    Component,
+    ComponentProfile,
+    ParameterProfile,
+    PortProfile,
+    ReturnCode_t,
+)
+from rtgen.runtime.opaque_rpc.errors import ChannelError
+from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
+from rtgen.runtime.opaque_rpc.link import Link, LinkSettings
+
+
+class _Servant(OpaqueRpc):
+    """Carries out calls of `OpaqueRpc` by a link."""
+
+    def __init__(self, link: Link) -> None:
+        self._link = link
+
+    def begin(self, request: bytes, first: int) -> bytes:
+        try:
+            return self._link.begin(request, first)
+        except ChannelError as error:
+            raise OpaqueRpcFailed(error.sub, error.reason) from error
+
+    def more(self, count: int) -> bytes:
+        try:
+            return self._link.more(count)
+        except ChannelError as error:
+            raise OpaqueRpcFailed(error.sub, error.reason) from error
+
+    def end(self) -> None:
+        self._link.end()
+
+    def reset(self) -> None:
+        self._link.reset()
+
+
+def _profile(parameter: CommunicationParameter) -> ParameterProfile:
+    return ParameterProfile(
+        name=parameter.name,
+        python_name=parameter.name,
+        type="string" if isinstance(parameter.default, str) else "double",
+        default=str(parameter.default),
+        unit=parameter.unit,
+        constraint=parameter.constraint,
+        description=parameter.description,
+    )
+
+
+class OpaqueRpcCommunication(Component):
+    """Carries requests of any signature to a TECS board, over TCP or a serial line.
+
+    A change of the configuration, of the active set too, counts from the next call on.
+    """
+
+    profile: ClassVar[ComponentProfile] = ComponentProfile(
+        facts.COMPONENT,
+        category=facts.CATEGORY,
+        vendor=facts.VENDOR,
+        description=facts.DESCRIPTION,
+        rate=facts.RATE,
+        max_instances=0,
+        ports=(
+            PortProfile(
+                name=facts.PORT,
+                python_name="service",
+                kind="provider",
+                type=OpaqueRpc._descriptor_.name,
+                repository_id=OpaqueRpc._descriptor_.repository_id,
+                port=facts.PORT,
+                instance=facts.INSTANCE,
+                description=facts.PORT_DESCRIPTION,
+            ),
+        ),
+        configuration=tuple(map(_profile, facts.PARAMETERS)),
+    )
+
+    def __init__(self, instance_name: str | None = None) -> None:
+        super().__init__(instance_name)
+        self.config = self.add_configuration(LinkSettings())
+        self.service = self.add_provider(facts.PORT, facts.INSTANCE, OpaqueRpc)
+        """The channel, for one marshaller."""
+        self.service.limit = 1
+        self._link = Link()
+
+    def on_initialize(self) -> ReturnCode_t:
+        """Puts the link behind the service port."""
+        self.service.set_servant(_Servant(self._link))
+        return RTC_OK
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        """Takes over the settings; the first call connects."""
+        return self._use_settings()
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        """Takes over settings that have changed."""
+        return self._use_settings()
+
+    def on_deactivated(self, ec_id: int) -> ReturnCode_t:
+        """Closes the connection."""
+        self._link.close()
+        return RTC_OK
+
+    def _use_settings(self) -> ReturnCode_t:
+        try:
+            self._link.use(replace(self.config), self.network)
+        except ValueError as error:
+            return self.fail(str(error))
+        return RTC_OK

@@ -1,0 +1,96 @@
+"""The interface `OpaqueRpc` of a communication RTC, as `OpaqueRpc.idl` in this folder has it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar, Final, TypeAlias
+
+from rtgen.runtime.cdr import UserException
+from rtgen.runtime.descriptors import (
+    AliasDescriptor,
+    ExceptionDescriptor,
+    InterfaceDescriptor,
+    MemberDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+)
+from rtgen.runtime.services import Servant, Skeleton, Stub, operation
+
+IDL: Final = Path(__file__).with_name("OpaqueRpc.idl")
+"""The definition of the interface."""
+
+OCTETS: Final = AliasDescriptor(
+    "IDL:OpaqueRpc/Octets:1.0",
+    "OpaqueRpc::Octets",
+    SequenceDescriptor(PrimitiveDescriptor("octet")),
+)
+"""The typedef `OpaqueRpc::Octets`."""
+
+
+@dataclass(eq=False)
+class OpaqueRpcFailed(UserException):
+    """The channel failed; `code` is the kernel's, as `E_TMOUT`."""
+
+    _descriptor_: ClassVar[ExceptionDescriptor] = ExceptionDescriptor(
+        "IDL:OpaqueRpc/Failed:1.0",
+        "OpaqueRpc::Failed",
+        (
+            MemberDescriptor("code", PrimitiveDescriptor("long")),
+            MemberDescriptor("reason", StringDescriptor()),
+        ),
+    )
+
+    code: int = 0
+    reason: str = ""
+
+
+class OpaqueRpc(Servant):
+    """A channel to a TECS board, for one call at a time."""
+
+    _descriptor_: ClassVar[InterfaceDescriptor] = InterfaceDescriptor(
+        "IDL:OpaqueRpc:1.0",
+        "OpaqueRpc",
+        (
+            "OpaqueRpc::Octets begin(in OpaqueRpc::Octets request, in unsigned long first)"
+            " raises (OpaqueRpc::Failed)",
+            "OpaqueRpc::Octets more(in unsigned long count) raises (OpaqueRpc::Failed)",
+            "void end()",
+            "void reset()",
+        ),
+        (),
+    )
+    _calls_: ClassVar[str] = ".interface_calls"
+    Octets: TypeAlias = bytes
+    Failed: TypeAlias = OpaqueRpcFailed
+
+    @abstractmethod
+    @operation(raises=(OpaqueRpcFailed,))
+    def begin(self, request: bytes, first: int) -> bytes:
+        """Takes the channel and sends a request; the leading octets of its reply.
+
+        The channel is free again if it fails.
+        """
+
+    @abstractmethod
+    @operation(raises=(OpaqueRpcFailed,))
+    def more(self, count: int) -> bytes:
+        """The next octets of the reply."""
+
+    @abstractmethod
+    def end(self) -> None:
+        """The reply was read: frees the channel."""
+
+    @abstractmethod
+    def reset(self) -> None:
+        """The call failed: forgets its reply, frees the channel."""
+
+
+class OpaqueRpcStub(OpaqueRpc, Stub):
+    """Calls a servant of `OpaqueRpc` through an invoker."""
+
+
+class OpaqueRpcSkeleton(Skeleton, interface=OpaqueRpc):
+    """Calls a servant of `OpaqueRpc` by operation name."""
