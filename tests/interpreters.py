@@ -24,10 +24,10 @@ MONITORED = ("3.12", "3.13")
 PROCESSES = "2"
 """So many run the tests."""
 
-TRIED_ONCE = ("tests/interop", "tests/fuzz")
+TRIED_ONCE = ("tests/interop", "tests/fuzz", "tests/packages")
 """Comparisons with peers and random inputs are the same on each interpreter.
 
-Comparisons in other folders have the marker `peer`.
+In other folders they have the markers `peer` and `random`.
 """
 
 
@@ -68,18 +68,30 @@ def try_on(
     install = [python, "-m", "pip", "install", "--quiet", "--no-compile"]
     install += ["--disable-pip-version-check", f"{wheel}[plot,test]"]
     subprocess.run(install, check=True)
-    tests = [python, "-m", "pytest", "-q", "-p", "no:cacheprovider"]
-    tests += ["-m", "not slow and not peer"]
+    tests = [python, "-m", "pytest", "-q", "-o", f"cache_dir={folder / 'cache'}"]
+    tests += ["-m", "not slow and not peer and not random"]
     tests += ["-n", PROCESSES, "--dist", "worksteal"]
     tests += [f"--ignore={name}" for name in TRIED_ONCE]
-    tests += ["--cov", "--cov-report=term:skip-covered"] * measured
+    measuring = ["--cov", "--cov-report=term:skip-covered"] * measured
     environment = {
         **os.environ,
         **({"COVERAGE_CORE": "sysmon"} if measured else {}),
         "PATH": f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}",
     }
-    result = subprocess.run(
-        tests,
+    # Assertions that show their values take half a minute to be compiled: only what fails has them.
+    result = _printed([*tests, *measuring, "--assert=plain"], environment)
+    failed = "\n"
+    if result.returncode == 1:
+        failed += _printed([*tests, "--last-failed", "--lfnf=none"], environment).stdout
+    return result.returncode, result.stdout + failed
+
+
+def _printed(
+    command: Sequence[str], environment: dict[str, str]
+) -> subprocess.CompletedProcess[str]:
+    """The result of a command at the root of the tree, with all that it prints as its output."""
+    return subprocess.run(
+        command,
         cwd=ROOT,
         env=environment,
         check=False,
@@ -87,7 +99,6 @@ def try_on(
         stderr=subprocess.STDOUT,
         text=True,
     )
-    return result.returncode, result.stdout
 
 
 def chosen(found: Sequence[str], commit: str) -> str:

@@ -9,9 +9,11 @@ from functools import cache
 from itertools import permutations
 from math import hypot
 from multiprocessing import get_context
+from random import Random
 
 import pytest
 from pipeline import LONGEST, at_end, build, goal, profile, truth
+from seeds import budget, seed
 
 from refnav.geometry import Pose, wrap
 from rtgen.model import Activation
@@ -49,12 +51,14 @@ def test_forward_and_backward_orders() -> None:
 
 
 @pytest.mark.slow
-def test_all_orders_end_in_one_place() -> None:
+def test_any_order_ends_in_one_place() -> None:
+    """Some of the 720 orders, all with `make fuzz`."""
     orders = list(permutations(c.instance for c in navigation().components))
     assert len(orders) == 720
+    orders = Random(seed()).sample(orders, min(budget(48), len(orders)))
     # Not by fork: the tests run in a process that has threads.
     with ProcessPoolExecutor(os.cpu_count(), get_context("spawn")) as pool:
-        ends = list(pool.map(end_of, orders, chunksize=20))
+        ends = list(pool.map(end_of, orders, chunksize=6))
     apart, turned = spread(ends)
     assert apart < 0.01
     assert turned < 0.01
