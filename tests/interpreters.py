@@ -68,6 +68,7 @@ def try_on(
     install = [python, "-m", "pip", "install", "--quiet", "--no-compile"]
     install += ["--disable-pip-version-check", f"{wheel}[plot,test]"]
     subprocess.run(install, check=True)
+    _install_application(python, folder)
     tests = [python, "-m", "pytest", "-q", "-o", f"cache_dir={folder / 'cache'}"]
     tests += ["-m", "not slow and not peer and not random"]
     tests += ["-n", PROCESSES, "--dist", "worksteal"]
@@ -84,6 +85,18 @@ def try_on(
     if result.returncode == 1:
         failed += _printed([*tests, "--last-failed", "--lfnf=none"], environment).stdout
     return result.returncode, result.stdout + failed
+
+
+def _install_application(python: str, folder: Path) -> None:
+    """Makes the reference build importable, as its editable install does, but not `src/rtgen`."""
+    (folder / "application").mkdir()
+    (folder / "application" / "refnav").symlink_to(ROOT / "src" / "refnav")
+    code = "import sysconfig; print(sysconfig.get_path('purelib'))"
+    place = subprocess.run(
+        [python, "-c", code], check=True, capture_output=True, text=True
+    )
+    file = Path(place.stdout.strip()) / "reference.pth"
+    file.write_text(f"{folder / 'application'}\n{ROOT / 'generated'}\n")
 
 
 def _printed(

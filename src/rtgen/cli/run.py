@@ -31,7 +31,7 @@ from rtgen.cli.summary import summary
 from rtgen.cli.transports import TransportOptions, with_transport
 from rtgen.diagnostics import InputError, ToolError, has_errors, in_order
 from rtgen.model import System
-from rtgen.project import load
+from rtgen.project import load_around
 from rtgen.runtime.failures import ends_run
 from rtgen.runtime.recording import JsonLinesRecorder
 from rtgen.runtime.watchdog import Watchdog
@@ -150,7 +150,7 @@ def run(
         raise InputError(
             [CONDITION.at(None, "a run in simulated time needs an end", hint=hint)]
         )
-    factories = Factories(load())
+    factories = Factories(load_around(path))
     watch = runtime.SimulatedClock() if simulated else runtime.RealClock()
     report = FailureReport(console, shown_failures, simulated=simulated)
     with (

@@ -264,6 +264,18 @@ def require_sources(project: Project) -> None:
     raise InputError([SOURCE_NONE.at(None, message, hint=hint)])
 
 
+def load_around(path: Path) -> Project:
+    """The project of the working folder; where that has no rtgen.toml, that around `path`.
+
+    Raises InputError if rtgen.toml is wrong.
+    """
+    project = load()
+    if project.file is not None:
+        return project
+    other = load(path if path.is_dir() else path.parent)
+    return project if other.file is None else other
+
+
 def find(folder: Path) -> Path | None:
     """The nearest rtgen.toml in the absolute folder or above it."""
     for parent in (folder, *folder.parents):

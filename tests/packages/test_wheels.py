@@ -1,0 +1,155 @@
+"""What the two wheels of this repository hold, need and can do in an environment of their own."""
+
+from __future__ import annotations
+
+import configparser
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+BUILT_FROM = ("src", "grammars", "specs/idl", "runtime")
+FILES = ("pyproject.toml", "hatch_build.py", "README.md", "LICENSE")
+NAME = re.compile(r"[\w-]+")
+
+# A follower of paths drives a base, as docs/runtime.md begins.
+DRIVE = """
+from importlib import import_module
+from pkgutil import walk_packages
+import refrobots
+for module in walk_packages(refrobots.__path__, "refrobots."):
+    import_module(module.name)
+from refnav.odometry import Odometry
+from refnav.ref_hard_rh3 import RefHardRh3
+from refrobots import rtc
+from rtgen.runtime import SECOND, LifeCycleState, SimulatedClock, System
+with System(SimulatedClock()) as system:
+    system.add(RefHardRh3("Base0"), 1000.0)
+    system.add(Odometry("Odometry0"), 100.0)
+    system.connect(("Base0", "OutWheelAngle"), ("Odometry0", "CurrentWheelAngle"))
+    system.activate("Base0")
+    system.activate("Odometry0")
+    system.run(until_ns=SECOND)
+    assert system.state("Odometry0") is LifeCycleState.ACTIVE_STATE
+sample = rtc.TimedDoubleSeq(rtc.Time(1, 2), [3.0])
+assert rtc.TimedDoubleSeq.from_cdr(sample.to_cdr()) == sample
+try:
+    import rtgen.compiler
+except ModuleNotFoundError:
+    print("runs without a compiler")
+"""
+
+pytestmark = pytest.mark.slow
+
+
+def build(source: Path, folder: Path) -> Path:
+    """The wheel of a project."""
+    command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps"]
+    command += ["--disable-pip-version-check", "--wheel-dir", str(folder), str(source)]
+    subprocess.run(command, check=True)
+    [wheel] = folder.glob("*.whl")
+    return wheel
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The sources of both wheels, copied: a build writes tables beside the grammars."""
+    copy = tmp_path_factory.mktemp("source")
+    for name in BUILT_FROM:
+        shutil.copytree(
+            ROOT / name, copy / name, ignore=shutil.ignore_patterns("__pycache__")
+        )
+    for name in FILES:
+        shutil.copy(ROOT / name, copy)
+    return copy
+
+
+@pytest.fixture(scope="module")
+def whole(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build(source, tmp_path_factory.mktemp("whole"))
+
+
+@pytest.fixture(scope="module")
+def runtime(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return build(source / "runtime", tmp_path_factory.mktemp("runtime"))
+
+
+def contents(wheel: Path) -> dict[str, bytes]:
+    with zipfile.ZipFile(wheel) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def test_the_wheel_is_rtgen_alone(whole: Path) -> None:
+    found = contents(whole)
+    info = whole.name.removesuffix("-py3-none-any.whl") + ".dist-info"
+    assert {name.partition("/")[0] for name in found} == {"rtgen", info}
+    entries = configparser.ConfigParser()
+    entries.read_string(found[f"{info}/entry_points.txt"].decode())
+    assert {name: dict(entries[name]) for name in entries.sections()} == {
+        "console_scripts": {"rtgen": "rtgen.cli:main"}
+    }
+    for name in ("runtime/system.py", "compiler.py", "grammars/idl.lark"):
+        assert f"rtgen/{name}" in found
+
+
+def test_the_runtime_is_a_part_of_the_wheel(whole: Path, runtime: Path) -> None:
+    """The same files, so whoever has the whole has the runtime."""
+    part = {
+        name: data
+        for name, data in contents(runtime).items()
+        if ".dist-info/" not in name and name != "rtgen/LICENSE"
+    }
+    assert len(part) > 100
+    assert {n.split("/")[1] for n in part} == {
+        *("__init__.py", "py.typed", "facts", "runtime"),
+    }
+    assert part.items() <= contents(whole).items()
+
+
+def test_the_runtime_needs_what_rtgen_needs_at_most() -> None:
+    texts = (ROOT / "pyproject.toml", ROOT / "runtime" / "pyproject.toml")
+    rtgen, part = (tomllib.loads(t.read_text("utf-8"))["project"] for t in texts)
+    assert {*part["dependencies"]} <= {*rtgen["dependencies"]}
+    for extra, needs in part["optional-dependencies"].items():
+        assert needs == rtgen["optional-dependencies"][extra]
+
+
+def test_generated_code_runs_with_the_runtime_alone(
+    runtime: Path, tmp_path: Path
+) -> None:
+    bare = tmp_path / "bare"
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", bare], check=True)
+    python = bare / "bin" / "python"
+    pip = [sys.executable, "-m", "pip", "--python", str(python)]
+    pip += ["--disable-pip-version-check"]
+    subprocess.run([*pip, "install", "--quiet", str(runtime)], check=True)
+    told = subprocess.run(
+        [*pip, "list", "--format", "json"], check=True, capture_output=True, text=True
+    )
+    settings = tomllib.loads((ROOT / "runtime" / "pyproject.toml").read_text("utf-8"))
+    needs = {NAME.match(need) for need in settings["project"]["dependencies"]}
+    names = {found.group() for found in needs if found}
+    assert {each["name"] for each in json.loads(told.stdout)} == {
+        "rtgen-runtime",
+        *names,
+    }
+    (tmp_path / "behaviours").mkdir()
+    (tmp_path / "behaviours" / "refnav").symlink_to(ROOT / "src" / "refnav")
+    path = os.pathsep.join([str(ROOT / "generated"), str(tmp_path / "behaviours")])
+    done = subprocess.run(
+        [str(python), "-W", "error", "-c", DRIVE],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": path, "PYTHONDONTWRITEBYTECODE": "1"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.stdout, done.stderr) == ("runs without a compiler\n", "")
