@@ -120,8 +120,9 @@ class Lab:
 
         before = len(component.calls)
         self.context(component)._narrow(OpenRTM.ExtTrigExecutionContextService).tick()
-        if middleware.REAL:
-            time.sleep(0.05)
+        if middleware.REAL:  # Its worker runs the cycle, and has no answer for `tick`.
+            worker = component._eclist[0]._workerthread
+            until(lambda: not worker._ticked)
         found: list[str] = component.calls[before:]
         return found
 
