@@ -1,4 +1,4 @@
-"""Bus files (TOML): the nodes of a CANopen network, what is written to them, and PDO links."""
+"""Bus files (TOML): nodes of a CANopen network, their start-up values, and PDO links."""
 
 from rtgen.frontends.bus.reader import load
 

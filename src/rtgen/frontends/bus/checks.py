@@ -1,4 +1,4 @@
-"""What a network must keep to: PDOs that can be, COB-IDs of one sender, time for all messages."""
+"""Checks of a network: valid PDOs, unique COB-IDs, sufficient bandwidth."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from rtgen.model.can_bus import Bus, BusNode
 from rtgen.model.canopen import Pdo, PdoDirection
 
 _SYNC = _EMERGENCY = 0x080
-"""The identifier of SYNC; an emergency message has it plus the node-id (CiA 301, table 40)."""
+"""Identifier of SYNC, and base identifier of emergency messages (CiA 301, table 40)."""
 
 _IMPOSSIBLE = {
     rule.code
@@ -34,7 +34,7 @@ _IMPOSSIBLE = {
 
 
 def check(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
-    """The findings about a bus whose file is in order by itself."""
+    """Diagnostics for a bus whose file is well-formed."""
     for node in bus.nodes:
         yield from _mappings(node)
         yield from _like_its_kind(node)
@@ -61,9 +61,9 @@ def _mappings(node: BusNode) -> Iterator[Diagnostic]:
 
 
 def _unused(node: BusNode) -> set[int]:
-    """The parameters of PDOs that are not valid, and that the bus file does not map.
+    """Indices of invalid PDOs that the bus file does not map.
 
-    What is wrong with those are warnings of the description.
+    Problems with them are warnings of the description.
     """
     written = {index for (index, _), _ in node.values}
     found: set[int] = set()

@@ -1,4 +1,4 @@
-"""From a bus file to the network: schema, devices, values, links, then the checks."""
+"""Reads a bus file into a network: schema, devices, values, links, then the checks."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _NODE_SETTINGS = (
     *("recoveries", "revision", "serial"),
 )
 _BOOT_TIME = (0x1F89, 0)
-"""How long a node may take to boot, in ms (CiA 302-2)."""
+"""Boot time in ms (CiA 302-2)."""
 _UNREAD = (MISSING_FILE.code, UNREADABLE.code)
 _LONGEST = 3600.0
 _MAX_BYTES = 1024 * 1024
@@ -47,7 +47,7 @@ _MAX_BYTES = 1024 * 1024
 
 @dataclass(frozen=True, slots=True)
 class BusResult:
-    """What `load` gives: no bus if there are errors; `sources` maps displayed path to text."""
+    """Result of `load`: no bus if there are errors; `sources` maps displayed path to text."""
 
     bus: Bus | None
     diagnostics: tuple[Diagnostic, ...]
@@ -56,9 +56,9 @@ class BusResult:
 
 
 def load(path: Path, *, root: Path) -> BusResult:
-    """Read a bus file and the devices that it names.
+    """Read a bus file and the device descriptions that it names.
 
-    `root` is the project's folder. Whatever is wrong with the input is in the diagnostics.
+    `root` is the project's folder. All problems of the input are in the diagnostics.
     """
     return _Reader(path, root).run()
 
@@ -83,7 +83,7 @@ class _Reader:
             tuple(self._dependencies),
         )
 
-    def _tell(self, rule: Rule, place: Place, message: str) -> None:
+    def _report(self, rule: Rule, place: Place, message: str) -> None:
         self._found.append(rule.at(self._toml.span(place), message))
 
     def _open(self) -> bool:
@@ -113,48 +113,48 @@ class _Reader:
             return False
         for place, problem in problems(self._toml.content):
             where = ".".join(map(str, place))
-            self._tell(rules.BAD_CONTENT, place, f"{where or 'the file'}: {problem}")
+            self._report(rules.BAD_CONTENT, place, f"{where or 'the file'}: {problem}")
         return not self._found
 
     def _bus(self) -> Bus | None:
         content = self._toml.content
-        told = content["bus"]
+        declared = content["bus"]
         kinds = {
             name: kind
             for name in content["device"]
             if (kind := self._kind(name)) is not None
         }
-        ids = {told.get("manager", MANAGER): "the manager"}
+        ids = {declared.get("manager", MANAGER): "the manager"}
         nodes = []
         for name, node in content["node"].items():
             other = ids.setdefault(node["id"], name)
             if other != name:
                 message = f"node-id {node['id']} is that of {other}"
-                self._tell(rules.SAME_ID, ("node", name, "id"), message)
+                self._report(rules.SAME_ID, ("node", name, "id"), message)
             kind = kinds.get(node["device"])
             if node["device"] not in content["device"]:
                 message = f"there is no [device.{node['device']}]"
-                self._tell(rules.UNKNOWN_DEVICE, ("node", name, "device"), message)
+                self._report(rules.UNKNOWN_DEVICE, ("node", name, "device"), message)
             elif kind and (made := self._node(name, kind)) is not None:
                 nodes.append(made)
         if has_errors(self._found):
             return None
         links = self._links(nodes)
         bus = Bus(
-            name=told.get("name", identifier(self._path.stem)),
+            name=declared.get("name", identifier(self._path.stem)),
             file=self._file,
             key=self._key(),
             sha256=self._sha256,
-            bit_rate=told["bit_rate"],
-            manager=told.get("manager", MANAGER),
-            sync=told.get("sync", 0.0),
-            heartbeat=told.get("heartbeat", 0.0),
-            event=told.get("event", EVENT),
+            bit_rate=declared["bit_rate"],
+            manager=declared.get("manager", MANAGER),
+            sync=declared.get("sync", 0.0),
+            heartbeat=declared.get("heartbeat", 0.0),
+            event=declared.get("event", EVENT),
             kinds=tuple(kinds.values()),
             nodes=tuple(self._linked(nodes, links)),
             links=tuple(links),
-            sync_counter=told.get("sync_counter", 0),
-            dcf=told.get("dcf", True),
+            sync_counter=declared.get("sync_counter", 0),
+            dcf=declared.get("dcf", True),
         )
         self._found += check(bus, self._toml)
         return bus
@@ -177,8 +177,8 @@ class _Reader:
         return read.model.devices[0] if read.model.devices else None
 
     def _kind(self, name: str) -> DeviceKind | None:
-        told = self._toml.content["device"][name]
-        device = self._device(told["eds"], ("device", name, "eds"), None)
+        declared = self._toml.content["device"][name]
+        device = self._device(declared["eds"], ("device", name, "eds"), None)
         if device is None:
             return None
         described = device
@@ -186,21 +186,25 @@ class _Reader:
         kind = DeviceKind(
             described=described,
             name=name,
-            module=told.get("name", module_name(Path(told["eds"]).stem)),
-            path=told["eds"],
+            module=declared.get("name", module_name(Path(declared["eds"]).stem)),
+            path=declared["eds"],
             span=self._toml.span(("device", name)),
             device=device,
-            ports=told.get("ports", "pdo"),
-            parameters=tuple(number_of(text) for text in told.get("parameters", ())),
-            operations=tuple(number_of(text) for text in told.get("operations", ())),
-            factors=_by_number(told.get("factors", {})),
-            units=_by_number(told.get("units", {})),
+            ports=declared.get("ports", "pdo"),
+            parameters=tuple(
+                number_of(text) for text in declared.get("parameters", ())
+            ),
+            operations=tuple(
+                number_of(text) for text in declared.get("operations", ())
+            ),
+            factors=_by_number(declared.get("factors", {})),
+            units=_by_number(declared.get("units", {})),
         )
         self._check_objects(kind)
         for number, factor in kind.factors:
             if not (isfinite(factor) and factor):
                 message = f"the factor of {number[0]:04X}:{number[1]:X} is {factor}"
-                self._tell(rules.BAD_CONTENT, ("device", name), message)
+                self._report(rules.BAD_CONTENT, ("device", name), message)
         return kind
 
     def _check_objects(self, kind: DeviceKind) -> None:
@@ -219,11 +223,11 @@ class _Reader:
                 named.append((number, (*place, key, position)))
                 if number in listed[:position]:
                     message = f"{number[0]:04X}:{number[1]:X} is listed twice"
-                    self._tell(rules.BAD_CONTENT, (*place, key, position), message)
+                    self._report(rules.BAD_CONTENT, (*place, key, position), message)
         for number, where in named:
             if kind.device.find(*number) is None:
                 message = f"{kind.path} has no object {number[0]:04X}:{number[1]:X}"
-                self._tell(rules.BAD_VALUE, where, message)
+                self._report(rules.BAD_VALUE, where, message)
 
     def _written(
         self, device: Device, place: Place
@@ -239,7 +243,7 @@ class _Reader:
                 span = self._toml.span(where)
                 device, written = configured(device, number_of(key), value, span)
             except BadValueError as error:
-                self._tell(rules.BAD_VALUE, where, f"{key}: {error}")
+                self._report(rules.BAD_VALUE, where, f"{key}: {error}")
             else:
                 values[number_of(key)] = written
         return device, values
@@ -255,9 +259,9 @@ class _Reader:
         common_stops = self._toml.content["device"][kind.name].get("emergency_stop", [])
         settings["emergency_stop"] = ",".join(node.get("emergency_stop", common_stops))
         boot_time = device.find(*_BOOT_TIME)
-        told = None if boot_time is None else boot_time.current
-        if isinstance(told, int) and told:
-            settings.setdefault("boot_timeout", min(told / 1000, _LONGEST))
+        declared = None if boot_time is None else boot_time.current
+        if isinstance(declared, int) and declared:
+            settings.setdefault("boot_timeout", min(declared / 1000, _LONGEST))
         return BusNode(
             name=name,
             id=node["id"],
@@ -275,7 +279,7 @@ class _Reader:
             source, target = _end(entry["from"]), _end(entry["to"])
             wrong = _wrong(source, target, devices, found)
             if wrong is not None:
-                self._tell(rules.BAD_LINK, ("link", number), wrong)
+                self._report(rules.BAD_LINK, ("link", number), wrong)
             else:
                 found.append(PdoLink(source[::2], target[::2]))
         return found
@@ -287,20 +291,20 @@ class _Reader:
             place = self._toml.span(("link", number))
             name, tpdo = link.source
             sent = made[name].device.find(TPDO_COMMUNICATION + tpdo - 1, 1)
-            told = None if sent is None else resolved(sent.current, made[name].id)
-            if not isinstance(told, int):
-                self._tell(rules.BAD_LINK, ("link", number), "its TPDO has no COB-ID")
+            declared = None if sent is None else resolved(sent.current, made[name].id)
+            if not isinstance(declared, int):
+                self._report(rules.BAD_LINK, ("link", number), "its TPDO has no COB-ID")
                 continue
             for (end, pdo), base, cob_id in (
-                (link.source, TPDO_COMMUNICATION, told & ~INVALID),
-                (link.target, RPDO_COMMUNICATION, told & ~(INVALID | NO_RTR)),
+                (link.source, TPDO_COMMUNICATION, declared & ~INVALID),
+                (link.target, RPDO_COMMUNICATION, declared & ~(INVALID | NO_RTR)),
             ):
                 index = base + pdo - 1
                 node = made[end]
                 try:
                     device, value = configured(node.device, (index, 1), cob_id, place)
                 except BadValueError as error:
-                    self._tell(rules.BAD_LINK, ("link", number), f"{end}: {error}")
+                    self._report(rules.BAD_LINK, ("link", number), f"{end}: {error}")
                     continue
                 values = dict(node.values) | {(index, 1): value}
                 made[end] = replace(

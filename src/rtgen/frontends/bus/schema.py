@@ -1,6 +1,6 @@
-"""The JSON schema of bus files, and the check of a content against it.
+"""JSON schema of bus files, and validation against it.
 
-`docs/bus.schema.json` is this schema as a file, for editors; a test holds them equal.
+`docs/bus.schema.json` is this schema as a file, for editors; a test keeps them equal.
 """
 
 from __future__ import annotations

@@ -14,11 +14,11 @@ from rtgen.model.canopen import Device, Value
 
 
 class BadValueError(Exception):
-    """The device cannot have the value; the message says why."""
+    """An invalid value for the object; the message gives the reason."""
 
 
 def number_of(text: str) -> tuple[int, int]:
-    """Index and sub-index of an object written as `6401:1` or `6040`, in hexadecimal digits."""
+    """Parse an object's number `6401:1` or `6040`, in hexadecimal digits."""
     index, _, subindex = text.partition(":")
     return int(index, 16), int(subindex or "0", 16)
 
@@ -26,16 +26,16 @@ def number_of(text: str) -> tuple[int, int]:
 def _text(value: Any) -> str:
     if not isinstance(value, int):
         return str(value)
-    # Python refuses to write very long numbers in decimal.
+    # Python refuses to format very long integers in decimal.
     return str(int(value)) if value.bit_length() <= 64 else f"{value:#x}"
 
 
 def configured(
     device: Device, number: tuple[int, int], value: Any, span: Span
 ) -> tuple[Device, Value]:
-    """The device with the value of an object, and the value as its data type has it.
+    """The device with a changed value, and the value converted to the object's data type.
 
-    The PDOs are those of the new values. Raises BadValueError.
+    PDOs are updated for the new values. Raises BadValueError.
     """
     variable = device.find(*number)
     if variable is None:
@@ -45,12 +45,12 @@ def configured(
     text = _text(value)
     findings = Findings()
     entry = Entry(span.file, span.line, span.column, "value", text, span.column)
-    told = numbers.value(entry, variable.data_type, findings)
-    if told is None or findings.diagnostics:
+    declared = numbers.value(entry, variable.data_type, findings)
+    if declared is None or findings.diagnostics:
         message = findings.diagnostics[0].message.removeprefix("value: ")
         message = message.removesuffix("; it is ignored")
         raise BadValueError(f"{variable.name}: {message}")
-    written = replace(variable, value=told, value_span=span)
+    written = replace(variable, value=declared, value_span=span)
     objects = tuple(
         (
             replace(
@@ -67,4 +67,4 @@ def configured(
     pdos = PdoReader(
         objects, device.info, device.dummies, device.node_id, Findings()
     ).read()
-    return replace(device, objects=objects, pdos=pdos), told
+    return replace(device, objects=objects, pdos=pdos), declared

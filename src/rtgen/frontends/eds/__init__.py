@@ -1,4 +1,4 @@
-"""CANopen's EDS and DCF files (CiA 306) to the model: lines, sections, objects, PDOs."""
+"""EDS and DCF files (CiA 306) to the model: lines, sections, objects, PDOs."""
 
 from rtgen.frontends.eds.pipeline import load
 

@@ -1,4 +1,4 @@
-"""The data types of the communication objects (CiA 301, 7.5.2), for files that leave them out."""
+"""Data types of communication objects (CiA 301, 7.5.2), as a fallback for files without them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _PDO = {1: _U32, 2: _U8, 3: _U16, 4: _U8, 5: _U16, 6: _U8}
 
 
 def type_of(index: int, subindex: int) -> DataType | None:
-    """The data type of a communication object, sub-index 0 of ARRAYs and RECORDs aside."""
+    """The data type of a communication object; None for sub-index 0 of an ARRAY or RECORD."""
     match index >> 8:
         case 0x12:
             return _SDO.get(subindex)

@@ -1,4 +1,4 @@
-"""Compact sub-objects: one section for all members, and lists of what differs (CiA 306, 4.6.4)."""
+"""Compact sub-objects (CiA 306, 4.6.4): one section for all members, lists for the differences."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def expand(
     reader: VariableReader,
     findings: Findings,
 ) -> dict[int, Variable]:
-    """The variables that CompactSubObj stands for, by sub-index; none without it."""
+    """The members that CompactSubObj describes, by sub-index; empty without it."""
     entry = head.get("CompactSubObj")
     count = None if entry is None else numbers.number(entry, findings)
     if entry is None:
@@ -56,7 +56,8 @@ def expand(
     one = reader.read(head, index, 1, name)
     if one is None:
         return {}
-    # A mapping is changed by way of its sub-index 0 (CiA 301, 7.5.2.36), so that is writable, too.
+    # A mapping is changed by writing its sub-index 0 (CiA 301, 7.5.2.36), so that is writable,
+    # too.
     mapping = index in _MAPPINGS and one.access.writable
     first = Variable(
         index=index,
@@ -86,15 +87,17 @@ def configure(
     reader: VariableReader,
     findings: Findings,
 ) -> None:
-    """Gives variables the values and denotations of the lists, where they have none."""
+    """Set values and denotations from the lists, for members without their own."""
     values = sections.values.get(index)
     if values is not None:
-        reader.tell_of_dcf(values, whole=True)
+        reader.warn_of_dcf(values, whole=True)
         for subindex, entry in values.numbered():
             variable = made.get(subindex)
             if variable is not None and variable.value is None and entry.value:
-                told = numbers.value(entry, variable.data_type, findings)
-                made[subindex] = replace(variable, value=told, value_span=entry.span)
+                declared = numbers.value(entry, variable.data_type, findings)
+                made[subindex] = replace(
+                    variable, value=declared, value_span=entry.span
+                )
     names = sections.denotations.get(index)
     for subindex, entry in () if names is None else names.numbered():
         variable = made.get(subindex)
@@ -105,7 +108,7 @@ def configure(
 def check_lists(
     sections: ObjectSections, known: Mapping[int, Object], findings: Findings
 ) -> None:
-    """Tells of lists, and of entries in them, that belong to no compact sub-object."""
+    """Report lists, and entries of lists, that belong to no compact sub-object."""
     for lists in (sections.names, sections.values, sections.denotations):
         for index, section in lists.items():
             _check_list(section, known.get(index), findings)

@@ -1,4 +1,4 @@
-"""The sections about the file and the device (CiA 306, 4.5), and those of a DCF (5.2)."""
+"""Sections about the file and the device (CiA 306, 4.5), and those of a DCF (5.2)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Information:
         self._dcf = dcf
 
     def check_sections(self) -> None:
-        """Tells which sections are missing."""
+        """Report missing sections."""
         wanted = ["fileinfo", "deviceinfo", *LISTS]
         if self._dcf:
             wanted.append(COMMISSIONING)
@@ -130,24 +130,24 @@ class Information:
         entry = section.get("NodeID")
         if entry is None:
             return None
-        told = number(entry, self._findings)
-        if told is not None and 1 <= told <= 127:
-            return told
+        declared = number(entry, self._findings)
+        if declared is not None and 1 <= declared <= 127:
+            return declared
         message = f"{entry.value[:40]} is no node-id (1 to 127)"
         self._findings.add(information.NODE_ID, entry.span, message)
         return None
 
     def _bit_rate(self, section: Section) -> int | None:
-        told = self._number(section, "Baudrate", _U32)
-        if told is None or told in BIT_RATES:
-            return told
+        declared = self._number(section, "Baudrate", _U32)
+        if declared is None or declared in BIT_RATES:
+            return declared
         entry = section.get("Baudrate")
         assert entry is not None
-        in_bits = told % 1000 == 0 and told // 1000 in BIT_RATES
-        meaning = f"; it is taken for {told // 1000} kbit/s" if in_bits else ""
-        message = f"{told} is none of CiA 301's bit rates in kbit/s{meaning}"
+        in_bits = declared % 1000 == 0 and declared // 1000 in BIT_RATES
+        meaning = f"; it is taken for {declared // 1000} kbit/s" if in_bits else ""
+        message = f"{declared} is none of CiA 301's bit rates in kbit/s{meaning}"
         self._findings.add(information.BIT_RATE, entry.span, message)
-        return told // 1000 if in_bits else told
+        return declared // 1000 if in_bits else declared
 
     def dummies(self) -> tuple[int, ...]:
         """The data types that DummyUsage allows as gaps."""
@@ -192,20 +192,20 @@ class Information:
         entry = section.get(key)
         if entry is None:
             return None
-        told = number(entry, self._findings)
-        if told is None or not 0 <= told <= most:
+        declared = number(entry, self._findings)
+        if declared is None or not 0 <= declared <= most:
             self._bad(entry, f"a number of 0 to {most}")
             return None
-        return told
+        return declared
 
     def _flag(self, section: Section, key: str) -> bool:
         entry = section.get(key)
         if entry is None:
             return False
-        told = parse(entry.value.split()[0])
-        if told is None or told.value not in (0, 1):
+        declared = parse(entry.value.split()[0])
+        if declared is None or declared.value not in (0, 1):
             self._bad(entry, "0 or 1")
-        return told is not None and told.value != 0
+        return declared is not None and declared.value != 0
 
     def _formed(self, entry: Entry | None, form: re.Pattern[str], what: str) -> str:
         if entry is None:

@@ -1,4 +1,4 @@
-"""The lexical form of EDS and DCF files: sections and keys, each with its place (CiA 306, 4.2)."""
+"""Lexical form of EDS and DCF files: sections and keys with their places (CiA 306, 4.2)."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ codecs.register_error(_FALLBACK, _as_latin_1)
 
 @dataclass(slots=True, eq=False)
 class Entry:
-    """`key=value`. Columns are 1-based; `value` has no blanks around it."""
+    """An entry `key=value`. Columns are 1-based; `value` is stripped."""
 
     file: str
     line: int
@@ -45,7 +45,7 @@ class Entry:
 
     @property
     def span(self) -> Span:
-        """Where the value stands, or the key if there is none."""
+        """The place of the value, or of the key without one."""
         start, text = self.value_column, self.value
         if not text:
             start, text = self.column, self.key
@@ -53,7 +53,7 @@ class Entry:
 
     @property
     def key_span(self) -> Span:
-        """Where the key stands."""
+        """The place of the key."""
         end = self.column + len(self.key)
         return Span(self.file, self.line, self.column, self.line, end)
 
@@ -67,17 +67,17 @@ class Section:
     entries: dict[str, Entry] = field(default_factory=dict)
 
     def get(self, key: str) -> Entry | None:
-        """The entry of that key, if it has a value."""
+        """The entry of a key, if it has a value."""
         entry = self.entries.get(key.lower())
         return entry if entry is not None and entry.value else None
 
     def text(self, key: str) -> str:
-        """The value of that key, or empty."""
+        """The value of a key, or an empty text."""
         entry = self.entries.get(key.lower())
         return "" if entry is None else entry.value
 
     def numbered(self) -> Iterator[tuple[int, Entry]]:
-        """The entries whose keys are decimal numbers, in order of the file."""
+        """The entries with decimal numbers as keys, in order of the file."""
         for key, entry in self.entries.items():
             if key.isascii() and key.isdigit() and len(key) <= 6:
                 yield int(key), entry
@@ -85,7 +85,7 @@ class Section:
 
 @dataclass(slots=True, eq=False)
 class Document:
-    """A file as text and as sections by lower-case name, in order."""
+    """A file as text, and as sections by lower-case name, in order."""
 
     file: str
     text: str
@@ -93,7 +93,7 @@ class Document:
     _headers: list[tuple[int, str]] | None = None
 
     def section_at(self, line: int) -> str | None:
-        """The name of the section that a line stands in; None for a header."""
+        """The name of the section that contains a line; None for a header."""
         if self._headers is None:
             self._headers = [
                 (number, found[1].strip())
@@ -108,12 +108,12 @@ class Document:
 
     @property
     def start(self) -> Span:
-        """The first place of the file, for what the whole of it lacks."""
+        """The start of the file, the place of diagnostics about something missing."""
         return Span(self.file, 1, 1, 1, 1)
 
 
 def read(data: bytes, file: str, findings: Findings) -> Document:
-    """The sections of a file; `file` is the path for messages."""
+    """Split a file into sections; `file` is the path for messages."""
     document = Document(file, "", {})
     if len(data) > MAX_BYTES:
         message = f"the file is larger than {MAX_BYTES:,} bytes"
@@ -150,7 +150,7 @@ def _decode(data: bytes) -> tuple[str, str]:
 
 
 class _Reader:
-    """Goes through the lines of a text."""
+    """Reads the text line by line."""
 
     def __init__(self, document: Document, findings: Findings, encoding: str) -> None:
         self._document = document

@@ -1,4 +1,4 @@
-"""The keys that CiA 306 has for each kind of section, and those that are none of them."""
+"""The known keys of each kind of section (CiA 306), and a check for unknown ones."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _MOST_SUGGESTIONS = 100
 
 
 class _Keys:
-    """The keys of one kind of section: those of fixed name, and a pattern for the others."""
+    """The keys of one kind of section: fixed names, and a pattern for numbered ones."""
 
     def __init__(self, names: str, pattern: str = "(?!)") -> None:
         self.names = {name.lower(): name for name in names.split()}
@@ -53,7 +53,7 @@ _PLAIN = {
 
 
 def check(outline: Outline, findings: Findings) -> None:
-    """Tells of keys that the sections do not have."""
+    """Report unknown keys."""
     checker = _Checker(findings)
     for name, section in outline.plain.items():
         if name in _PLAIN:

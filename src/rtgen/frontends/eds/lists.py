@@ -1,4 +1,4 @@
-"""Lists with a count: those of objects (CiA 306, 4.6.2) and others."""
+"""Sections that are lists with a count: lists of objects (CiA 306, 4.6.2) and others."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from rtgen.frontends.eds.rules import information
 from rtgen.model.canopen import Object
 
 MANDATORY = (0x1000, 0x1001, 0x1018)
-"""The objects that every device has."""
+"""The objects that are mandatory in every device."""
 
 
 def check_count(section: Section, key: str, count: int, findings: Findings) -> None:
-    """Tells if a count is missing, or is not the number of entries."""
+    """Report a missing count, or one that differs from the number of entries."""
     entry = section.get(key)
     if entry is None:
         message = f"{key} is missing; there are {count} entries"
@@ -28,9 +28,13 @@ def check_count(section: Section, key: str, count: int, findings: Findings) -> N
 
 
 def index_of(entry: Entry) -> int | None:
-    """The index that an entry of a list names."""
-    told = parse(entry.value.split()[0]) if entry.value else None
-    return told.value if told is not None and 0 <= told.value <= 0xFFFF else None
+    """The index in an entry of a list; None if it is malformed."""
+    declared = parse(entry.value.split()[0]) if entry.value else None
+    return (
+        declared.value
+        if declared is not None and 0 <= declared.value <= 0xFFFF
+        else None
+    )
 
 
 def check(

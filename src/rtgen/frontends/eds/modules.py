@@ -1,4 +1,4 @@
-"""Modular devices: what the modules in their slots add to the object dictionary (CiA 306, 4.7)."""
+"""Modular devices: objects that the modules in the slots add (CiA 306, 4.7)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _MOST_SLOTS = 254
 
 
 class ModuleReader:
-    """Reads the modules of one file, and applies those that are connected."""
+    """Reads the modules of one file, and applies the connected ones."""
 
     def __init__(self, outline: Outline, findings: Findings, dcf: bool) -> None:
         self._outline = outline
@@ -28,13 +28,13 @@ class ModuleReader:
         self._dcf = dcf
 
     def kinds(self) -> tuple[Module, ...]:
-        """The kinds of module that the device takes."""
+        """The module types that the device supports."""
         section = self._outline.plain.get("supportedmodules")
         count = 0
         if section is not None:
             entry = section.get("NrOfEntries")
-            told = None if entry is None else number(entry, self._findings)
-            count = told if told is not None and told >= 0 else 0
+            declared = None if entry is None else number(entry, self._findings)
+            count = declared if declared is not None and declared >= 0 else 0
         for key, sections in sorted(self._outline.modules.items()):
             if not 1 <= key <= count and sections.first is not None:
                 message = f"[SupportedModules] counts {count} modules, not module {key}"
@@ -54,16 +54,16 @@ class ModuleReader:
         check_count(section, "NrOfEntries", len(entries), self._findings)
         found = []
         for _, entry in entries:
-            told = parse(entry.value)
-            if told is None or told.value not in self._outline.modules:
+            declared = parse(entry.value)
+            if declared is None or declared.value not in self._outline.modules:
                 message = f"there is no module {entry.value[:20]}"
                 self._findings.add(rules.NO_MODULE, entry.span, message)
             else:
-                found.append(told.value)
+                found.append(declared.value)
         return tuple(found)
 
     def apply(self, objects: list[Object], connected: Sequence[int]) -> list[Object]:
-        """The object dictionary with these modules in the slots."""
+        """The object dictionary extended by these modules."""
         dictionary = {o.index: o for o in objects}
         for key in connected:
             sections = self._outline.modules[key]
@@ -89,7 +89,7 @@ class ModuleReader:
                     break
 
     def _count(self, section: Section) -> int:
-        """How many sub-objects a module adds; a list by type is added up."""
+        """Number of sub-objects that a module adds; a list by type is summed up."""
         entry = section.get("Count")
         if entry is None:
             return 1
@@ -101,7 +101,7 @@ class ModuleReader:
 def _append(
     dictionary: dict[int, Object], index: int, one: Variable, step: int
 ) -> bool:
-    """Adds a sub-object behind the last one, in a further object if this one is full."""
+    """Append a sub-object, in a further object if this one is full."""
     while (of := dictionary.get(index)) is not None:
         if of.type not in (ObjectType.ARRAY, ObjectType.RECORD):
             return False

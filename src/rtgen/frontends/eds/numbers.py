@@ -1,4 +1,4 @@
-"""Numbers and values as EDS files write them (CiA 306, 4.2 and 4.6.3.2)."""
+"""Numbers and values of EDS files (CiA 306, 4.2 and 4.6.3.2)."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _REALS = {DataType.REAL32: ("<I", "<f"), DataType.REAL64: ("<Q", "<d")}
 
 
 class Number(NamedTuple):
-    """A number, and what is unusual about the way it is written."""
+    """A number, with flags for unusual notations."""
 
     value: int
     octal: bool = False
@@ -42,7 +42,7 @@ class Number(NamedTuple):
 
 
 def parse(text: str) -> Number | None:
-    """The number that a text is: decimal, hexadecimal with `0x`, or, oddly, with `h` behind."""
+    """Parse a number: decimal, hexadecimal with `0x`, or (non-standard) with suffix `h`."""
     found = _NUMBER.fullmatch(text)
     if found is None:
         found = _HEX_BEHIND.fullmatch(text)
@@ -54,15 +54,15 @@ def parse(text: str) -> Number | None:
 
 
 def number(entry: Entry, findings: Findings) -> int | None:
-    """The number of an entry; None, without a finding, where it is none."""
+    """The number of an entry; None, without a diagnostic, if it is malformed."""
     parsed = parse(without_comment(entry, findings))
     if parsed is None:
         return None
-    _tell(parsed, entry, findings)
+    _report(parsed, entry, findings)
     return parsed.value
 
 
-def _tell(parsed: Number, entry: Entry, findings: Findings) -> None:
+def _report(parsed: Number, entry: Entry, findings: Findings) -> None:
     if parsed.octal:
         message = (
             f"{entry.value} is taken for {parsed.value}, though a leading 0 means octal"
@@ -74,7 +74,7 @@ def _tell(parsed: Number, entry: Entry, findings: Findings) -> None:
 
 
 def without_comment(entry: Entry, findings: Findings) -> str:
-    """The value of an entry that is no text, without a comment behind it."""
+    """The value of an entry without a trailing comment."""
     text = _COMMENT.sub("", entry.value)
     if text != entry.value:
         start = entry.value_column + len(text)
@@ -86,7 +86,7 @@ def without_comment(entry: Entry, findings: Findings) -> str:
 
 
 def value(entry: Entry, type_: int, findings: Findings) -> Value | None:
-    """The value of an entry as its data type has it; None, with a finding, where it is none."""
+    """The value of an entry for its data type; None, with a diagnostic, if it is invalid."""
     if type_ in _TEXTS:
         return entry.value
     if type_ == DataType.VISIBLE_CHAR and len(entry.value) == 1:
@@ -104,7 +104,7 @@ def value(entry: Entry, type_: int, findings: Findings) -> Value | None:
 def limit(
     entry: Entry, type_: int, findings: Findings
 ) -> int | float | NodeRelative | None:
-    """The limit of an entry as its data type has it; None, with a finding, where it is none."""
+    """The limit of an entry for its data type; None, with a diagnostic, if it is invalid."""
     ordered = type_ in SIGNED or type_ in UNSIGNED or type_ in _REALS
     if not ordered and type_ not in (DataType.BOOLEAN, DataType.VISIBLE_CHAR):
         message = f"{entry.key}: values of this data type have no order"
@@ -176,7 +176,7 @@ def _integer(
     if parsed is None:
         _bad(entry, findings, "number")
         return None
-    _tell(parsed, entry, findings)
+    _report(parsed, entry, findings)
     fitted = _fitted(parsed.value, type_)
     if fitted is None:
         _out_of_range(entry, type_, findings)
@@ -202,7 +202,7 @@ def _fitted(number: int, type_: DataType) -> int | None:
 
 
 def _formula(text: str, entry: Entry, findings: Findings) -> NodeRelative | None:
-    """`$NODEID+number`, also with its terms in another order, in other case, and more of them."""
+    """Parse `$NODEID+number`, with terms in any order and case, and more of them."""
     offset, nodes = 0, 0
     for sign, term in re.findall(r"([+-]?)([^+-]*)", re.sub(r"\s+", "", text)):
         if term.upper() == "$NODEID" and sign != "-":

@@ -1,4 +1,4 @@
-"""Objects and their variables from their sections (CiA 306, 4.6)."""
+"""Reads objects and their variables from sections (CiA 306, 4.6)."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class ObjectReader:
         self._room = MOST_VARIABLES
 
     def read(self) -> list[Object]:
-        """The objects, by index; DEFTYPE, DEFSTRUCT and NULL are none."""
+        """The objects by index, without DEFTYPE, DEFSTRUCT and NULL."""
         sections = self._sections
         found = []
         for index in sorted({*sections.heads, *sections.subs}):
@@ -58,17 +58,17 @@ class ObjectReader:
 
     @staticmethod
     def _defined_types(sections: ObjectSections) -> dict[int, int]:
-        """Ranges of a basic type that the file defines: their code to that of the basic type."""
+        """Subranges of basic types defined by the file: their code to that of the basic type."""
         defined = {}
         for index, subs in sections.subs.items():
             base = subs[1].get("DefaultValue") if 1 in subs else None
-            told = None if base is None else parse(base.value)
+            declared = None if base is None else parse(base.value)
             if (
                 index < _TYPES_END
-                and told is not None
-                and told.value in variables.KNOWN
+                and declared is not None
+                and declared.value in variables.KNOWN
             ):
-                defined[index] = told.value
+                defined[index] = declared.value
         return defined
 
     def _object(self, index: int) -> Object | None:
@@ -112,21 +112,21 @@ class ObjectReader:
         )
 
     def _type(self, head: Section, subs: dict[int, Section]) -> ObjectType:
-        """What the object is, by ObjectType, or else by its other keys."""
+        """The object type in ObjectType, falling back on the other keys."""
         entry = head.get("ObjectType")
         written = None if entry is None else self._variables.word(entry, ObjectType)
-        told = ObjectType(written) if written in set(ObjectType) else None
+        declared = ObjectType(written) if written in set(ObjectType) else None
         composed = bool(subs) or head.get("CompactSubObj") is not None
         typed = head.get("DataType") is not None
-        if told is ObjectType.VAR or (entry is None and typed):
+        if declared is ObjectType.VAR or (entry is None and typed):
             likely = ObjectType.VAR if typed or not composed else ObjectType.RECORD
-        elif told is not None:
-            return told
+        elif declared is not None:
+            return declared
         elif typed and not composed:
             likely = ObjectType.VAR
         else:
             likely = ObjectType.RECORD if composed else ObjectType.VAR
-        if likely is not (told or (ObjectType.VAR if entry is None else None)):
+        if likely is not (declared or (ObjectType.VAR if entry is None else None)):
             span = head.span if entry is None else entry.span
             message = f"ObjectType is taken for {likely.name}"
             self._findings.add(rules.OBJECT_TYPE, span, message)
@@ -161,12 +161,12 @@ class ObjectReader:
         return [made[subindex] for subindex in sorted(made)]
 
     def _common_type(self, head: Section, subs: dict[int, Section]) -> int | None:
-        """The data type of an ARRAY's members: the head's, else that of the first who has one."""
+        """The data type of an ARRAY's members: that of the head, else of the first typed member."""
         for section in (head, *(subs[k] for k in sorted(subs) if k)):
             entry = section.get("DataType")
-            told = None if entry is None else parse(entry.value)
-            if told is not None:
-                return told.value
+            declared = None if entry is None else parse(entry.value)
+            if declared is not None:
+                return declared.value
         return None
 
     def _check_members(
@@ -181,8 +181,8 @@ class ObjectReader:
             self._findings.add(rules.NO_SUBS, head.span, message)
             return
         entry = head.get("SubNumber")
-        told = None if entry is None else number(entry, self._findings)
-        if entry is not None and told != described and described:
+        declared = None if entry is None else number(entry, self._findings)
+        if entry is not None and declared != described and described:
             message = f"SubNumber is {entry.value[:20]}; {described} sub-objects are described"
             self._findings.add(rules.SUB_NUMBER, entry.span, message)
         first = made.get(0)
@@ -206,11 +206,11 @@ class ObjectReader:
         if first.data_type != DataType.UNSIGNED8:
             message = f"sub-index 0 is no UNSIGNED8, but {type_text(first)}"
             self._findings.add(rules.SUB0_TYPE, first.span, message)
-        told = first.default
-        if first.index in _COUNT_OTHER_THINGS or not isinstance(told, int):
+        declared = first.default
+        if first.index in _COUNT_OTHER_THINGS or not isinstance(declared, int):
             return
-        if told != highest:
-            message = f"sub-index 0 is {told}; the highest described is {highest}"
+        if declared != highest:
+            message = f"sub-index 0 is {declared}; the highest described is {highest}"
             self._findings.add(rules.SUB0_VALUE, first.value_span, message)
 
     def _links(self, index: int) -> Iterator[int]:
@@ -219,15 +219,15 @@ class ObjectReader:
             return
         entries = dict(section.numbered())
         for key in sorted(entries):
-            told = index_of(entries[key])
-            if told is None:
+            declared = index_of(entries[key])
+            if declared is None:
                 message = f"{entries[key].value[:40]} is no index"
                 self._findings.add(information.BAD_ENTRY, entries[key].span, message)
             else:
-                yield told
+                yield declared
 
 
 def type_text(variable: Variable) -> str:
-    """The data type of a variable in words."""
+    """The name of a variable's data type."""
     code = variable.data_type
     return DataType(code).name if code in variables.KNOWN else f"type {code:04X}h"

@@ -1,4 +1,4 @@
-"""What each section of a file is: the names of sections (CiA 306, 4.5 to 4.8), and their keys."""
+"""Sorts the sections of a file by their names (CiA 306, 4.5 to 4.8)."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ PLAIN = {
     "dynamicchannels": "DynamicChannels",
     "tools": "Tools",
 }
-"""The sections of fixed name, by lower-case name."""
+"""Sections with fixed names, by lower-case name."""
 
 _OBJECT = re.compile(
     r"(0x)?([0-9a-f]{2,4})(?:sub([0-9a-f]{1,8})|(name|value|denotation|objectlinks))?"
@@ -54,7 +54,7 @@ class ObjectSections:
     links: dict[int, Section] = field(default_factory=dict)
 
     def all(self) -> Iterator[Section]:
-        """Those that describe an object or a sub-object."""
+        """The sections that describe an object or a sub-object."""
         yield from self.heads.values()
         for subs in self.subs.values():
             yield from subs.values()
@@ -62,7 +62,7 @@ class ObjectSections:
 
 @dataclass(slots=True, eq=False)
 class ModuleSections:
-    """The sections of a kind of module."""
+    """The sections of a module type."""
 
     info: Section | None = None
     fixed: ObjectSections = field(default_factory=ObjectSections)
@@ -72,7 +72,7 @@ class ModuleSections:
 
 @dataclass(slots=True, eq=False)
 class Outline:
-    """All sections of a file by what they are."""
+    """All sections of a file by their kind."""
 
     plain: dict[str, Section] = field(default_factory=dict)
     objects: ObjectSections = field(default_factory=ObjectSections)
@@ -81,7 +81,7 @@ class Outline:
 
 
 def outline(document: Document, findings: Findings) -> Outline:
-    """Sorts the sections of a file."""
+    """Sort the sections of a file."""
     result = Outline()
     for name, section in document.sections.items():
         _place(name, section, result, findings)
@@ -130,7 +130,7 @@ def _place_module(
 def _place_object(
     name: str, prefix: str, section: Section, into: ObjectSections, findings: Findings
 ) -> bool:
-    """Keeps the section if its name (without the prefix) is that of an object."""
+    """Store the section if its name, without the prefix, is that of an object."""
     found = _OBJECT.fullmatch(name)
     if found is None:
         return False

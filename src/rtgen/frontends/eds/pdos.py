@@ -1,4 +1,4 @@
-"""The PDOs of a device, from its communication and mapping parameters (CiA 301, 7.5.2.35 on)."""
+"""Reads the PDOs of a device from communication and mapping parameters (CiA 301, 7.5.2.35 ff.)."""
 
 from __future__ import annotations
 
@@ -133,10 +133,10 @@ class PdoReader:
     def _check_communication(self, pdo: Pdo, communication: Object) -> None:
         subs = {v.subindex: v for v in communication.variables}
         place = {k: v.value_span for k, v in subs.items()}
-        told = pdo.transmission_type
-        requested = pdo.direction is PdoDirection.TPDO and told in (252, 253)
-        if told is not None and 240 < told < 254 and not requested:
-            message = f"{told} is a reserved transmission type"
+        declared = pdo.transmission_type
+        requested = pdo.direction is PdoDirection.TPDO and declared in (252, 253)
+        if declared is not None and 240 < declared < 254 and not requested:
+            message = f"{declared} is a reserved transmission type"
             self._findings.add(rules.BAD_TRANSMISSION, place[2], message)
         if pdo.cob_id is None:
             message = f"{pdo.direction.upper()} {pdo.number} has no COB-ID"
@@ -147,7 +147,7 @@ class PdoReader:
             self._findings.add(rules.BAD_COB_ID, place[1], message)
 
     def _reserved(self, cob_id: int | NodeRelative) -> int | None:
-        """A CAN identifier among those of the COB-ID that no PDO can have."""
+        """A restricted CAN identifier in the COB-ID, None if it has none."""
         offset = cob_id.offset if isinstance(cob_id, NodeRelative) else cob_id
         if offset & EXTENDED:
             return None
@@ -226,13 +226,13 @@ class PdoReader:
         for pdo in pdos:
             if not pdo.valid or pdo.cob_id is None:
                 continue
-            told = resolved(pdo.cob_id, self._node_id)
-            offset = told.offset if isinstance(told, NodeRelative) else told
+            declared = resolved(pdo.cob_id, self._node_id)
+            offset = declared.offset if isinstance(declared, NodeRelative) else declared
             assert isinstance(offset, int)
             identifier = offset & (0x1FFFFFFF if offset & EXTENDED else 0x7FF)
             key: Value = (
                 NodeRelative(identifier)
-                if isinstance(told, NodeRelative)
+                if isinstance(declared, NodeRelative)
                 else identifier
             )
             other = seen.setdefault(key, pdo)
@@ -248,15 +248,17 @@ def _integer(value: Value | None) -> int | None:
 
 
 def _entries(values: Mapping[int, Value | None]) -> tuple[PdoEntry, ...]:
-    """The entries in use; none of a multiplexed PDO."""
+    """The mapping entries in use; none for a multiplexed PDO."""
     used = values.get(0)
     if not isinstance(used, int) or used in _MULTIPLEXED:
         return ()
     entries = []
     for subindex in range(1, min(used, MAX_ENTRIES) + 1):
-        told = values.get(subindex)
-        if isinstance(told, int):
-            entries.append(PdoEntry(told >> 16, told >> 8 & 0xFF, told & 0xFF))
+        declared = values.get(subindex)
+        if isinstance(declared, int):
+            entries.append(
+                PdoEntry(declared >> 16, declared >> 8 & 0xFF, declared & 0xFF)
+            )
     return tuple(entries)
 
 

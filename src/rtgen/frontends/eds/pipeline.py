@@ -1,4 +1,4 @@
-"""The front end as a whole: EDS and DCF files in, devices and findings out."""
+"""The EDS front end: reads EDS and DCF files into devices and diagnostics."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ def load(
 ) -> FrontendResult:
     """Read device descriptions into one model.
 
-    `root` is the project's folder, to which the keys of files are relative. `node_id` is the node
-    that the devices are read for; without it, a DCF's own. Whatever is wrong with the input is in
-    the diagnostics, sorted; nothing is raised for it. A file with an error gives no device.
+    `root` is the project's folder, which keys of files are relative to. `node_id` is the node-id
+    of the devices, defaulting to that of a DCF. All problems of the input are in the diagnostics,
+    sorted; no exception is raised for them. A file with an error yields no device.
     """
     run = _Run(root, node_id)
     shown = {os.path.normpath(path.absolute()): path for path in reversed(paths)}
@@ -121,9 +121,9 @@ def read_bytes(
     key: str = "",
     node_id: int | None = None,
 ) -> tuple[Device | None, str]:
-    """The device that a file's bytes describe (None if it has errors), and its text.
+    """Read a device description (None if it has errors) and its text.
 
-    `file` is the path for messages; it ends in `.dcf` for a DCF, in any case.
+    `file` is the path for messages; the suffix `.dcf`, in any case, marks a DCF.
     """
     document = ini.read(data, file, findings)
     device = None if findings.failed else _described(document, findings, node_id)
@@ -135,7 +135,7 @@ def read_bytes(
 
 
 def _in_section(found: Diagnostic, document: ini.Document) -> Diagnostic:
-    """The finding with the section that its line stands in."""
+    """Add the section of the line to a diagnostic."""
     assert found.span is not None
     name = document.section_at(found.span.line)
     if not name:
@@ -213,26 +213,28 @@ def _check_counts(
     info: DeviceInfo, objects: Sequence[Object], sections: Outline, findings: Findings
 ) -> None:
     section = sections.plain.get("deviceinfo")
-    for key, told, base in (
+    for key, declared, base in (
         ("NrOfRXPDO", info.rpdos, RPDO_COMMUNICATION),
         ("NrOfTXPDO", info.tpdos, TPDO_COMMUNICATION),
     ):
         found = sum(base <= o.index < base + PDOS for o in objects)
         entry = None if section is None else section.get(key)
-        if entry is not None and told is not None and told != found:
-            message = f"{key} is {told}; {found} are described"
+        if entry is not None and declared is not None and declared != found:
+            message = f"{key} is {declared}; {found} are described"
             findings.add(information_rules.PDO_COUNT, entry.span, message)
 
 
 def _check_identity(device: Device, sections: Outline, findings: Findings) -> None:
     section = sections.plain.get("deviceinfo")
-    for key, told, subindex in (
+    for key, declared, subindex in (
         ("VendorNumber", device.info.vendor_number, 1),
         ("ProductNumber", device.info.product_number, 2),
     ):
         variable = device.find(0x1018, subindex)
         other = None if variable is None else variable.current
         entry = None if section is None else section.get(key)
-        if entry is not None and told and other and told != other:
-            message = f"{key} is 0x{told:X}, but 1018h sub-index {subindex} is another"
+        if entry is not None and declared and other and declared != other:
+            message = (
+                f"{key} is 0x{declared:X}, but 1018h sub-index {subindex} is another"
+            )
             findings.add(information_rules.OTHER_IDENTITY, entry.span, message)

@@ -1,4 +1,4 @@
-"""One variable from its section (CiA 306, 4.6.3.2)."""
+"""Reads a variable from its section (CiA 306, 4.6.3.2)."""
 
 from __future__ import annotations
 
@@ -32,20 +32,20 @@ _OF_A_DCF = ("ParameterValue", "Denotation", "UploadFile", "DownloadFile")
 
 
 def _value_place(section: Section, default: Value | None, value: Value | None) -> Span:
-    for key, told in (("ParameterValue", value), ("DefaultValue", default)):
+    for key, declared in (("ParameterValue", value), ("DefaultValue", default)):
         entry = section.get(key)
-        if entry is not None and told is not None:
+        if entry is not None and declared is not None:
             return entry.span
     return section.span
 
 
 class VariableReader:
-    """Reads variables; `types` are the ranges that the file defines, by code."""
+    """Reads variables; `types` are the subranges defined by the file, by code."""
 
     def __init__(self, findings: Findings, types: dict[int, int], dcf: bool) -> None:
         self._findings = findings
         self._types = types
-        self._told_of_dcf = dcf
+        self._warned_of_dcf = dcf
 
     def name(self, section: Section, fallback: str) -> str:
         """The name of an object or sub-object."""
@@ -65,9 +65,9 @@ class VariableReader:
         domain: bool = False,
         common: int | None = None,
     ) -> Variable | None:
-        """The variable; None if it has no data type, which is an error.
+        """Read a variable; None, with an error, if it has no data type.
 
-        `common` is the data type of the ARRAY that it belongs to.
+        `common` is the data type of the surrounding ARRAY.
         """
         entry = section.get("ObjectType")
         if entry is not None and subindex:
@@ -76,12 +76,12 @@ class VariableReader:
         if data_type is None:
             return None
         access, written = self._access(section)
-        self.tell_of_dcf(section)
+        self.warn_of_dcf(section)
         default = self._value(section, "DefaultValue", data_type)
         value = self._value(section, "ParameterValue", data_type)
         low, high = self._limits(section, data_type)
-        for key, told in (("DefaultValue", default), ("ParameterValue", value)):
-            self._check_limits(section, key, told, low, high)
+        for key, declared in (("DefaultValue", default), ("ParameterValue", value)):
+            self._check_limits(section, key, declared, low, high)
         return Variable(
             index=index,
             subindex=subindex,
@@ -107,7 +107,7 @@ class VariableReader:
         )
 
     def word(self, entry: Entry, names: type[IntEnum] | dict[str, int]) -> int | None:
-        """The number of an entry, or the one that a name stands for; None if it is neither."""
+        """The number of an entry, or that of an enumerator; None for anything else."""
         word = entry.value.upper()
         members = names if isinstance(names, dict) else dict(names.__members__)
         if word in members:
@@ -205,18 +205,18 @@ class VariableReader:
         self,
         section: Section,
         key: str,
-        told: Value | None,
+        declared: Value | None,
         low: int | float | NodeRelative | None,
         high: int | float | NodeRelative | None,
     ) -> None:
-        if not isinstance(told, int | float):
+        if not isinstance(declared, int | float):
             return
-        below = isinstance(low, int | float) and told < low
-        if below or (isinstance(high, int | float) and told > high):
+        below = isinstance(low, int | float) and declared < low
+        if below or (isinstance(high, int | float) and declared > high):
             entry = section.get(key)
             assert entry is not None
             limit = f"below LowLimit {low}" if below else f"above HighLimit {high}"
-            message = f"{key} {told} is {limit}"
+            message = f"{key} {declared} is {limit}"
             self._findings.add(values.OUTSIDE_LIMITS, entry.span, message)
 
     def _factor(self, section: Section) -> float | None:
@@ -227,38 +227,38 @@ class VariableReader:
         return found if isinstance(found, float) else None
 
     def flags(self, section: Section) -> int:
-        """The object flags, 0 where not given."""
+        """The object flags, 0 by default."""
         entry = section.get("ObjFlags")
-        told = None if entry is None else numbers.number(entry, self._findings)
-        if entry is not None and (told is None or not 0 <= told <= 0xFFFFFFFF):
+        declared = None if entry is None else numbers.number(entry, self._findings)
+        if entry is not None and (declared is None or not 0 <= declared <= 0xFFFFFFFF):
             message = f"ObjFlags is {entry.value[:40]!r}, not a number of 32 bits"
             self._findings.add(information.BAD_INFORMATION, entry.span, message)
             return 0
-        return told or 0
+        return declared or 0
 
     def _flag(self, section: Section, key: str) -> bool:
         entry = section.get(key)
         if entry is None:
             return False
-        told = numbers.number(entry, self._findings)
-        if told is None or told in (0, 1):
+        declared = numbers.number(entry, self._findings)
+        if declared is None or declared in (0, 1):
             return numbers.value(entry, DataType.BOOLEAN, self._findings) == 1
-        message = f"{entry.key} is {told}, not 0 or 1; it is taken for 1"
+        message = f"{entry.key} is {declared}, not 0 or 1; it is taken for 1"
         self._findings.add(information.BAD_INFORMATION, entry.span, message)
         return True
 
-    def tell_of_dcf(self, section: Section, *, whole: bool = False) -> None:
-        """Tells, once a file, that the section has (or is) what belongs to a DCF only."""
-        if self._told_of_dcf:
+    def warn_of_dcf(self, section: Section, *, whole: bool = False) -> None:
+        """Warn once per file that the section has, or is, what only a DCF may contain."""
+        if self._warned_of_dcf:
             return
         for name in _OF_A_DCF:
             entry = section.get(name)
             if entry is not None:
-                self._told_of_dcf = True
+                self._warned_of_dcf = True
                 message = f"{entry.key} belongs to a DCF"
                 self._findings.add(information.OF_A_DCF, entry.key_span, message)
                 return
         if whole:
-            self._told_of_dcf = True
+            self._warned_of_dcf = True
             message = f"[{section.name}] belongs to a DCF"
             self._findings.add(information.OF_A_DCF, section.span, message)
