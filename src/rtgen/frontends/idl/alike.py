@@ -1,4 +1,4 @@
-"""Whether two declarations say the same, wherever they stand."""
+"""Structural equality of declarations, ignoring their places in the text."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ _PLACE = frozenset(("start", "end", "span", "file", "doc"))
 
 
 def alike(one: object, other: object) -> bool:
-    """Whether two nodes of the tree, or two declarations, differ in their place at most."""
+    """Whether two nodes of the tree, or two declarations, are equal except for their places."""
     if type(one) is not type(other):
         return False
     if isinstance(one, tuple) and isinstance(other, tuple):

@@ -1,4 +1,4 @@
-"""Annotations: what each takes and where it may stand, and their arguments as values."""
+"""Annotations (OMG IDL 4.2, 7.4.15): allowed places, parameters, and arguments as values."""
 
 from __future__ import annotations
 
@@ -31,16 +31,16 @@ FLAG = PRIMITIVES[Primitive.BOOLEAN]
 WORD = "word"
 """A bare word such as FINAL, or a text."""
 TYPED = "typed"
-"""A value of the type that is annotated."""
+"""A value of the annotated type."""
 
 Wanted = Type | str
 
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """An annotation: its arguments, the places where it means something, the one that it needs.
+    """An annotation: its parameters, the places where it is allowed, its mandatory parameter.
 
-    `words` are those that an argument which is one can be; empty for any.
+    `words` are the allowed values of a word argument; empty for any.
     """
 
     arguments: Mapping[str, Wanted] = field(default_factory=dict)
@@ -132,7 +132,7 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
             created=TEXT,
             updated=TEXT,
         ),
-        # rtgen: a type of which the name alone is known
+        # rtgen: a type known by name only
         "opaque": _define("struct interface"),
         "name": _define("port configuration component", required="value", value=TEXT),
         "port": _define("port", required="value", value=TEXT),
@@ -154,7 +154,7 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
         "constraint": _define("configuration", required="value", value=TEXT),
     }
 )
-"""Every annotation that is known; `@name` and the like only where components are."""
+"""All known annotations; `@name` and similar ones only apply to components."""
 
 _REPEATABLE = ("verbatim", "data_representation", "event")
 
@@ -171,11 +171,11 @@ PLACES = {
     Kind.VALUETYPE: "valuetype",
     Kind.COMPONENT: "component",
 }
-"""The place that a declaration is for an annotation, where its kind has another name."""
+"""The name of a place for annotations, if it differs from the kind of declaration."""
 
 
 class Annotations:
-    """Turns annotations as written into those of the model; findings go to `report`."""
+    """Converts annotations of the tree into those of the model; diagnostics go to `report`."""
 
     def __init__(self, types: Types, report: Callable[[Diagnostic], None]) -> None:
         self._types = types
@@ -189,7 +189,8 @@ class Annotations:
         unit: Unit,
         type_: Type | None = None,
     ) -> tuple[Annotation, ...]:
-        """The annotations of something; `type_` is its type, for `@default` and the like."""
+        """The annotations of a declaration; `type_` is its type, for `@default` and similar ones.
+        """
         nodes = tuple(annotations)
         if len(nodes) > 1:
             self._repeated(nodes, unit)
@@ -252,7 +253,7 @@ class Annotations:
         return Annotation(node.name, tuple(arguments))
 
     def _declared(self, name: str) -> Definition | None:
-        """An annotation that is declared by `@annotation`: it may stand anywhere."""
+        """An annotation declared by `@annotation`, which may stand anywhere."""
         found = self._types.tables.annotations.get(name)
         if found is None:
             return None
@@ -307,7 +308,7 @@ class Annotations:
         return _shortest(found) if single and isinstance(found, float) else found
 
     def _scalar(self, type_: Type | None) -> Type | None:
-        """The type that a default has: lists are given as text."""
+        """The type of a default value; lists are given as text."""
         plain = self._types.unaliased(type_)
         if (
             plain is None
@@ -320,7 +321,7 @@ class Annotations:
         return type_
 
     def natural(self, value: tree.Expression, unit: Unit) -> ConstantValue | None:
-        """The value of an argument whose type nothing tells: that of the literal itself."""
+        """The value of an argument of unknown type: that of the literal itself."""
         constants = self._types.constants
         match value:
             case tree.ScopedName():
@@ -342,7 +343,7 @@ class Annotations:
 
 
 def _complete(node: tree.Annotation, definition: Definition) -> bool:
-    """Whether the argument that is needed is there, or a wrong one in its place."""
+    """Whether the mandatory argument is present, or a wrong one in its place."""
     given = [a.name.text if a.name else "value" for a in node.arguments]
     return (
         not definition.required
@@ -352,7 +353,7 @@ def _complete(node: tree.Annotation, definition: Definition) -> bool:
 
 
 def _shortest(value: float) -> float:
-    """The number of the fewest digits that is this one in single precision."""
+    """The shortest decimal number that rounds to this one in single precision."""
     for digits in range(1, 9):
         short = float(f"{value:.{digits}g}")
         if struct.pack("<f", short) == struct.pack("<f", value):
@@ -363,7 +364,7 @@ def _shortest(value: float) -> float:
 def limits(
     found: Iterable[Annotation],
 ) -> tuple[ConstantValue | None, ConstantValue | None, ConstantValue | None]:
-    """The minimum, the maximum and the default that annotations give."""
+    """The minimum, the maximum and the default in annotations."""
     found = tuple(found)
     low, high = value(found, "range", "min"), value(found, "range", "max")
     low = value(found, "min") if low is None else low
@@ -372,7 +373,7 @@ def limits(
 
 
 def contradictions(found: Iterable[Annotation]) -> Iterator[str]:
-    """What is wrong with a default and the limits around it."""
+    """Contradictions between a default and its limits."""
     low, high, default = limits(found)
     if exceeds(low, high):
         yield f"the minimum {low} is larger than the maximum {high}"
@@ -403,7 +404,7 @@ def _article(place: str) -> str:
 
 
 def flag(annotations: Iterable[Annotation], name: str) -> bool:
-    """Whether an annotation such as `@key` is there and not FALSE."""
+    """Whether an annotation such as `@key` is present and not FALSE."""
     for annotation in annotations:
         if annotation.name == name:
             return annotation.get() is not False
@@ -411,7 +412,7 @@ def flag(annotations: Iterable[Annotation], name: str) -> bool:
 
 
 def integer(annotations: Iterable[Annotation], name: str) -> int | None:
-    """The number in an annotation such as `@id(3)`."""
+    """The integer argument of an annotation such as `@id(3)`."""
     for annotation in annotations:
         value = annotation.get()
         if annotation.name == name and isinstance(value, int):
@@ -420,7 +421,7 @@ def integer(annotations: Iterable[Annotation], name: str) -> int | None:
 
 
 def text(annotations: Iterable[Annotation], name: str) -> str | None:
-    """The text in an annotation such as `@unit("m")`."""
+    """The text argument of an annotation such as `@unit("m")`."""
     for annotation in annotations:
         value = annotation.get()
         if annotation.name == name and isinstance(value, str):
@@ -431,7 +432,7 @@ def text(annotations: Iterable[Annotation], name: str) -> str | None:
 def value(
     annotations: Iterable[Annotation], name: str, key: str = "value"
 ) -> ConstantValue | None:
-    """The value of an argument of the first annotation of that name."""
+    """The value of an argument of the first annotation with this name."""
     for annotation in annotations:
         if annotation.name == name:
             return annotation.get(key)

@@ -1,4 +1,4 @@
-"""The parser's callbacks: each rule of the grammar as the node of the syntax tree it makes."""
+"""Callbacks of the parser: turn each rule of the grammar into a node of the syntax tree."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def _end(token: Token) -> int:
 
 
 def _start(node: Any) -> int:
-    """Where a node or token begins."""
+    """Start offset of a node or token."""
     start: int = node.start if hasattr(node, "start") else node.start_pos
     return start
 
@@ -42,7 +42,7 @@ def _chain(children: Children, operator: str) -> tree.Chain:
 
 
 def _take(children: Children, *kinds: str) -> Token | None:
-    """Remove the first child if it is a token of these kinds."""
+    """Remove and return the first child if it is a token of these kinds."""
     if children and getattr(children[0], "type", None) in kinds:
         token: Token = children.pop(0)
         return token
@@ -50,7 +50,7 @@ def _take(children: Children, *kinds: str) -> Token | None:
 
 
 def _taken(children: Children, kind: type) -> Any:
-    """Remove and give the first child of that kind, if there is one."""
+    """Remove and return the first child of this type, if there is one."""
     for index, child in enumerate(children):
         if type(child) is kind:
             return children.pop(index)
@@ -70,7 +70,7 @@ class _Truncatable(_Bases):
 
 
 class Builder:
-    """One method for each rule or alias of `idl.lark`; `children` as lark gives them."""
+    """One method for each rule or alias of `idl.lark`; `children` as passed by lark."""
 
     # Lists of declarations
 

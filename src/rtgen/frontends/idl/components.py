@@ -1,4 +1,4 @@
-"""Components: ports, configuration and profile of an RTC from CORBA 3's component construct."""
+"""Components: an RTC's ports, configuration and profile from the component construct (CORBA 3)."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ _DATES = ("created", "updated")
 
 
 class Components:
-    """Makes the model's components; findings go to `report`."""
+    """Lowers components to the model; diagnostics go to `report`."""
 
     def __init__(
         self, types: Types, fields: CommonFields, report: Callable[[Diagnostic], None]
@@ -65,7 +65,7 @@ class Components:
     def declaration(
         self, entity: Entity, node: tree.Component, annotations: Annotations
     ) -> Component:
-        """The component, with what it inherits."""
+        """Lower a component with its inherited members."""
         unit = entity.unit
         common = self._fields.common(entity)
         base = self._base(node)
@@ -103,7 +103,9 @@ class Components:
         return self._made.get(found) if isinstance(found, Entity) else None
 
     def _profile(self, common: dict[str, Any], entity: Entity) -> dict[str, Any]:
-        """The arguments of `@rtc`; the description falls back on the doc comment's first line."""
+        """The arguments of `@rtc`; the description falls back on the first line of the doc
+        comment.
+        """
         profile: dict[str, Any] = {}
         for annotation in common["annotations"]:
             if annotation.name == "rtc":
@@ -292,7 +294,7 @@ class Components:
 
 
 def _slot(item: Port | ConfigurationParameter) -> tuple[str, ...]:
-    """What only one port or parameter of a component can be."""
+    """The key that must be unique among the ports and parameters of a component."""
     if isinstance(item, ConfigurationParameter):
         return (item.name,)
     if item.kind in _DATA:

@@ -1,4 +1,4 @@
-"""The expressions of `#if` and `#elif` (ISO C 1998, 16.1): integers, `defined`, operators."""
+"""Expressions of `#if` and `#elif` (ISO C 1998, 16.1): integers, `defined`, operators."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _DEEPEST = 64
 
 
 def evaluate(text: str, macros: Mapping[str, Macro]) -> bool:
-    """Whether the expression is not 0; raises ExpansionError for one that is none."""
+    """Whether the expression is not 0. Raises ExpansionError for a malformed one."""
     tokens = _defined([t for t in tokenize(text) if t.kind != "space"], macros)
     tokens = [t for t in Expander(macros).expand(tokens) if t.kind != "space"]
     tokens = _defined(tokens, macros)
@@ -84,7 +84,7 @@ def _defined(tokens: list[Token], macros: Mapping[str, Macro]) -> list[Token]:
 
 @dataclass(frozen=True, slots=True)
 class _Number:
-    """A value of C's intmax_t, or uintmax_t if `unsigned`: 64 bits, which sums run over."""
+    """A value of C's intmax_t, or uintmax_t if `unsigned`: 64 bits, with overflow."""
 
     value: int
     unsigned: bool = False
@@ -98,7 +98,7 @@ class _Number:
 
 
 class _Parser:
-    """Precedence climbing."""
+    """Precedence climbing parser."""
 
     def __init__(self, tokens: list[Token]) -> None:
         self.tokens = tokens[::-1]
@@ -130,7 +130,7 @@ class _Parser:
         return _Number.of(value, chosen.unsigned or other.unsigned)
 
     def _operand(self, matters: bool, lowest: int = 0) -> _Number:
-        """An operand; one that does not matter is read, but cannot be wrong."""
+        """Evaluate an operand; an unevaluated one (`matters` is False) causes no error."""
         self._dead += not matters
         value = self.expression(lowest)
         self._dead -= not matters

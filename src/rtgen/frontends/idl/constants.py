@@ -1,4 +1,4 @@
-"""Constant expressions (CORBA 2.6, 3.10.2; OMG IDL 4.2, 7.4.1.4.3): the target type decides."""
+"""Evaluates constant expressions (CORBA 2.6, 3.10.2; OMG IDL 4.2, 7.4.1.4.3) for a target type."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ _NARROW = {
     Primitive.UINT8: 8,
     Primitive.UNSIGNED_SHORT: 16,
 }
-"""The unsigned types whose complement has fewer bits than are reckoned with."""
+"""Unsigned types narrower than the arithmetic, whose complement has to be masked."""
 _WIDE = (Primitive.LONG_LONG, Primitive.UNSIGNED_LONG_LONG)
 _BY_SIZE = (
     Primitive.SHORT,
@@ -58,8 +58,11 @@ _LARGEST_FLOAT = 3.4028234663852886e38
 _LARGEST_DOUBLE = sys.float_info.max
 
 
-class Sort(StrEnum):
-    """The kinds of values that do not mix; the value is how messages call them."""
+class OperandClass(StrEnum):
+    """Operand classes, which must not be mixed in an expression.
+
+    The value is their name in messages.
+    """
 
     INTEGER = "an integer"
     FLOAT = "a floating-point number"
@@ -73,53 +76,53 @@ class Sort(StrEnum):
 
 
 _EXAMPLES = {
-    Sort.INTEGER: "write a number without point and quotes, such as 10",
-    Sort.FLOAT: "write a number with a point, such as 1.5",
-    Sort.FIXED: "write a number that ends with d, such as 1.5d",
-    Sort.CHARACTER: "write one character in single quotes, such as 'x'",
-    Sort.WIDE_CHARACTER: "write one character in single quotes behind L, such as L'x'",
-    Sort.TEXT: 'write text in double quotes, such as "text"',
-    Sort.WIDE_TEXT: 'write text in double quotes behind L, such as L"text"',
-    Sort.BOOLEAN: "write TRUE or FALSE",
-    Sort.ENUM: "write the name of an enumerator",
+    OperandClass.INTEGER: "write a number without point and quotes, such as 10",
+    OperandClass.FLOAT: "write a number with a point, such as 1.5",
+    OperandClass.FIXED: "write a number that ends with d, such as 1.5d",
+    OperandClass.CHARACTER: "write one character in single quotes, such as 'x'",
+    OperandClass.WIDE_CHARACTER: "write one character in single quotes behind L, such as L'x'",
+    OperandClass.TEXT: 'write text in double quotes, such as "text"',
+    OperandClass.WIDE_TEXT: 'write text in double quotes behind L, such as L"text"',
+    OperandClass.BOOLEAN: "write TRUE or FALSE",
+    OperandClass.ENUM: "write the name of an enumerator",
 }
 _WIDE_HINT = "wide literals begin with L, others do not"
 _CONVERSIONS = {
-    (Sort.TEXT, Sort.WIDE_TEXT): _WIDE_HINT,
-    (Sort.WIDE_TEXT, Sort.TEXT): _WIDE_HINT,
-    (Sort.CHARACTER, Sort.WIDE_CHARACTER): _WIDE_HINT,
-    (Sort.WIDE_CHARACTER, Sort.CHARACTER): _WIDE_HINT,
-    (Sort.INTEGER, Sort.FLOAT): "write a number without point, or make the type double",
+    (OperandClass.TEXT, OperandClass.WIDE_TEXT): _WIDE_HINT,
+    (OperandClass.WIDE_TEXT, OperandClass.TEXT): _WIDE_HINT,
+    (OperandClass.CHARACTER, OperandClass.WIDE_CHARACTER): _WIDE_HINT,
+    (OperandClass.WIDE_CHARACTER, OperandClass.CHARACTER): _WIDE_HINT,
+    (OperandClass.INTEGER, OperandClass.FLOAT): "write a number without point, or make the type double",
     (
-        Sort.INTEGER,
-        Sort.ENUM,
+        OperandClass.INTEGER,
+        OperandClass.ENUM,
     ): "an enumerator is no number: write its number, or use the enum",
 }
 
 
-def sort_of(type_: Type | None, is_enum: Callable[[ScopedName], bool]) -> Sort | None:
-    """The sort of the constants of a type without aliases; None if it has none."""
+def operand_class_of(type_: Type | None, is_enum: Callable[[ScopedName], bool]) -> OperandClass | None:
+    """The operand class of a type's constants, through aliases; None if it has no constants."""
     match type_:
         case PrimitiveType(kind):
             if kind in INTEGER_RANGES:
-                return Sort.INTEGER
+                return OperandClass.INTEGER
             if kind in FLOATS:
-                return Sort.FLOAT
+                return OperandClass.FLOAT
             if kind is Primitive.BOOLEAN:
-                return Sort.BOOLEAN
+                return OperandClass.BOOLEAN
             if kind in _CHARACTERS:
-                return Sort.WIDE_CHARACTER if _CHARACTERS[kind] else Sort.CHARACTER
+                return OperandClass.WIDE_CHARACTER if _CHARACTERS[kind] else OperandClass.CHARACTER
         case StringType(wide):
-            return Sort.WIDE_TEXT if wide else Sort.TEXT
+            return OperandClass.WIDE_TEXT if wide else OperandClass.TEXT
         case FixedType():
-            return Sort.FIXED
+            return OperandClass.FIXED
         case NamedType(name) if is_enum(name):
-            return Sort.ENUM
+            return OperandClass.ENUM
     return None
 
 
 class _NoValueError(Exception):
-    """The expression has no value; the finding is reported already."""
+    """The expression has no value; a diagnostic has been reported."""
 
 
 class TypeLookup(Protocol):
@@ -137,7 +140,7 @@ class TypeLookup(Protocol):
 
 
 class Constants:
-    """Evaluates expressions; findings go to `report`."""
+    """Evaluates expressions; diagnostics go to `report`."""
 
     def __init__(self, types: TypeLookup, report: Callable[[Diagnostic], None]) -> None:
         self._types = types
@@ -148,7 +151,7 @@ class Constants:
         self._signed = True
 
     def value_of(self, entity: Entity) -> ConstantValue | None:
-        """The value of a constant; None if it has none."""
+        """The value of a constant; None if it has an error."""
         if entity not in self._values:
             self._values[entity] = None
             node = entity.node
@@ -161,11 +164,11 @@ class Constants:
     def evaluate(
         self, node: tree.Expression, type_: Type, unit: Unit, what: str = "constant"
     ) -> ConstantValue | None:
-        """The value of an expression for a type; None, with a finding, if it has none."""
+        """Evaluate an expression for a type; None, with a diagnostic, if it has no value."""
         plain = self._types.unaliased(type_)
         if plain is None:
             return None
-        sort = sort_of(plain, self._types.is_enum)
+        sort = operand_class_of(plain, self._types.is_enum)
         saved = (
             *(getattr(self, "_unit", unit), self._bits, self._signed),
             self._complement,
@@ -200,7 +203,9 @@ class Constants:
             self._unit, self._bits, self._signed, self._complement = saved
 
     def positive(self, node: tree.Expression, unit: Unit) -> int | None:
-        """The value of a bound or dimension; None, with a finding, if it is no possible one."""
+        """Evaluate a bound or dimension; None, with a diagnostic, if it is not a positive
+        integer.
+        """
         value = self.evaluate(node, PrimitiveType(Primitive.LONG_LONG), unit, "bound")
         if value is None:
             return None
@@ -224,10 +229,10 @@ class Constants:
         hint: str | None = None,
         declared: Entity | None = None,
     ) -> None:
-        self._tell(rule, node, message, hint, declared)
+        self._report_at(rule, node, message, hint, declared)
         raise _NoValueError
 
-    def _tell(
+    def _report_at(
         self,
         rule: Rule,
         node: tree.Expression,
@@ -242,7 +247,7 @@ class Constants:
         span = self._unit.span(node.start, node.end)
         self._report(rule.at(span, message, related=related, hint=hint))
 
-    def _evaluate(self, node: tree.Expression, sort: Sort, depth: int) -> ConstantValue:
+    def _evaluate(self, node: tree.Expression, sort: OperandClass, depth: int) -> ConstantValue:
         if depth > MAX_DEPTH:
             self._fail(syntax.TOO_DEEP, node, "this expression is nested too deeply")
         match node:
@@ -253,8 +258,8 @@ class Constants:
             case tree.Text():
                 return self._text(node, sort)
             case tree.Boolean():
-                if sort is not Sort.BOOLEAN:
-                    self._mixed(node, sort, Sort.BOOLEAN)
+                if sort is not OperandClass.BOOLEAN:
+                    self._mixed(node, sort, OperandClass.BOOLEAN)
                 return node.value
             case tree.ScopedName():
                 return self._named(node, sort)
@@ -272,16 +277,16 @@ class Constants:
                     )
                 return value
 
-    def _has_operators(self, node: tree.Expression, sort: Sort) -> None:
-        if sort not in (Sort.INTEGER, Sort.FLOAT, Sort.FIXED):
+    def _has_operators(self, node: tree.Expression, sort: OperandClass) -> None:
+        if sort not in (OperandClass.INTEGER, OperandClass.FLOAT, OperandClass.FIXED):
             hint = (
                 "adjacent strings are joined"
-                if sort in (Sort.TEXT, Sort.WIDE_TEXT)
+                if sort in (OperandClass.TEXT, OperandClass.WIDE_TEXT)
                 else None
             )
             self._fail(rules.WRONG_KIND, node, f"{sort} has no operators", hint)
 
-    def _mixed(self, node: tree.Expression, wanted: Sort, found: Sort) -> None:
+    def _mixed(self, node: tree.Expression, wanted: OperandClass, found: OperandClass) -> None:
         self._fail(
             rules.WRONG_KIND,
             node,
@@ -289,7 +294,7 @@ class Constants:
             _CONVERSIONS.get((wanted, found)) or _EXAMPLES[wanted],
         )
 
-    def _number(self, node: tree.Number, sort: Sort) -> ConstantValue:
+    def _number(self, node: tree.Number, sort: OperandClass) -> ConstantValue:
         try:
             value = literals.number(node.text)
         except literals.LiteralError as error:
@@ -298,27 +303,27 @@ class Constants:
         match value:
             case int():
                 return self._from_integer(value, node, sort)
-            case float() if sort is Sort.FLOAT:
+            case float() if sort is OperandClass.FLOAT:
                 return value
-            case Decimal() if sort is Sort.FIXED:
+            case Decimal() if sort is OperandClass.FIXED:
                 return value
-        self._mixed(node, sort, Sort.FLOAT if isinstance(value, float) else Sort.FIXED)
+        self._mixed(node, sort, OperandClass.FLOAT if isinstance(value, float) else OperandClass.FIXED)
         return value
 
     def _from_integer(
-        self, value: int, node: tree.Expression, sort: Sort
+        self, value: int, node: tree.Expression, sort: OperandClass
     ) -> ConstantValue:
-        if sort in (Sort.FLOAT, Sort.FIXED):
-            example = f"{value}.0" if sort is Sort.FLOAT else f"{value}d"
-            self._tell(
+        if sort in (OperandClass.FLOAT, OperandClass.FIXED):
+            example = f"{value}.0" if sort is OperandClass.FLOAT else f"{value}d"
+            self._report_at(
                 rules.INTEGER_AS_FLOAT,
                 node,
                 f"{sort} is wanted here",
                 f"write {example}",
             )
-            return float(value) if sort is Sort.FLOAT else Decimal(value)
-        if sort is not Sort.INTEGER:
-            self._mixed(node, sort, Sort.INTEGER)
+            return float(value) if sort is OperandClass.FLOAT else Decimal(value)
+        if sort is not OperandClass.INTEGER:
+            self._mixed(node, sort, OperandClass.INTEGER)
         low, high = self._bounds()
         if not low <= value <= high:
             self._overflow(node, value)
@@ -336,7 +341,7 @@ class Constants:
             _wider(value),
         )
 
-    def _text(self, node: tree.Text, sort: Sort) -> ConstantValue:
+    def _text(self, node: tree.Text, sort: OperandClass) -> ConstantValue:
         try:
             found = literals.text(node.parts, node.character)
         except literals.LiteralError as error:
@@ -345,30 +350,30 @@ class Constants:
         for escape in found.unknown_escapes:
             message = f"\\{escape} is no escape; {escape} is taken"
             hint = f"write {escape}, or \\\\ for a backslash"
-            self._tell(syntax.UNKNOWN_ESCAPE, node, message, hint)
+            self._report_at(syntax.UNKNOWN_ESCAPE, node, message, hint)
         if found.broken:
-            self._tell(
+            self._report_at(
                 syntax.BROKEN_STRING,
                 node,
                 "this string goes over several lines",
                 'write \\n for a line break, and "..." "..." for a long string',
             )
         sorts = (
-            (Sort.CHARACTER, Sort.WIDE_CHARACTER)
+            (OperandClass.CHARACTER, OperandClass.WIDE_CHARACTER)
             if node.character
-            else (Sort.TEXT, Sort.WIDE_TEXT)
+            else (OperandClass.TEXT, OperandClass.WIDE_TEXT)
         )
         if sort is not sorts[found.wide]:
             self._mixed(node, sort, sorts[found.wide])
         return found.value
 
-    def _named(self, node: tree.ScopedName, sort: Sort) -> ConstantValue:
+    def _named(self, node: tree.ScopedName, sort: OperandClass) -> ConstantValue:
         entity = self._types.tables.references.get(node)
         if entity is None:
             raise _NoValueError
         if isinstance(entity, Entity) and entity.kind is Kind.ENUMERATOR:
-            if sort is not Sort.ENUM:
-                self._mixed(node, sort, Sort.ENUM)
+            if sort is not OperandClass.ENUM:
+                self._mixed(node, sort, OperandClass.ENUM)
             return EnumeratorName(entity.path)
         if not isinstance(entity, Entity) or entity.kind is not Kind.CONST:
             self._fail(
@@ -386,15 +391,15 @@ class Constants:
         )
         if value is None or type_ is None:
             raise _NoValueError
-        found = sort_of(type_, self._types.is_enum)
-        if found is Sort.INTEGER and isinstance(value, int):
+        found = operand_class_of(type_, self._types.is_enum)
+        if found is OperandClass.INTEGER and isinstance(value, int):
             return self._from_integer(value, node, sort)
         if found is not sort:
-            self._mixed(node, sort, found or Sort.INTEGER)
+            self._mixed(node, sort, found or OperandClass.INTEGER)
         return value
 
     def _unary(
-        self, operator: str, value: ConstantValue, node: tree.Expression, sort: Sort
+        self, operator: str, value: ConstantValue, node: tree.Expression, sort: OperandClass
     ) -> ConstantValue:
         if isinstance(value, int) and not isinstance(value, bool):
             match operator:
@@ -480,11 +485,11 @@ class Constants:
         if left < 0 or right < 0:
             message = "the remainder has the sign of the left operand"
             hint = "write the value itself if other compilers read this too"
-            self._tell(rules.NEGATIVE_REMAINDER, node, message, hint)
+            self._report_at(rules.NEGATIVE_REMAINDER, node, message, hint)
         return left - quotient * right
 
     def _checked(self, value: ConstantValue, node: tree.Expression) -> ConstantValue:
-        """A result on the way, within what omniidl calculates with."""
+        """Check an intermediate result against the range of omniidl's arithmetic."""
         if isinstance(value, int) and not isinstance(value, bool):
             low, high = self._bounds()
             if not low <= value <= high:
@@ -503,7 +508,7 @@ class Constants:
     def _fit(
         self, value: ConstantValue, type_: Type, node: tree.Expression
     ) -> ConstantValue:
-        """The value as its type holds it."""
+        """Convert a value to the target type."""
         match type_:
             case PrimitiveType(kind) if kind in INTEGER_RANGES:
                 low, high = INTEGER_RANGES[kind]
@@ -546,7 +551,7 @@ class Constants:
             )
             if _is_literal(node):
                 message = f"the value is beyond the range of a {kind}: it is infinite"
-                self._tell(rules.INFINITE, node, message, hint)
+                self._report_at(rules.INFINITE, node, message, hint)
             else:
                 message = f"the value is beyond the range of a {kind}"
                 self._fail(rules.OUT_OF_RANGE, node, message, hint)
@@ -554,7 +559,7 @@ class Constants:
         if kind is Primitive.LONG_DOUBLE:
             message = "the constant is kept as a double"
             hint = "write double if that is precise enough"
-            self._tell(type_rules.LONG_DOUBLE, node, message, hint)
+            self._report_at(type_rules.LONG_DOUBLE, node, message, hint)
         if kind is Primitive.FLOAT:
             rounded: float = struct.unpack("<f", struct.pack("<f", value))[0]
             return rounded
@@ -572,13 +577,13 @@ class Constants:
             self._fail(rules.OUT_OF_RANGE, node, message, hint)
         if cut != value:
             message = f"{value} is cut to {scale} digits behind the point"
-            self._tell(rules.PRECISION, node, message, f"write {cut}d")
+            self._report_at(rules.PRECISION, node, message, f"write {cut}d")
             return cut
         return value
 
 
 def _is_literal(node: tree.Expression) -> bool:
-    """Whether it is one number, be it with a sign or in parentheses."""
+    """Whether the expression is a single number, possibly signed or in parentheses."""
     match node:
         case tree.Unary(operand=inner) | tree.Group(inner=inner):
             return _is_literal(inner)
@@ -586,7 +591,7 @@ def _is_literal(node: tree.Expression) -> bool:
 
 
 def fixed_type_of(value: Decimal) -> FixedType:
-    """The smallest fixed-point type that holds a value (CORBA 2.6, 3.10.2)."""
+    """The smallest fixed-point type for a value (CORBA 2.6, 3.10.2)."""
     _, digits, exponent = _without_zeros(value).as_tuple()
     assert isinstance(exponent, int)
     scale = max(-exponent, 0)
@@ -594,7 +599,7 @@ def fixed_type_of(value: Decimal) -> FixedType:
 
 
 def _without_zeros(value: Decimal) -> Decimal:
-    """The value without zeros at the end of its fraction."""
+    """The value without trailing zeros in its fraction."""
     return (
         value.quantize(Decimal(1), context=_EXACT)
         if value == value.to_integral_value()
@@ -603,7 +608,7 @@ def _without_zeros(value: Decimal) -> Decimal:
 
 
 def _wider(value: int) -> str:
-    """A hint that names the smallest type that holds a value."""
+    """A hint that names the smallest type for a value."""
     for kind in _BY_SIZE:
         low, high = INTEGER_RANGES[kind]
         if low <= value <= high:

@@ -1,4 +1,4 @@
-"""Enums and bitmasks: the numbers of their members, and what annotations say of them."""
+"""Lowers enums and bitmasks (OMG IDL 4.2, 7.4.1.4.4.3, 7.4.13.4.3): member values, annotations."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _DEFAULT_BOUND = 32
 
 
 class Enumerations:
-    """Makes the model's enums and bitmasks; findings go to `report`."""
+    """Lowers enums and bitmasks to the model; diagnostics go to `report`."""
 
     def __init__(
         self,
@@ -38,7 +38,7 @@ class Enumerations:
         common: dict[str, Any],
         doc: Callable[[tree.Enumerator], str],
     ) -> Declaration | None:
-        """The enum or bitmask; None if it has an error."""
+        """Lower an enum or bitmask; None if it has an error."""
         unit = entity.unit
         good = self._written_well(node, unit, entity)
         bound = self._bound(node, common, entity)

@@ -1,4 +1,4 @@
-"""Words of other languages that find their way into definitions, and what IDL has instead."""
+"""Words of other languages that occur in definitions by mistake, with their IDL equivalents."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ TYPES = {
     "std::array": "write T name[n]",
     "std::map": "write map<K, V>",
 }
-"""Types, by the name that they have elsewhere."""
+"""Types by their name in other languages."""
 
 VALUES = {
     "true": "the boolean constants are TRUE and FALSE",
@@ -101,4 +101,4 @@ WORDS = {
     "include": 'write #include "file.idl"',
     "define": "write const for a constant",
 }
-"""Words that begin or end a declaration elsewhere."""
+"""Words that start or end a declaration in other languages."""

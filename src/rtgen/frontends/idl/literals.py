@@ -1,4 +1,4 @@
-"""Literals as written, and the values that they stand for (CORBA 2.6, 3.2.5)."""
+"""Values of literals (CORBA 2.6, 3.2.5)."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _LARGEST = 2**64 - 1
 
 
 class LiteralError(Exception):
-    """A literal that stands for nothing; `hint` says what to write."""
+    """An invalid literal; `hint` suggests a valid one."""
 
     def __init__(self, message: str, hint: str | None = None) -> None:
         self.hint = hint
@@ -45,7 +45,7 @@ class LiteralError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class LiteralText:
-    """A character or string: its value, and the escapes in it that are none."""
+    """A character or string: its value, and invalid escapes in it."""
 
     value: str
     wide: bool
@@ -54,7 +54,7 @@ class LiteralText:
 
 
 def number(text: str) -> int | float | Decimal:
-    """The value of a number; fixed-point ones are Decimals. Raises LiteralError."""
+    """The value of a number; fixed-point numbers are Decimals. Raises LiteralError."""
     if (
         _DECIMAL.fullmatch(text)
         or _OCTAL.fullmatch(text)
@@ -106,7 +106,7 @@ def _fixed(digits: str) -> Decimal:
 
 
 def text(parts: tuple[str, ...], character: bool) -> LiteralText:
-    """The value of a character, or of adjacent strings, each with quotes. Raises LiteralError."""
+    """The value of a character, or of adjacent strings, with their quotes. Raises LiteralError."""
     wide = parts[0][0] == "L"
     unknown: list[str] = []
     values = []

@@ -1,4 +1,4 @@
-"""Finding and declaring names: look-up, introduction, clashes, and hints for unknown ones."""
+"""Declares and looks up names: introduction of names, clashes, hints for unknown names."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from rtgen.frontends.idl.words import CORBA_3, FOLDED, RESERVED
 from rtgen.frontends.suggestions import nearest
 
 MOST_ELSEWHERE = 3
-"""So many other places of a mistake are named."""
+"""Maximum number of further places listed in a diagnostic."""
 _MOST_GUESSES = 200
-"""For so many unknown names a near one is looked for, since that takes time."""
+"""Maximum number of unknown names that a similar one is searched for, which is slow."""
 
 _NO_GUESS = "declare it before its use, or include the file that declares it"
 
@@ -28,7 +28,7 @@ _ARTICLE = {"a": "an", "e": "an", "i": "an", "o": "an"}
 
 
 def called(entity: Entity) -> str:
-    """The entity as messages call it: `the struct RTC::Time`."""
+    """The entity in messages, such as `the struct RTC::Time`."""
     return f"the {entity.kind} {entity.scoped}"
 
 
@@ -39,7 +39,7 @@ def kind_of(entity: Entity) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _Unknown:
-    """A name that was not found; `inside` is the scope of a qualified name's last part."""
+    """An unknown name; `inside` is the scope of a qualified name's last part."""
 
     text: str
     span: Span
@@ -49,9 +49,9 @@ class _Unknown:
 
 
 class Lookup:
-    """Looks names up in a translation unit and reports those that cannot be found.
+    """Looks up names in a translation unit, and reports unknown ones.
 
-    `declares` gives the file near a unit that declares a name, for hints.
+    `declares` returns the file near a unit that declares a name, for hints.
     """
 
     def __init__(
@@ -63,16 +63,16 @@ class Lookup:
     ) -> None:
         self._folds = not ignore_case_clashes
         self.key: Callable[[str], str] = str.lower if self._folds else str
-        """What a scope has a name under."""
+        """The key of a name in its scope."""
         self._top = top
         self._report = report
         self._declares = declares
         self._unknowns: list[_Unknown] = []
         self._read_twice: set[str] = set()
         self.doubtful = False
-        """Whether an include was missing: then a name that is unknown is no news."""
+        """Whether an include is missing; unknown names are then not reported."""
         self.lost: set[str] = set()
-        """The names, in lower case, that broken declarations may have declared."""
+        """Names, in lower case, that declarations with syntax errors may have declared."""
 
     def find(
         self,
@@ -83,9 +83,9 @@ class Lookup:
         optional: bool = False,
         introduce: bool = True,
     ) -> Entity | None:
-        """What a scoped name stands for; None, with a finding unless `optional`.
+        """Look up a scoped name; None, with a diagnostic unless `optional`, if it is unknown.
 
-        By `introduce` the use keeps the scope from declaring the name anew.
+        With `introduce` the use prevents a later declaration of the name in the scope.
         """
         first = name.parts[0]
         key = self.key(first.text)
@@ -124,7 +124,7 @@ class Lookup:
         return entity
 
     def is_declared(self, scope: Scope, name: tree.ScopedName) -> bool:
-        """Whether a name stands for a declaration that is spelt just so."""
+        """Whether a name refers to a declaration with exactly this spelling."""
         first = name.parts[0].text
         places = [self._top] if name.absolute else scope.outward()
         found: list[Entity] = []
@@ -191,7 +191,7 @@ class Lookup:
         return entity
 
     def wrong_case(self, text: str, entity: Entity, span: Span) -> None:
-        """Report a name that is spelt in another case than its declaration."""
+        """Report a name whose case differs from its declaration."""
         self._report(
             rules.WRONG_CASE.at(
                 span,
@@ -213,9 +213,9 @@ class Lookup:
         self._unknowns.append(_Unknown(part.text, span, scope, whole is None, unit))
 
     def report_unknown(self) -> None:
-        """Report the names that were not found, now that all declarations are known.
+        """Report unknown names, after all declarations are known.
 
-        A name that is missing in several places is one mistake, and told once.
+        A name that is missing in several places is reported once.
         """
         uses: dict[tuple[str, Scope | None], list[_Unknown]] = {}
         for use in self._unknowns:
@@ -251,7 +251,7 @@ class Lookup:
             )
 
     def _later(self, unknown: _Unknown) -> Entity | None:
-        """What has the name and is visible, but declared only behind the use."""
+        """A visible declaration of the name that follows its use."""
         for place in unknown.scope.outward():
             for entity in place.find(self.key(unknown.text)):
                 if entity.name == unknown.text:
@@ -304,8 +304,8 @@ class Lookup:
     ) -> Entity | None:
         """Enter an entity into its scope.
 
-        Gives the entity that the scope has under that name, None where it had none. The caller
-        decides whether the two go together (modules, forward declarations); `clash` reports it.
+        Returns the entity that the scope already has under the name, or None. The caller decides
+        whether the two are compatible (modules, forward declarations); `clash` reports it.
         """
         name = entity.name
         key = self.key(name)
@@ -344,7 +344,7 @@ class Lookup:
         return None
 
     def clash(self, entity: Entity, existing: Entity) -> None:
-        """Report that a scope has that name already."""
+        """Report that the name is already used in its scope."""
         same = entity.name == existing.name
         if entity.span == existing.span:
             file = entity.span.file
@@ -406,7 +406,7 @@ class Lookup:
 
 
 def _enumerators(enum: Entity, text: str) -> str:
-    """A hint that names an enumerator like `text`, or all of a few."""
+    """A hint with an enumerator similar to `text`, or with all enumerators if they are few."""
     names = [e.name for e in enum.scope.names.values() if e.owner is enum]
     near = nearest(text, names)
     return f"did you mean {near}?" if near else f"it has {', '.join(names[:6])}"
@@ -430,7 +430,9 @@ def _hint_for_clash(entity: Entity, existing: Entity) -> str:
 
 
 def _introduce(scope: Scope, key: str, use: Use) -> None:
-    """Note a use in its scope and, inside an interface or the like, in those out to that one."""
+    """Record a use in its scope and, inside an interface or similar, in the enclosing ones up to
+    it.
+    """
     around = list(scope.outward())
     ends = [
         i for i, p in enumerate(around) if p.entity and p.entity.kind in _USED_OUT_TO

@@ -1,4 +1,4 @@
-"""The resolved tree as the model: one declaration for each name that has no error in it."""
+"""Lowers the resolved tree to the model: one declaration for each name without errors."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ from rtgen.model import (
 
 
 class Lowering:
-    """Gives the declarations of a translation unit; findings go to `report`."""
+    """Lowers the declarations of a translation unit; diagnostics go to `report`."""
 
     def __init__(self, types: Types, report: Callable[[Diagnostic], None]) -> None:
         self._types = types
@@ -77,7 +77,7 @@ class Lowering:
         }
 
     def declaration(self, entity: Entity) -> Declaration | None:
-        """What an entity is in the model; None if it has an error, or is only forward-declared."""
+        """Lower an entity; None if it has an error, or is only forward-declared."""
         if entity.poisoned:
             return None
         if entity.node is None:
@@ -88,7 +88,7 @@ class Lowering:
         return made
 
     def _undefined(self, entity: Entity) -> Declaration | None:
-        """An interface that is never defined can still be referred to."""
+        """An interface without definition, which can still be referenced."""
         if entity.kind is Kind.INTERFACE:
             return Interface(
                 **self._fields.common(entity),
@@ -306,7 +306,7 @@ class Lowering:
     def _native(self, entity: Entity, node: tree.Native) -> Declaration:
         return Native(**self._fields.common(entity))
 
-    # Interfaces and the like
+    # Interfaces and similar
 
     def _interface(self, entity: Entity, node: tree.Interface) -> Declaration | None:
         return Interface(
