@@ -1,7 +1,7 @@
-"""Macros: definitions and their expansion (ISO C 1999, 6.10.3), on tokens with hide sets.
+"""Macros (ISO C 1999, 6.10.3): definition and expansion, on tokens with hide sets.
 
-As GNU's preprocessor has it, the arguments of `...` may have a name, may be left out, and
-`, ## __VA_ARGS__` is nothing then.
+With GNU extensions: variadic arguments may be named, may be omitted, and `, ## __VA_ARGS__` then
+expands to nothing.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ _REST = "__VA_ARGS__"
 _NOTHING = ""
 
 MAX_TOKENS = 100_000
-"""How many tokens the expansions of one run of text may give."""
+"""Maximum number of tokens from the expansions in one run of text."""
 
 
 class ExpansionError(Exception):
-    """A macro call that cannot be expanded; `hint` as in diagnostics."""
+    """An invalid macro call; `hint` as in diagnostics."""
 
     def __init__(self, message: str, hint: str | None = None) -> None:
         super().__init__(message)
@@ -39,7 +39,7 @@ class ExpansionError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A preprocessing token; `hidden` are the macros whose expansion it came from."""
+    """A preprocessing token; `hidden` are the macros that it must not be expanded by."""
 
     kind: str
     text: str
@@ -48,9 +48,9 @@ class Token:
 
 @dataclass(frozen=True, slots=True)
 class Macro:
-    """A macro; `parameters` is None for one without parentheses.
+    """A macro; `parameters` is None for an object-like one.
 
-    Of one that is `variadic`, the last parameter takes whatever is left, commas included.
+    The last parameter of a `variadic` macro takes the remaining arguments with their commas.
     """
 
     name: str
@@ -61,7 +61,7 @@ class Macro:
 
 
 class MalformedMacroError(ExpansionError):
-    """A definition that is wrong; `macro` is what comes closest to it, if it has a name."""
+    """An invalid definition; `macro` is a best-effort definition, if it has a name."""
 
     def __init__(self, message: str, macro: Macro | None = None) -> None:
         super().__init__(message)
@@ -69,14 +69,14 @@ class MalformedMacroError(ExpansionError):
 
 
 class MacroTable(dict[str, Macro]):
-    """Macros by name. Every change goes through `put`, so that it can be told later."""
+    """Macros by name. All changes go through `put`, which records them."""
 
     def __init__(self, macros: Mapping[str, Macro]) -> None:
         super().__init__(macros)
         self._replaced: list[tuple[str, Macro | None]] = []
 
     def put(self, name: str, macro: Macro | None) -> None:
-        """Define a macro; None forgets the name."""
+        """Define a macro; None undefines it."""
         self._replaced.append((name, self.get(name)))
         if macro is None:
             self.pop(name, None)
@@ -89,7 +89,7 @@ class MacroTable(dict[str, Macro]):
         return len(self._replaced)
 
     def changed_since(self, then: int) -> dict[str, Macro | None]:
-        """What each name that was changed since `then` stood for at that time."""
+        """The definitions, at the time `then`, of all names changed since."""
         return dict(reversed(self._replaced[then:]))
 
 
@@ -101,7 +101,7 @@ def tokenize(text: str) -> list[Token]:
 
 
 def define(text: str, span: Span | None = None) -> Macro:
-    """The macro of `NAME body` or `NAME(a, b, ...) body`; MalformedMacroError if it is none."""
+    """Parse `NAME body` or `NAME(a, b, ...) body`. Raises MalformedMacroError."""
     match = re.match(r"\s*([^\W\d]\w*)(\()?", text)
     if match is None:
         raise MalformedMacroError("the name of the macro is missing")
@@ -129,7 +129,7 @@ def define(text: str, span: Span | None = None) -> Macro:
 
 
 def _parameters(inside: str, name: str) -> tuple[tuple[str, ...], bool, str | None]:
-    """The parameters of a macro, whether the last is variadic, and what is wrong with them."""
+    """The parameters of a macro, whether the last is variadic, and the error in them if any."""
     written = [p.strip() for p in inside.split(",")] if inside.strip() else []
     variadic = bool(written) and written[-1].endswith("...")
     if variadic:
@@ -146,7 +146,7 @@ def _parameters(inside: str, name: str) -> tuple[tuple[str, ...], bool, str | No
 
 
 def _shielded(body: Iterable[Token]) -> Iterator[Token]:
-    """What stands behind `defined` is asked for, not expanded."""
+    """Protect the operand of `defined` from expansion."""
     asked = False
     for token in body:
         if asked and token.kind == "name":
@@ -156,7 +156,7 @@ def _shielded(body: Iterable[Token]) -> Iterator[Token]:
 
 
 class Expander:
-    """Expands token lists with the macros of a table, to at most so many tokens."""
+    """Expands token lists with the macros of a table, up to a maximum number of tokens."""
 
     def __init__(self, macros: Mapping[str, Macro], most: int = MAX_TOKENS) -> None:
         self._macros = macros
@@ -165,16 +165,16 @@ class Expander:
 
     @property
     def exhausted(self) -> bool:
-        """Whether so much was expanded that there seems to be no end."""
+        """Whether the limit was exceeded, as by endless expansion."""
         return self._left < 0
 
     @property
     def used(self) -> int:
-        """How many tokens were looked at."""
+        """Number of tokens processed."""
         return self._most - self._left
 
     def expand(self, tokens: list[Token]) -> list[Token]:
-        """The tokens with all macro calls replaced; raises ExpansionError."""
+        """The tokens with all macro calls expanded. Raises ExpansionError."""
         pending = tokens[::-1]
         result: list[Token] = []
         while pending:
@@ -202,7 +202,7 @@ class Expander:
     def _arguments(
         self, macro: Macro, pending: list[Token]
     ) -> dict[str, list[Token]] | None:
-        """The arguments of a call, taken off `pending`; None if no parenthesis follows."""
+        """The arguments of a call, removed from `pending`; None without a parenthesis."""
         index = len(pending)
         while index and pending[index - 1].kind == "space":
             index -= 1
@@ -309,12 +309,12 @@ def _quoted(tokens: list[Token]) -> Token:
 
 
 def _last(tokens: list[Token]) -> str:
-    """The text of the last token that is no white space."""
+    """The text of the last token other than white space."""
     return next((t.text for t in reversed(tokens) if t.kind != "space"), "")
 
 
 def _paste_rest(result: list[Token], rest: list[Token]) -> None:
-    """What `, ## __VA_ARGS__` gives: the comma goes where there are no arguments."""
+    """Expand `, ## __VA_ARGS__`: without arguments the comma is removed."""
     while result[-1].kind == "space":
         result.pop()
     if rest:

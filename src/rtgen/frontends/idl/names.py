@@ -1,4 +1,4 @@
-"""Name resolution: a walk over a translation unit that declares and looks up every name."""
+"""Name resolution (OMG IDL 4.2, 7.5): declares and looks up all names of a translation unit."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from rtgen.frontends.idl.unit import Boundary, Inclusion, Pragma, Unit
 
 
 class Resolver(Naming):
-    """The walk. `items_of` gives the tree of a unit; findings go to `report`."""
+    """Walks a unit's tree. `items_of` returns the tree of a unit; diagnostics go to `report`."""
 
     def __init__(
         self,
@@ -76,7 +76,7 @@ class Resolver(Naming):
         return self.tables
 
     def _never_defined(self) -> None:
-        """Tell what has no definition; for a struct or union, its uses are the same mistake."""
+        """Report missing definitions, for a struct or union together with its uses."""
         uses: dict[Entity, list[Related]] = {}
         for entity, finding in self._too_early:
             if entity.node is None and entity.kind in (Kind.STRUCT, Kind.UNION):
@@ -132,7 +132,7 @@ class Resolver(Naming):
         self._handlers[type(node)](node, scope, item)
 
     def _events(self, until: int, scope: Scope) -> None:
-        """Apply the pragmas and inclusions that stand before an offset."""
+        """Apply the pragmas and inclusions before an offset."""
         events = self._unit.events
         while self._event < len(events) and events[self._event].offset <= until:
             event = events[self._event]
@@ -150,7 +150,7 @@ class Resolver(Naming):
                     outer.ids = ids
 
     def _include(self, inclusion: Inclusion) -> None:
-        """Read an included file; if its text was read before, only what it includes in turn."""
+        """Resolve an included file; of a file that was already read, only its own inclusions."""
         unit = inclusion.unit
         if unit.text not in self._read.get(unit.source, ()):
             self._run_unit(unit)
@@ -170,7 +170,7 @@ class Resolver(Naming):
         return scope
 
     def _body(self, entity: Entity, body: tree.Body) -> None:
-        """Walk the body of an entity in the scope that it opens."""
+        """Walk the body of an entity in its scope."""
         assert entity.inner is not None
         self._depth += 1
         if self._depth > MAX_DEPTH:
@@ -276,7 +276,7 @@ class Resolver(Naming):
         self._to_end(entity)
 
     def _to_end(self, entity: Entity) -> None:
-        """In the order of declarations, what is declared in place comes before its user."""
+        """Number an in-place declaration before its user in the order of declarations."""
         if self.tables.declared and self.tables.declared[-1] is not entity:
             self.tables.declared.remove(entity)
             self.tables.declared.append(entity)
@@ -291,7 +291,7 @@ class Resolver(Naming):
     def _base(
         self, name: tree.ScopedName, entity: Entity, kinds: tuple[Kind, ...]
     ) -> Entity | None:
-        """The base that a name stands for, through typedefs; None with a finding if it is none."""
+        """The base with this name, through typedefs; None, with a diagnostic, if it is no base."""
         found = self._find(entity.scope, name)
         while isinstance(found, Entity) and found.kind is Kind.TYPEDEF:
             if found.declarator is None or found.declarator.dimensions:
@@ -380,7 +380,7 @@ class Resolver(Naming):
         self._declarator(node.declarator, node.type, scope, Kind.MEMBER, item)
 
     def _label(self, name: tree.ScopedName, scope: Scope) -> None:
-        """A label; also looked for in the scope of the switch's enum, as IDL 4 has it."""
+        """Resolve a label; falls back on the scope of the switch's enum (OMG IDL 4.2)."""
         entity = scope.entity
         assert entity is not None
         if len(name.parts) == 1 and isinstance(entity.node, tree.Union):
@@ -456,7 +456,7 @@ class Resolver(Naming):
     def _is_repeated(
         self, declarator: tree.Declarator, type_: tree.TypeNode, scope: Scope
     ) -> bool:
-        """Whether another file declares the very same name for the very same type."""
+        """Whether another file declares the same name for the same type."""
         name = declarator.name
         known = scope.names.get(name.text.lower())
         if (
@@ -487,7 +487,7 @@ class Resolver(Naming):
     def _native(self, node: tree.Native, scope: Scope, item: tree.Item) -> None:
         self._new(scope, node.name, Kind.NATIVE, node, item=item)
 
-    # Interfaces and what is like them
+    # Interfaces and similar
 
     def _bases(
         self, entity: Entity, names: Iterable[tree.ScopedName], kinds: tuple[Kind, ...]
@@ -651,7 +651,7 @@ class Resolver(Naming):
             scope.imported.append(found.inner)
 
     def _import_of_text(self, node: tree.Import) -> None:
-        """An import names a scope, also by its repository id; a file is included."""
+        """Resolve an import of a scope by name or repository id; a file is included."""
         self._lookup.doubtful = True
         begin = self._unit.span(node.start, node.start + len("import"))
         self._report(
@@ -696,7 +696,7 @@ class Resolver(Naming):
 
 
 def _is_external(item: tree.Item) -> bool:
-    """Whether a member may be of a type that is not complete yet (DDS-XTypes 1.3, 7.3.1.2.1)."""
+    """Whether a member may have an incomplete type (DDS-XTypes 1.3, 7.3.1.2.1)."""
     return any(
         a.name == "external" and all(map(_is_true, a.arguments))
         for a in item.annotations

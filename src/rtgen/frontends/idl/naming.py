@@ -1,4 +1,4 @@
-"""Declaring names and resolving those in types and expressions: what each declaration needs."""
+"""Declares names, and resolves names in types and expressions, for `names.Resolver`."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ FORWARDS = {
     "eventtype": Kind.VALUETYPE,
     "component": Kind.COMPONENT,
 }
-"""What can be declared in advance, by keyword."""
+"""Kinds with forward declarations, by keyword."""
 
 
 class Naming(ABC):
-    """Fills the tables of a translation unit, name by name; findings go to `report`."""
+    """Fills the tables of a translation unit; diagnostics go to `report`."""
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class Naming(ABC):
     def _in_place(
         self, node: tree.Struct | tree.Union | tree.Enum | tree.Bitset, scope: Scope
     ) -> None:
-        """Resolve a type that is declared where it is used."""
+        """Resolve a type that is declared in place."""
 
     def _new(
         self,
@@ -61,7 +61,7 @@ class Naming(ABC):
         item: tree.Item | None = None,
         listed: bool = True,
     ) -> Entity:
-        """Declare a name; a clash is reported, and what clashes is kept out of the scope."""
+        """Declare a name; a clashing declaration is reported, and kept out of the scope."""
         path = (*scope.path, name.text)
         entity = Entity(
             name.text,
@@ -95,7 +95,7 @@ class Naming(ABC):
         return entity
 
     def _merge(self, entity: Entity, existing: Entity) -> Entity | None:
-        """The forward-declared entity that this one defines or repeats, else None and a finding."""
+        """The forward declaration that this one defines or repeats, else None with a diagnostic."""
         can_be_forward = entity.kind in FORWARDS.values()
         if not can_be_forward or not (existing.node is None or entity.node is None):
             self._lookup.clash(entity, existing)
@@ -135,7 +135,7 @@ class Naming(ABC):
     def _find(
         self, scope: Scope, name: tree.ScopedName, *, introduce: bool = True
     ) -> Entity | Primitive | None:
-        """What a name stands for, also into the table."""
+        """Look up a name, and record the result in the table."""
         found: Entity | Primitive | None
         built_in = _built_in(scope, name)
         if built_in is None or self._lookup.is_declared(scope, name):
@@ -146,7 +146,7 @@ class Naming(ABC):
         return found
 
     def _find_text(self, scope: Scope, text: str, span: Span) -> Entity | None:
-        """What the scoped name in a pragma stands for."""
+        """Look up the scoped name in a pragma."""
         parts = [part.strip() for part in text.split("::")]
         absolute = not parts[0]
         places = [self.tables.top] if absolute else list(scope.outward())
@@ -186,10 +186,10 @@ class Naming(ABC):
         alias: bool = False,
         external: bool = False,
     ) -> None:
-        """Resolve the names in a type, and declare what it declares in place.
+        """Resolve the names in a type, and declare types declared in place.
 
-        `depth` counts the sequences and maps around it; `alias` says that it stands in a typedef,
-        `external` that it is the whole type of an `@external` member.
+        `depth` counts enclosing sequences and maps; `alias`: the type is in a typedef;
+        `external`: it is the whole type of an `@external` member.
         """
         if isinstance(node, tree.BasicType):
             return
@@ -235,7 +235,7 @@ class Naming(ABC):
         depth: int,
         alias: bool,
     ) -> None:
-        """Check a use of a type that is not complete yet, or is made of one."""
+        """Check a use of an incomplete type, or of a type that contains one."""
         behind = self._open_type(entity)
         if behind is None:
             return
@@ -276,7 +276,7 @@ class Naming(ABC):
         self.tables.references[node] = None
 
     def _open_type(self, entity: Entity) -> Entity | None:
-        """The struct or union behind typedefs and sequences that is not complete yet."""
+        """The incomplete struct or union behind typedefs and sequences."""
         seen = 0
         while not entity.complete and seen < MAX_DEPTH:
             seen += 1
@@ -332,7 +332,7 @@ class Naming(ABC):
     def _value(
         self, node: tree.Expression | None, scope: Scope, *, optional: bool = False
     ) -> None:
-        """Resolve the names in an expression; those that are none are no matter if `optional`."""
+        """Resolve the names in an expression; unknown names are ignored if `optional`."""
         pending = [node] if node is not None else []
         while pending:
             part = pending.pop()
@@ -354,7 +354,7 @@ class Naming(ABC):
     def _annotations(
         self, annotations: Iterable[tree.Annotation], scope: Scope
     ) -> None:
-        """Resolve names in arguments; words such as FINAL or `XML | XCDR2` may be no names."""
+        """Resolve names in arguments; words such as FINAL or `XML | XCDR2` need not be names."""
         for annotation in annotations:
             known = DEFINITIONS.get(annotation.name)
             for argument in annotation.arguments:
@@ -365,7 +365,7 @@ class Naming(ABC):
 
 
 def _built_in(scope: Scope, name: tree.ScopedName) -> Primitive | None:
-    """The type that a name stands for where nothing of that name is declared."""
+    """The predefined type of a name that is not declared."""
     last = name.parts[-1].text
     if last in IDL_4_TYPES:
         return IDL_4_TYPES[last] if len(name.parts) == 1 else None

@@ -1,4 +1,4 @@
-"""Files near a unit that declare a name which the unit lacks: read for hints only."""
+"""Searches files near a unit for declarations of an unknown name, for hints only."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _DECLARED = re.compile(
 
 
 class Neighbours:
-    """Knows what the files beside a unit and in the include folders declare."""
+    """Index of the declarations in files beside a unit and in the include folders."""
 
     def __init__(self, library: Library) -> None:
         self._library = library
         self._known: dict[Path, dict[str, str]] = {}
 
     def declares(self, name: str, unit: Unit) -> str | None:
-        """The file to include for a name, as an `#include` names it; None if there is none."""
+        """The file that declares a name, as it would be included; None if there is none."""
         own = unit.source.path.parent
         for folder in (own, *self._library.include):
             file = self._names(folder).get(name)

@@ -1,4 +1,4 @@
-"""The other languages whose files are called IDL, told by what OMG's IDL can never hold."""
+"""Recognizes files in other languages called IDL by constructs that OMG IDL lacks."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import re
 
 _TEXT = re.compile(r'"(?:\\.|[^"\\\n])*"')
 _LIST = r"(?:\A|[(,;{}]|\btypedef\b)\s*\[\s*(?:[\w(=][\w(=) ]*,\s*)*"
-"""The beginning of a list of attributes: behind these marks OMG's IDL has no bracket."""
+"""The start of an attribute list: OMG IDL has no bracket after these characters."""
 
 _LANGUAGES: dict[str, tuple[str, ...]] = {
     "XPIDL, the language of Mozilla's interfaces": (
@@ -51,9 +51,9 @@ _EVIDENCE = {
 
 
 def other_language(text: str) -> tuple[str, int, int] | None:
-    """The language that a text without comments is in, and the place that tells; None for IDL.
+    """The language of a text without comments, and the place that reveals it; None for OMG IDL.
 
-    It is asked for what has a syntax error only.
+    Only called for a text with a syntax error.
     """
     blank = _TEXT.sub(lambda match: '""' + " " * (len(match[0]) - 2), text)
     for language, evidence in _EVIDENCE.items():

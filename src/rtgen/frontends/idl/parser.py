@@ -1,7 +1,7 @@
-"""Text to syntax tree: an LALR(1) parser, and recovery so that one mistake hides no other.
+"""Parses IDL text: an LALR(1) parser with error recovery.
 
-After a mistake the parser's stack goes back to the innermost list of declarations, the text is
-passed over to the end of the broken declaration, and parsing goes on behind it.
+After a syntax error the parser's stack is reset to the innermost list of declarations, the rest
+of the broken declaration is skipped, and parsing continues after it.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from rtgen.frontends.idl.mistakes import Mistake, Situation
 
 MAX_ERRORS = 50
-"""After so many syntax errors in one file the rest of it is not read."""
+"""Maximum number of syntax errors in a file; the rest of the file is then skipped."""
 
 MOST_CLOSED = 1000
-"""At the end of a broken text so many marks at most are supplied to close what is open."""
+"""Maximum number of tokens supplied at the end of a truncated text to close open constructs."""
 
 _MARKS = re.compile(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n]){0,12}\'|[{};]', re.DOTALL)
 _TEMPLATES = re.compile(
@@ -51,7 +51,7 @@ def _grammar() -> lalr.Grammar:
 
 
 def parse(unit: Unit, report: Callable[[Diagnostic], None]) -> tuple[tree.Item, ...]:
-    """The declarations of a unit, without those that have a syntax error; never raises."""
+    """Parse a unit; declarations with syntax errors are left out. Never raises."""
     return _Run(unit, report).result()
 
 
@@ -83,7 +83,7 @@ class _Run:
                 self._bad_character()
 
     def _is_foreign(self) -> bool:
-        """Whether the text is in another language altogether, which is told as one mistake."""
+        """Whether the text is in another language, which is reported as a single error."""
         if self._is_idl is None:
             from rtgen.frontends.idl.other_languages import other_language
 
@@ -102,7 +102,7 @@ class _Run:
         return not self._is_idl
 
     def _emit(self, diagnostic: Diagnostic, offset: int) -> None:
-        """Report it, unless a mistake at the very same place is reported already."""
+        """Report a diagnostic, unless one has been reported at the same place."""
         piece, begin = self._unit.piece(offset)
         if piece.expanded:
             offset = begin
@@ -151,7 +151,9 @@ class _Run:
             self._resume(start, situation.statement)
 
     def _mend(self, mistake: Mistake, situation: Situation) -> bool:
-        """Go on as a mistake says; False if that cannot be, or was tried at this place before."""
+        """Continue parsing as a recovery says; False if impossible, or already tried at this
+        place.
+        """
         again = (situation.start, mistake.feed, mistake.resume)
         if self._errors > MAX_ERRORS or again in self._mended:
             return False
@@ -187,14 +189,14 @@ class _Run:
         return True
 
     def _lose(self, start: int, end: int) -> None:
-        """Note the names that a broken declaration may have declared."""
+        """Record the names that a broken declaration may have declared."""
         names = [match[1] for match in _DECLARED.finditer(self._text, start, end)]
         for match in _ENUMERATORS.finditer(self._text, start, end):
             names += _NAME.findall(match[1])
         self._unit.lost.update(name.removeprefix("_").lower() for name in names)
 
     def _opening(self) -> int | None:
-        """The place of the innermost brace that is open."""
+        """The place of the innermost open brace."""
         for value in reversed(self._parser.values):
             if getattr(value, "type", None) == "LBRACE":
                 place: int = value.start_pos
@@ -227,7 +229,7 @@ class _Run:
             parser.position = len(text)
 
     def _open_string(self, start: int) -> None:
-        """A string without its closing quote ends with its line, before a `;` there."""
+        """End an unterminated string at its line, before a `;` there."""
         text = self._text
         line_end = text.find("\n", start)
         line = text[start : len(text) if line_end < 0 else line_end].rstrip()
@@ -243,7 +245,7 @@ class _Run:
             self._parser.feed(token("STRING", start, '""'))
 
     def _resume(self, start: int, statement: int) -> None:
-        """Go back to a list of declarations and pass over the rest of the broken one."""
+        """Reset the stack to a list of declarations, and skip the rest of the broken one."""
         depth = self._unwind()
         self._parser.feed(token("ERROR", start))
         if self._errors > MAX_ERRORS:
@@ -259,7 +261,7 @@ class _Run:
             self._close()
 
     def _behind(self, start: int, depth: int) -> int:
-        """Behind the `;` that ends the declaration, or before the `}` around it."""
+        """The offset after the `;` that ends the declaration, or before the enclosing `}`."""
         opened = depth > 0
         for match in _MARKS.finditer(self._text, start):
             mark = match[0]
@@ -278,7 +280,9 @@ class _Run:
         return len(self._text)
 
     def _unwind(self) -> int:
-        """Go back to the innermost list of declarations, and say how many braces were open."""
+        """Reset the stack to the innermost list of declarations; return the number of open
+        braces.
+        """
         parser = self._parser
         depth = 0
         while len(parser.states) > 1 and (depth < 0 or not parser.takes("ERROR")):
@@ -288,7 +292,7 @@ class _Run:
         return depth
 
     def _close(self) -> None:
-        """Close what is open at the end of the text, to keep what was read before."""
+        """Close open constructs at the end of the text, to keep what was read before."""
         end = len(self._text)
         parser = self._parser
         for _ in range(min(3 * len(parser.states), MOST_CLOSED)):
@@ -306,9 +310,9 @@ class _Run:
 
 
 def _mark_closers(text: str) -> str:
-    """Mark each `>>` that closes two templates, so that the lexer tells it from a shift.
+    """Mark each `>>` that closes two templates, so that the lexer does not read it as a shift.
 
-    It is a shift if, without it, enough `>` follow in the declaration to close what is open.
+    It is a shift if enough `>` follow in the declaration to close all open templates.
     """
     tokens = [(match[0], match.start()) for match in _TEMPLATES.finditer(text)]
     lowest = _lowest(tokens)
@@ -338,7 +342,7 @@ def _mark_closers(text: str) -> str:
 
 
 def _lowest(tokens: list[tuple[str, int]]) -> list[int]:
-    """For each token, how many open templates the rest of its declaration leaves at the fewest."""
+    """For each token, the minimum number of open templates in the rest of its declaration."""
     lowest = [0] * len(tokens)
     low = 0
     for index in range(len(tokens) - 1, -1, -1):

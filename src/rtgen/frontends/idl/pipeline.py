@@ -1,4 +1,4 @@
-"""The front end as a whole: files in, model and findings out."""
+"""The IDL front end: reads files into a model and diagnostics."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ if TYPE_CHECKING:
     from rtgen.frontends.idl.neighbours import Neighbours
 
 MAX_FINDINGS = 1000
-"""How many findings of one severity a run gives."""
+"""Maximum number of diagnostics of one severity in a run."""
 
 _FRAMES = 12 * max(tables.MAX_DEPTH, preprocessor.MAX_DEPTH)
-"""Enough calls within calls for what nests as deeply as it may."""
+"""Recursion limit sufficient for the deepest nesting allowed."""
 
 
 def load(
@@ -54,14 +54,14 @@ def load(
     ignore_case_clashes: bool = False,
     virtual: Mapping[str, VirtualFile | Path] | None = None,
 ) -> FrontendResult:
-    """Read definition files, each a translation unit, into one model.
+    """Read definition files, each as a translation unit, into one model.
 
-    `root` is the project's folder, to which the keys of files are relative; `include` are the
-    folders of `#include`, in order; `define` gives macros. With `ignore_case_clashes` names that
-    differ in case only are different names. `virtual` are files by the names that include them
-    where there is no such file; those that are `given` are read before `paths`. Whatever is wrong
-    with the input is in the diagnostics, sorted; nothing is raised for it. Declarations with an
-    error are not in the model, nor what depends on them.
+    `root` is the project's folder, which keys of files are relative to; `include` are the folders
+    of `#include`, in order; `define` are macros. With `ignore_case_clashes`, names that only
+    differ in case are different names. `virtual` are files by the names that include them if no
+    such file exists; those that are `given` are read before `paths`. All problems of the input
+    are in the diagnostics, sorted; no exception is raised for them. Declarations with errors, and
+    their dependents, are not in the model.
     """
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(max(limit, _FRAMES))
@@ -115,7 +115,7 @@ class _Run:
             self._found[syntax.TOO_MANY_FINDINGS.at(diagnostic.span, message)] = None
 
     def _forget(self, span: Span | None) -> None:
-        """Drop the other findings in a file that turns out to be in another language."""
+        """Drop the other diagnostics in a file that turned out to be in another language."""
         file = span.file if span else None
         self._found = {
             d: None for d in self._found if d.span is None or d.span.file != file
@@ -167,7 +167,7 @@ class _Run:
         return source
 
     def _declares(self, name: str, unit: Unit) -> str | None:
-        """The file near a unit that declares a name which the unit lacks."""
+        """The file near a unit that declares an unknown name."""
         if self._neighbours is None:
             from rtgen.frontends.idl.neighbours import Neighbours
 

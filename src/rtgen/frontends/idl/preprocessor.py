@@ -1,4 +1,4 @@
-"""The preprocessor (ISO C 1998, clause 16): includes, conditionals, macros, pragmas, lines."""
+"""Preprocessor (ISO C 1998, clause 16): includes, conditionals, macros, pragmas, lines."""
 
 from __future__ import annotations
 
@@ -28,16 +28,16 @@ from rtgen.frontends.idl.unit import Boundary, Inclusion, Pragma, TextBuilder, U
 from rtgen.frontends.suggestions import Guesses, nearest
 
 MAX_DEPTH = 256
-"""How deeply includes may nest."""
+"""Maximum nesting of includes."""
 
 MOST_WITHIN_ITSELF = 32
-"""How often a file may stand within itself; more is a cycle."""
+"""Maximum nesting of a file within itself; more is a cycle."""
 
 MAX_EXPANSION = 500_000
-"""How many tokens the macro calls of one translation unit may give."""
+"""Maximum number of tokens from macro calls in a translation unit."""
 
 MAX_INCLUDES = 10_000
-"""How many inclusions one translation unit may need."""
+"""Maximum number of inclusions in a translation unit."""
 
 _DIRECTIVE = re.compile(r"^[ \t\v\f\r]*(?:#|%:)([^\n]*)", re.MULTILINE)
 _COMMAND = re.compile(r"\s*([^\W\d]\w*|\d+|)\s*(.*?)\s*$", re.DOTALL)
@@ -65,22 +65,22 @@ _ASKED_FOR = {
     "__DATE__": '"Jan  1 1970"',
     "__TIME__": '"00:00:00"',
 }
-"""Macros that files ask for; all but `__RTGEN__` and the times are as omniidl 4.2.5 has them."""
+"""Macros that files test for; all but `__RTGEN__` and the times are those of omniidl 4.2.5."""
 _TIMES = {
     name: define(f"{name} {_ASKED_FOR[name]}") for name in ("__DATE__", "__TIME__")
 }
 
 
 _Folders = tuple[Path | None, ...]
-"""The folders of `-I` in which a file may be; None stands for that of the including file."""
+"""Folders of `-I` to search; None stands for that of the including file."""
 
 _Place = tuple[Path | None, _Folders, str]
-"""The folder of the including file if that counts, the folders to search, and a file's name."""
+"""The folder of the including file if it is searched, the other folders, and the file's name."""
 
 
 @dataclass(slots=True)
 class _Conditional:
-    """An open `#if`: whether its lines count, and whether a branch has been taken."""
+    """An open `#if`: whether its lines are active, and whether a branch has been taken."""
 
     span: Span
     outer: bool
@@ -91,7 +91,7 @@ class _Conditional:
 
 @dataclass(frozen=True, slots=True)
 class _Prepared:
-    """A unit as it came out with a macro table: reusable where the file can see no difference."""
+    """A cached unit and the macros it depends on; reusable if those are the same."""
 
     words: set[str]
     defined: dict[str, Macro]
@@ -99,7 +99,7 @@ class _Prepared:
     changes: dict[str, Macro | None]
     unit: Unit
     weight: int
-    """How many inclusions there are in it, counting itself, but no file that comes to nothing."""
+    """Number of inclusions in the unit with itself, without empty files."""
 
     def fits(self, macros: Mapping[str, Macro]) -> bool:
         return macros.keys().isdisjoint(self.undefined) and all(
@@ -108,7 +108,7 @@ class _Prepared:
 
 
 def predefined(values: Mapping[str, str]) -> dict[str, Macro]:
-    """The macro table at the start of a translation unit: those that files ask for, `values`.
+    """The macro table at the start of a translation unit: predefined macros and `values`.
 
     Raises ExpansionError for a name that is no identifier.
     """
@@ -124,7 +124,7 @@ def predefined(values: Mapping[str, str]) -> dict[str, Macro]:
 
 
 class Preprocessor:
-    """Turns files into units; findings go to `report`, each place's once."""
+    """Turns files into units; diagnostics go to `report`, once for each place."""
 
     def __init__(self, library: Library, report: Callable[[Diagnostic], None]) -> None:
         self._library = library
@@ -141,7 +141,7 @@ class Preprocessor:
         self._exhausted = False
 
     def translation_unit(self, source: Source, macros: Mapping[str, Macro]) -> Unit:
-        """The unit of a file that was given, with everything it includes."""
+        """The unit of a main file with everything that it includes."""
         self.tokens_left = MAX_EXPANSION
         self._included = 0
         self._exhausted = False
@@ -183,9 +183,9 @@ class Preprocessor:
     def include(
         self, file: _File, name: str, span: Span, *, quoted: bool, further: bool
     ) -> None:
-        """Take in the file that an `#include` in `file` names.
+        """Include the file named by an `#include` in `file`.
 
-        `further`: as GNU's `#include_next`, in the folders behind the one that `file` is from.
+        `further`: as GNU's `#include_next`, search only the folders after that of `file`.
         """
         folders: _Folders = (None, *self._library.include)
         origin = self._origins.get(file.source)
@@ -234,7 +234,7 @@ class Preprocessor:
         unit.events.append(Boundary(file.builder.length, source, False))
 
     def _exhaust(self, source: Source, span: Span) -> None:
-        """Give up all further includes."""
+        """Ignore all further includes."""
         if not self._exhausted:
             cycle: list[Source] = []
             if source in self._stack:
@@ -248,7 +248,7 @@ class Preprocessor:
         self._exhausted = True
 
     def _find(self, place: _Place, span: Span) -> Source | None:
-        """The file of that name: in the folder of its includer or those of -I."""
+        """Find a file in the folder of its includer, or in those of -I."""
         beside, folders, name = place
         if place not in self._missing:
             try:
@@ -275,7 +275,7 @@ class Preprocessor:
         return None
 
     def _hint(self, place: _Place) -> str:
-        """Where a file was looked for, and one there that has nearly its name."""
+        """The folders searched, and a file there with a similar name."""
         beside, folders, name = place
         if (beside, folders) not in self._searched:
             real = [folder or beside or Path() for folder in folders]
@@ -293,12 +293,12 @@ class Preprocessor:
         return f"did you mean {near}?{case} searched: {places}"
 
     def report(self, diagnostic: Diagnostic) -> None:
-        """Pass a finding on."""
+        """Report a diagnostic."""
         self._report(diagnostic)
 
 
 class _File:
-    """The run over one file."""
+    """Preprocesses one file."""
 
     def __init__(
         self,
@@ -379,7 +379,7 @@ class _File:
         self._copy(copied, end)
 
     def _tell_time(self, words: Iterable[str], span: Span) -> None:
-        """Warn where a text depends on the time of its translation."""
+        """Warn of a text that depends on the time of its translation."""
         for name in sorted(_TIMES.keys() & words):
             if self.macros.get(name) == _TIMES[name]:
                 self._owner.report(
@@ -391,7 +391,7 @@ class _File:
                 )
 
     def _words(self, start: int, end: int) -> set[str]:
-        """The words of a piece that counts: the macros among them decide what it comes to."""
+        """Record the identifiers of an active piece: macros among them determine its result."""
         words = set(_WORD.findall(self.source.code, start, end))
         self.words |= words
         return words
@@ -400,9 +400,9 @@ class _File:
         self.builder.copy(self.source, start, end, self._file, self._shift)
 
     def _end_of_call(self, macro: Macro, start: int, behind: int, end: int) -> int:
-        """Behind a call that begins at `start`, whose name ends before `behind`.
+        """The end of the call that starts at `start`, whose name ends before `behind`.
 
-        The arguments of what it expands to belong to it, too (ISO C, 16.3.4).
+        Arguments for its expansion belong to the call, too (ISO C, 16.3.4).
         """
         code = self.source.code
         until = behind if macro.parameters is None else _call_end(code, behind, end)
@@ -419,7 +419,7 @@ class _File:
         return until
 
     def _replace(self, call: list[Token], start: int, end: int) -> None:
-        """Append what a macro call at [start, end) expands to."""
+        """Append the expansion of the macro call at [start, end)."""
         span = self._span(start, end)
         builder = self.builder
         expander = Expander(self._table(span), self._owner.tokens_left)
@@ -656,7 +656,9 @@ class _File:
 
 
 def _call_end(code: str, start: int, end: int) -> int:
-    """Behind the closing parenthesis of a call whose name ends at `start`, or there."""
+    """The offset after the closing parenthesis of the call whose name ends at `start`, or
+    `start`.
+    """
     depth = 0
     for match in TOKEN.finditer(code, start, end):
         if match[0] == "(":

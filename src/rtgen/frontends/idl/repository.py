@@ -1,4 +1,5 @@
-"""Repository ids (CORBA 2.6, 10.6): prefixes, `#pragma ID`, `#pragma version`, CORBA 3's typeid."""
+"""Repository ids (CORBA 2.6, 10.6): prefixes, `#pragma ID`, `#pragma version`, typeid of CORBA 3.
+"""
 
 from __future__ import annotations
 
@@ -18,31 +19,31 @@ _VERSION = re.compile(r"((?:::\s*)?\w+(?:\s*::\s*\w+)*)\s+(\d+\.\d+)")
 _IDL_FORM = re.compile(r"IDL:[^:]*:\d+\.\d+")
 _OWN = ("prefix", "ID", "version", "once")
 _OF_OTHERS = ("keylist", "DCPS_DATA_TYPE", "DCPS_DATA_KEY", "hdrstop")
-"""Pragmas of DDS products and of C++ compilers that are often seen."""
+"""Common pragmas of DDS products and of C++ compilers."""
 _WITHOUT_ID = (Kind.MEMBER, Kind.ENUMERATOR, Kind.PARAMETER, Kind.PORT)
 
 Find = Callable[[Scope, str, Span], Entity | None]
 
 
 def repository_id(ids: str, name: str) -> str:
-    """The id of a name below a path of repository ids: `IDL:path/name:1.0`."""
+    """The repository id of a name: `IDL:path/name:1.0`."""
     return f"IDL:{ids}/{name}:1.0" if ids else f"IDL:{name}:1.0"
 
 
 def below(ids: str, name: str) -> str:
-    """The path of the ids inside a scope of that name."""
+    """The path of the ids inside a scope."""
     return f"{ids}/{name}" if ids else name
 
 
 class Identities:
-    """Applies what a definition says of repository ids; findings go to `report`."""
+    """Applies pragmas and statements about repository ids; diagnostics go to `report`."""
 
     def __init__(self, find: Find, report: Callable[[Diagnostic], None]) -> None:
         self._find = find
         self._report = report
 
     def apply(self, pragma: Pragma, scope: Scope) -> None:
-        """Apply `#pragma prefix`, `ID` or `version`; no other pragma is an error."""
+        """Apply `#pragma prefix`, `ID` or `version`; other pragmas are ignored."""
         match = _PRAGMA.match(pragma.text)
         kind, rest = (match[1], match[2]) if match else ("", "")
         if kind == "prefix":
@@ -83,7 +84,7 @@ class Identities:
         )
 
     def set_id(self, entity: Entity, text: str, span: Span) -> None:
-        """Give an entity the id that a pragma or a typeid statement names."""
+        """Set the repository id of an entity from a pragma or a typeid statement."""
         if entity.kind in _WITHOUT_ID:
             self._report(
                 rules.NO_ID.at(

@@ -1,4 +1,4 @@
-"""Scopes and what is declared in them (CORBA 2.6, 3.15; OMG IDL 4.2, 7.5)."""
+"""Scopes and their declarations (CORBA 2.6, 3.15; OMG IDL 4.2, 7.5)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rtgen.model import ScopedName
 
 
 class Kind(StrEnum):
-    """What a name stands for; the value is how messages call it."""
+    """Kinds of declarations; the value is their name in messages."""
 
     MODULE = "module"
     STRUCT = "struct"
@@ -46,18 +46,18 @@ TYPES = frozenset(
         Kind.HOME,
     )
 )
-"""What can be the type of something; exceptions cannot."""
+"""Kinds that can be the type of a value; exceptions cannot."""
 
 
 @dataclass(eq=False, slots=True)
 class Entity:
-    """Something with a name. `node` is its definition, None while only forward-declared.
+    """A declared name. `node` is its definition, None while only forward-declared.
 
     `type_node` is the type behind a typedef, a member or a constant, with its `declarator`.
-    `contradicted` says that another declaration of the name is of another kind or prefix,
-    `clashes` that its name, or that of what it stands in, is taken: it is kept out of its scope.
-    `default_id` is the repository id but for `#pragma ID` and `version`.
-    `order` counts the declarations of the translation unit; `modifier` is abstract, local, custom.
+    `contradicted`: another declaration of the name has another kind or prefix; `clashes`: its
+    name, or that of an enclosing scope, is already used, so it is kept out of its scope.
+    `default_id` is the repository id without `#pragma ID` and `version`. `order` counts the
+    declarations of the translation unit; `modifier` is abstract, local, custom.
     """
 
     name: str
@@ -89,18 +89,18 @@ class Entity:
 
     @property
     def scoped(self) -> str:
-        """The name from the global scope down."""
+        """The scoped name from the global scope."""
         return "::".join(self.path)
 
     @property
     def span(self) -> Span:
-        """Where its name stands."""
+        """The place of its name."""
         return self.unit.span(self.start, self.end)
 
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """The use of a name that introduced it into a scope."""
+    """A use of a name that introduced it into a scope."""
 
     entity: Entity
     unit: Unit
@@ -109,16 +109,16 @@ class Use:
 
     @property
     def span(self) -> Span:
-        """Where it was used."""
+        """The place of the use."""
         return self.unit.span(self.start, self.end)
 
 
 @dataclass(eq=False, slots=True)
 class Scope:
-    """The names of a scope, by the keys of the look-up: lower-case forms, as a rule.
+    """The names of a scope by look-up key: usually their lower-case form.
 
-    `ids` is the path of repository ids; `around` are the openings of modules with annotations that
-    what is declared now stands in, the innermost last; `lacking` says that a base is not known.
+    `ids` is the path of repository ids; `around` are the enclosing openings of modules with
+    annotations, innermost last; `lacking`: a base is unknown.
     """
 
     entity: Entity | None
@@ -133,18 +133,18 @@ class Scope:
 
     @property
     def path(self) -> ScopedName:
-        """The scoped name of what the scope belongs to; empty for the global scope."""
+        """The scoped name of the scope's owner; empty for the global scope."""
         return () if self.entity is None else self.entity.path
 
     def outward(self) -> Iterator[Scope]:
-        """This scope, then those around it."""
+        """This scope, then the enclosing ones."""
         scope: Scope | None = self
         while scope is not None:
             yield scope
             scope = scope.parent
 
     def find(self, key: str) -> list[Entity]:
-        """What `key` may mean here: own before inherited, more if ambiguous."""
+        """The candidates for `key`: own before inherited; several if ambiguous."""
         own = self.names.get(key)
         if own is not None:
             return [own]
@@ -155,7 +155,7 @@ class Scope:
         return found
 
     def inherited(self, key: str) -> list[Entity]:
-        """What bases declare under `key`; a declaration hides those of its own bases."""
+        """The inherited declarations of `key`; a declaration hides those of its own bases."""
         if not self.bases:
             return []
         found: dict[Entity, None] = {}
@@ -175,11 +175,11 @@ class Scope:
 
     @property
     def doubtful(self) -> bool:
-        """Whether a name that is not here may be inherited from what is not known."""
+        """Whether an unknown name may be inherited from an unknown base."""
         return self.lacking or any(base.lacking for base in self.all_bases())
 
     def all_bases(self) -> list[Scope]:
-        """Every base, direct or not, once, nearest first."""
+        """All direct and indirect bases, each once, nearest first."""
         seen: dict[Scope, None] = {}
         pending = list(reversed(self.bases))
         while pending:

@@ -1,4 +1,4 @@
-"""Reading of definition files: bytes to text, lines, comments; no file is read twice in a run."""
+"""Reads definition files: bytes to text, lines, comments; each file once in a run."""
 
 from __future__ import annotations
 
@@ -36,15 +36,15 @@ codecs.register_error(_FALLBACK, _as_latin_1)
 
 
 def decode(data: bytes) -> str:
-    """UTF-8 with or without mark; bytes that are not UTF-8 count as Latin-1, one by one."""
+    """Decode UTF-8 with or without a byte-order mark; other bytes are read as Latin-1."""
     return data.removeprefix(codecs.BOM_UTF8).decode("utf-8", errors=_FALLBACK)
 
 
 class Source:
     """A file that was read.
 
-    `text` is what it holds; `code` the same with continuation lines joined and comments blanked,
-    so that every later stage reads `code`, and `span` leads back to `text`.
+    `text` is its content; `code` is the same with continuation lines joined and comments blanked.
+    Later stages read `code`, and `span` maps back to `text`.
     """
 
     def __init__(self, name: str, key: str, path: Path, data: bytes) -> None:
@@ -112,12 +112,12 @@ class Source:
 
     @cached_property
     def folder(self) -> Path:
-        """The folder that the file is in."""
+        """The folder of the file."""
         return self.path.parent
 
     @cached_property
     def real(self) -> str:
-        """The path without links: the same for a file that is found in two ways."""
+        """The path without links, which identifies the file."""
         return str(self.path.resolve())
 
     @cached_property
@@ -125,11 +125,11 @@ class Source:
         return [0, *(match.end() for match in re.finditer("\n", self.text))]
 
     def text_offset(self, offset: int) -> int:
-        """The place in `text` of a place in `code`."""
+        """The offset in `text` of an offset in `code`."""
         return offset + self._removed[bisect_right(self._splices, offset)]
 
     def position(self, offset: int) -> tuple[int, int]:
-        """Line and column, both from 1, of a place in `text`."""
+        """Line and column, both 1-based, of an offset in `text`."""
         line = bisect_right(self._line_starts, offset)
         return line, offset - self._line_starts[line - 1] + 1
 
@@ -165,5 +165,5 @@ class Library(library.Library[Source]):
         main: Mapping[str, str] | None = None,
         virtual: Mapping[str, VirtualFile | Path] | None = None,
     ) -> None:
-        """As `library.Library`."""
+        """See `library.Library`."""
         super().__init__(_source, root, include, main, virtual)

@@ -1,4 +1,4 @@
-"""What name resolution finds out, in tables beside the tree."""
+"""Tables filled by name resolution, beside the tree."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rtgen.frontends.idl.unit import Unit
 from rtgen.model import Primitive, ScopedName
 
 MAX_DEPTH = 256
-"""How deeply scopes, types and expressions may nest."""
+"""Maximum nesting of scopes, types and expressions."""
 
 IDL_4_TYPES = {
     "int8": Primitive.INT8,
@@ -23,23 +23,23 @@ IDL_4_TYPES = {
     "int64": Primitive.LONG_LONG,
     "uint64": Primitive.UNSIGNED_LONG_LONG,
 }
-"""IDL 4.2's integer names, which are no keywords: a declaration of the name goes first."""
+"""Integer names of IDL 4 that are no keywords: a declaration of the name takes precedence."""
 
 CORBA_TYPES = {
     "CORBA::Object": Primitive.OBJECT,
     "CORBA::TypeCode": Primitive.TYPE_CODE,
 }
-"""What module CORBA holds without being declared; a declaration goes first here, too."""
+"""Predefined members of module CORBA: a declaration takes precedence."""
 
 
 @dataclass(eq=False, slots=True)
 class Tables:
-    """What name resolution finds out about a translation unit.
+    """Results of name resolution of a translation unit.
 
     `references` has None for names that were reported, and a Primitive for IDL 4's integers;
-    `annotations` are those that `@annotation` declares, each with its members; `modules` are the
-    openings of modules that have annotations; `undefined` has a finding for each interface that
-    is declared only, which another file may define.
+    `annotations` are those declared by `@annotation`, with their members; `modules` are the
+    openings of modules that have annotations; `undefined` has a diagnostic for each interface
+    without a definition, which another file may contain.
     """
 
     top: Scope

@@ -1,6 +1,6 @@
-"""What annotations say of a type and its members: extensibility, member ids (DDS-XTypes 1.3).
+"""Extensibility and member ids from annotations (DDS-XTypes 1.3, 7.3.1.2).
 
-On a module they are the defaults of the structs and unions in it (7.3.1.2).
+Annotations of a module are defaults for its structs and unions.
 """
 
 from __future__ import annotations
@@ -17,11 +17,13 @@ _EXTENSIBILITIES = frozenset(e.value for e in Extensibility)
 _GROUPS = dict.fromkeys(("extensibility", *_EXTENSIBILITIES), "extensibility")
 _GROUPS |= {"nested": "nested", "topic": "nested", "default_nested": "nested"}
 _GROUPS |= {name: name for name in ("autoid", "data_representation")}
-"""The annotations of which one on a type goes before those of its modules, by what they tell."""
+"""Annotations that override those of modules, by the property they set."""
 
 
 def extensibility(annotations: Sequence[Annotation]) -> Extensibility:
-    """What `@final`, `@appendable`, `@mutable` or `@extensibility` says; final by default."""
+    """The extensibility from `@final`, `@appendable`, `@mutable`, `@extensibility`; default:
+    final.
+    """
     for annotation in annotations:
         name = annotation.name
         if name == "extensibility":
@@ -34,8 +36,9 @@ def extensibility(annotations: Sequence[Annotation]) -> Extensibility:
 def with_defaults(
     own: Sequence[Annotation], modules: Sequence[Sequence[Annotation]], derived: bool
 ) -> tuple[Annotation, ...]:
-    """The annotations of a struct or union, then what those of its modules, the outermost first,
-    say where it says nothing itself. A derived struct is extensible as its base is.
+    """The annotations of a struct or union, completed by those of its modules.
+
+    A derived struct has the extensibility of its base.
     """
     told = {_GROUPS.get(annotation.name) for annotation in own}
     if derived:
@@ -53,7 +56,7 @@ def with_defaults(
 
 
 def of_type(annotations: Sequence[Annotation]) -> dict[str, Any]:
-    """The fields of a struct or union that its annotations give."""
+    """The fields of a struct or union that its annotations set."""
     return {
         "extensibility": extensibility(annotations),
         "nested": flag(annotations, "nested"),
@@ -61,14 +64,14 @@ def of_type(annotations: Sequence[Annotation]) -> dict[str, Any]:
 
 
 def hashes_ids(annotations: Sequence[Annotation]) -> bool:
-    """Whether the members of the type have hashes of their names for ids (7.3.1.2.1.1)."""
+    """Whether member ids are hashes of the members' names (7.3.1.2.1.1)."""
     found = value(annotations, "autoid")
     named = any(a.name == "autoid" for a in annotations)
     return named and (found is None or str(found).upper() == "HASH")
 
 
 def member_id(name: str, annotations: Sequence[Annotation], hashed: bool) -> int | None:
-    """The id that `@id` or `@hashid` gives a member, or `@autoid(HASH)` all; None: in order."""
+    """The member id from `@id`, `@hashid` or `@autoid(HASH)`; None: sequential."""
     given = integer(annotations, "id")
     if given is not None:
         return given
@@ -79,6 +82,6 @@ def member_id(name: str, annotations: Sequence[Annotation], hashed: bool) -> int
 
 
 def hashed_id(name: str) -> int:
-    """The id that stands for a name (7.3.1.2.1.1): 28 bits of its MD5, least significant first."""
+    """The member id of a name (7.3.1.2.1.1): 28 bits of its MD5, least significant octet first."""
     digest = hashlib.md5(name.encode(), usedforsecurity=False).digest()
     return int.from_bytes(digest[:4], "little") & _MEMBER_ID

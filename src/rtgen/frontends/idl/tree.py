@@ -1,7 +1,7 @@
-"""The syntax tree: what was written, before any name means anything.
+"""Syntax tree: the text as written, before names are resolved.
 
-Nodes are never changed, and compared by identity, so that later passes can keep facts about them
-in tables of their own. Positions are offsets into the text of the unit that was parsed.
+Nodes are immutable and compared by identity, so that later passes can keep facts about them in
+tables. Positions are offsets into the text of the parsed unit.
 """
 
 from __future__ import annotations
@@ -188,7 +188,7 @@ class Declarator:
 
 @node
 class Body:
-    """What stands between braces; [start, end) is between them."""
+    """The content of braces; [start, end) is the text between them."""
 
     items: tuple[Item, ...]
     start: int
@@ -207,7 +207,7 @@ class Item:
 
 @node
 class Module:
-    """A module, or one opening of it; template modules are told by `template`."""
+    """A module, or one opening of it; `template` marks a template module."""
 
     name: Name
     body: Body
@@ -236,7 +236,7 @@ class Member:
 
 @node
 class Struct:
-    """A struct or (by `exception`) an exception."""
+    """A struct or (with `exception`) an exception."""
 
     name: Name
     base: ScopedName | None
@@ -284,7 +284,7 @@ class Union:
 
 @node
 class Enumerator:
-    """A member of an enum or bitmask; `value` only where one was (wrongly) written."""
+    """A member of an enum or bitmask; `value` only if one was written, which is an error."""
 
     annotations: tuple[Annotation, ...]
     name: Name
@@ -295,7 +295,7 @@ class Enumerator:
 
 @node
 class Enum:
-    """An enum, or (by `mask`) a bitmask. `trailing` is the place of a comma at the end."""
+    """An enum, or (with `mask`) a bitmask. `trailing` is the place of a trailing comma."""
 
     name: Name
     members: tuple[Enumerator, ...]
@@ -358,7 +358,7 @@ class Native:
 
 @node
 class Parameter:
-    """A parameter; `direction` is None where it is missing."""
+    """A parameter; `direction` is None if missing."""
 
     annotations: tuple[Annotation, ...]
     direction: Direction | None
@@ -370,7 +370,7 @@ class Parameter:
 
 @node
 class Names:
-    """A list of scoped names, as behind `raises`; its place is that of the clause."""
+    """A list of scoped names, as after `raises`; its place is that of the clause."""
 
     keyword: str
     names: tuple[ScopedName, ...]
@@ -380,7 +380,7 @@ class Names:
 
 @node
 class Operation:
-    """An operation, or (by `factory`) a factory or finder; those have no type."""
+    """An operation, or (with `factory`) a factory or finder, which has no type."""
 
     name: Name
     type: TypeNode | None
@@ -513,9 +513,10 @@ class AnnotationDcl:
 
 @node
 class Unused:
-    """A construct that is read only: a porttype, a connector, a template module ...
+    """A construct that is parsed but not supported: a porttype, a connector, a template module
+    ...
 
-    `target` is the module that an alias stands for.
+    `target` is the module of an alias.
     """
 
     keyword: str
@@ -527,7 +528,7 @@ class Unused:
 
 @node
 class Skipped:
-    """What was passed over: a declaration with a syntax error, or an extra semicolon."""
+    """Skipped text: a declaration with a syntax error, or an extra semicolon."""
 
     start: int
 

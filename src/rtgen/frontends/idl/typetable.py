@@ -1,4 +1,4 @@
-"""Types as written to types of the model; also what is behind an alias, and which enum is whose."""
+"""Converts types of the tree to types of the model; resolves aliases, and enumerators to enums."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from rtgen.model import (
 )
 
 PRIMITIVES = {kind: PrimitiveType(kind) for kind in Primitive}
-"""One value for each basic type."""
+"""An example value for each basic type."""
 
 _OTHER_SWITCHES = (Primitive.BOOLEAN, Primitive.CHAR, Primitive.WCHAR)
 
 
 class Types:
-    """Gives the model's type for a node; None where a name or a bound in it is at fault."""
+    """Model types of nodes; None if a name or a bound in the type has an error."""
 
     def __init__(self, tables: Tables, report: Callable[[Diagnostic], None]) -> None:
         self.tables = tables
@@ -61,11 +61,11 @@ class Types:
                     self._owners[(*entity.path[:-1], member.name.text)] = entity.path
 
     def entity(self, name: ScopedName) -> Entity | None:
-        """The declaration of that scoped name."""
+        """The declaration of a scoped name."""
         return self._entities.get(name)
 
     def kind_of(self, type_: Type) -> Kind | None:
-        """What a named type is; None for the others."""
+        """The kind of a named type; None for other types."""
         entity = (
             self._entities.get(type_.name) if isinstance(type_, NamedType) else None
         )
@@ -76,18 +76,18 @@ class Types:
         return name in self._enums
 
     def enum_of(self, enumerator: ScopedName) -> ScopedName | None:
-        """The enum that an enumerator belongs to."""
+        """The enum of an enumerator."""
         return self._owners.get(enumerator)
 
     def named(self, entity: Entity) -> NamedType:
-        """The reference to a declared type."""
+        """A reference to a declared type."""
         found = self._named.get(entity)
         if found is None:
             found = self._named[entity] = NamedType(entity.path)
         return found
 
     def of_entity(self, entity: Entity) -> Type | None:
-        """The type of a typedef, a member, a parameter: its type node with its dimensions."""
+        """The type of a typedef, member or parameter: its type node with its dimensions."""
         if entity not in self._arrays:
             assert entity.type_node is not None
             type_ = self.of_node(entity.type_node, entity.unit)
@@ -108,7 +108,7 @@ class Types:
         return ArrayType(type_, sizes)
 
     def unaliased(self, type_: Type | None) -> Type | None:
-        """The type behind typedefs; None where a misplaced one leads back to itself."""
+        """The type behind typedefs; None for a typedef cycle."""
         passed: dict[ScopedName, None] = {}
         while isinstance(type_, NamedType) and type_.name in self._aliases:
             if type_.name in self._plain:
@@ -124,7 +124,7 @@ class Types:
         return type_
 
     def can_switch(self, type_: Type) -> bool:
-        """Whether a union can switch on the type."""
+        """Whether the type can be the switch of a union."""
         match self.unaliased(type_):
             case PrimitiveType(kind):
                 return kind in INTEGER_RANGES or kind in _OTHER_SWITCHES
@@ -133,7 +133,7 @@ class Types:
         return False
 
     def of_node(self, node: tree.TypeNode, unit: Unit) -> Type | None:
-        """The type that a node stands for."""
+        """The type of a node."""
         if type(node) is tree.BasicType:
             return PRIMITIVES[node.kind]
         if node not in self._known:

@@ -1,4 +1,4 @@
-"""A preprocessed file: its text, and the way from each character back to where it stood."""
+"""A preprocessed file: its text, and a map from each character to its origin."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from rtgen.frontends.idl.source import Source
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A run of a unit's text and the run [start, end) of a source's code it came from.
+    """A run of a unit's text, and the run [start, end) of a source's code it came from.
 
-    `expanded` says that all of it came from all of [start, end), as macro expansions do. A line
-    marker gives another file name and a number to add to line numbers.
+    `expanded`: the whole run came from the whole of [start, end), as macro expansions do. A line
+    marker sets another file name and an offset for line numbers.
     """
 
     source: Source
@@ -55,15 +55,14 @@ class Boundary:
 
 @dataclass(eq=False, slots=True)
 class Unit:
-    """What the preprocessor makes of a file.
+    """Result of preprocessing a file.
 
-    `events` (pragmas, inclusions, boundaries of nested files) stand in the order of their
-    offsets in `text`, and so do `comments`. `lacking` says that an include or the
-    text of a macro is missing, so that names may be unknown for no fault of their own; `flawed`
-    are the offsets of macro calls that could not be expanded; `lost` are names, in lower case,
-    that declarations with syntax errors may have declared; `excused` are the offsets of `;` that
-    end nothing because of a mistake that is reported; `cut` says that a comment or a conditional
-    without an end has swallowed the rest.
+    `events` (pragmas, inclusions, boundaries of nested files) and `comments` are in order of
+    their offsets in `text`. `lacking`: an include or a macro's text is missing, so unknown names
+    are not reported; `flawed` are the offsets of macro calls that could not be expanded; `lost`
+    are names, in lower case, that declarations with syntax errors may have declared; `excused`
+    are the offsets of superfluous `;` caused by an error that is reported; `cut`: an unterminated
+    comment or conditional has swallowed the rest.
     """
 
     source: Source
@@ -80,12 +79,12 @@ class Unit:
     excused: set[int] = field(default_factory=set)
 
     def piece(self, offset: int) -> tuple[Piece, int]:
-        """The piece at an offset, and where it begins; the last one for the end of the text."""
+        """The piece at an offset, and its start; the last piece for the end of the text."""
         index = max(bisect_right(self.offsets, offset) - 1, 0)
         return self.pieces[index], self.offsets[index]
 
     def span(self, start: int, end: int) -> Span:
-        """Where [start, end) of the text stood, as the user sees it."""
+        """The original place of [start, end), as the user sees it."""
         if not self.pieces:
             return self.source.span(0, 0)
         first, begin = self.piece(start)
@@ -109,14 +108,14 @@ class Unit:
         )
 
     def after(self, offset: int) -> Span:
-        """The place just behind the character before `offset`, one column wide."""
+        """The place just after the character before `offset`, one column wide."""
         span = self.span(max(offset - 1, 0), max(offset, 1))
         column = span.end_column
         return Span(span.file, span.end_line, column, span.end_line, column + 1)
 
 
 class TextBuilder:
-    """Puts a unit's text together, piece by piece."""
+    """Assembles a unit's text, piece by piece."""
 
     def __init__(self, source: Source) -> None:
         self.unit = Unit(source)
@@ -126,7 +125,7 @@ class TextBuilder:
     def copy(
         self, source: Source, start: int, end: int, file: str | None, shift: int
     ) -> None:
-        """Append [start, end) of a source's code as it is."""
+        """Append [start, end) of a source's code unchanged."""
         if start == end:
             return
         unit = self.unit
@@ -154,7 +153,7 @@ class TextBuilder:
         file: str | None,
         shift: int,
     ) -> None:
-        """Append what [start, end) of a source's code expands to."""
+        """Append the expansion of [start, end) of a source's code."""
         if text:
             self._parts.append(text)
             self.unit.pieces.append(Piece(source, start, end, True, file, shift))
@@ -166,7 +165,7 @@ class TextBuilder:
         return "".join(self._parts[start:]), len(self._parts)
 
     def finish(self) -> Unit:
-        """The unit, with the comments that stand in its pieces."""
+        """The unit, with the comments of its pieces."""
         unit = self.unit
         unit.text = "".join(self._parts)
         for piece, offset in zip(unit.pieces, unit.offsets, strict=True):

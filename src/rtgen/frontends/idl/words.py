@@ -1,4 +1,4 @@
-"""The words of IDL: reserved ones, and those that are keywords only in their place."""
+"""Keywords of IDL (OMG IDL 4.2, 7.2.4): reserved words, and contextual keywords."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ WORDS = {
     "RSQB": "]",
     "SEMI": ";",
 }
-"""The text of the terminals that recovery supplies."""
+"""The text of terminals that recovery supplies."""
 
 SHOWN = {
     "IDENT": "a name",
@@ -65,9 +65,9 @@ SHOWN = {
     "AMPERSAND": "'&'",
     "$END": "the end of the file",
 }
-"""How messages call a terminal; the others are keywords: their own lower-case name in quotes."""
+"""Terminals by their name in messages; others are keywords, shown in lower case and quotes."""
 
 
 def shown(terminal: str) -> str:
-    """How messages call a terminal of the grammar."""
+    """The name of a terminal in messages."""
     return SHOWN.get(terminal) or f"'{terminal.lower()}'"

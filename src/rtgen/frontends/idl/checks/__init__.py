@@ -1,4 +1,4 @@
-"""Checks on the resolved declarations: one module for each family of rules."""
+"""Semantic checks of resolved declarations, one module for each family of rules."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def run(
     made: Mapping[ScopedName, Declaration],
     report: Callable[[Diagnostic], None],
 ) -> None:
-    """Check a translation unit: what was written, and the declarations made of it."""
+    """Check a translation unit: its tree, and the declarations made of it."""
     context = Context(types, made, report)
     ids: dict[str, Entity] = {}
     for entity in tables.declared:
@@ -70,5 +70,5 @@ def left_out(
     made: Mapping[ScopedName, Declaration],
     report: Callable[[Diagnostic], None],
 ) -> None:
-    """Tell what a translation unit without errors declares, and the model has not."""
+    """Report declarations without errors that are missing from the model."""
     lacks.tell(tables, Context(types, made, report))

@@ -1,4 +1,4 @@
-"""What every check may look at."""
+"""Context of the checks: types, declarations and the sink of diagnostics."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from rtgen.model import (
 
 @dataclass(frozen=True, slots=True)
 class Context:
-    """The types and declarations of a translation unit, and where findings go."""
+    """The types and declarations of a translation unit, and the sink of diagnostics."""
 
     types: Types
     made: Mapping[ScopedName, Declaration]
@@ -43,17 +43,17 @@ class Context:
         related: Iterable[Related] = (),
         hint: str | None = None,
     ) -> None:
-        """Report at a node."""
+        """Report a diagnostic at a node."""
         span = unit.span(node.start, node.end)
         self.report(rule.at(span, message, related=related, hint=hint))
 
     def target(self, name: tree.ScopedName) -> Entity | None:
-        """What a name stands for, if that is a declaration."""
+        """The declaration of a name, None if it is no declaration."""
         found = self.types.tables.references.get(name)
         return found if isinstance(found, Entity) else None
 
     def is_data(self, node: tree.TypeNode, unit: Unit) -> bool:
-        """Check the type of something that is stored or sent; False where it is at fault."""
+        """Check the type of a stored or transmitted value; return whether it is valid."""
         type_ = self.types.of_node(node, unit)
         if type_ is None:
             return False
@@ -104,7 +104,7 @@ class Context:
         return not bad and self.maps_are_good(type_.value, node, unit)
 
     def is_local(self, type_: Type | None, seen: set[ScopedName] | None = None) -> bool:
-        """Whether a type is a local interface, or holds one."""
+        """Whether a type is, or contains, a local interface."""
         seen = set() if seen is None else seen
         pending: list[Type | None] = [type_]
         while pending:

@@ -1,4 +1,4 @@
-"""Interfaces: their bases, and what they inherit."""
+"""Checks of interfaces: bases and inherited members."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _FEATURES = (Kind.OPERATION, Kind.ATTRIBUTE)
 
 
 def bases(entity: Entity, context: Context) -> None:
-    """Bases are named once, and fit to abstract and local."""
+    """Bases are named once, and are compatible with abstract and local."""
     node = entity.node
     assert isinstance(node, tree.Interface)
     seen: dict[Entity, tree.ScopedName] = {}
@@ -56,7 +56,7 @@ def bases(entity: Entity, context: Context) -> None:
 
 
 def inherited(entity: Entity, context: Context) -> None:
-    """Operations and attributes are neither declared again nor inherited twice."""
+    """Operations and attributes are neither redeclared nor inherited twice."""
     scope = entity.inner
     if scope is None or not scope.bases:
         return

@@ -1,4 +1,4 @@
-"""What is not in the model although nothing is wrong with it: it needs what is only read."""
+"""Reports valid declarations that are missing from the model because they need unsupported ones."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from rtgen.frontends.idl.tables import Tables
 
 
 def tell(tables: Tables, context: Context) -> None:
-    """Report the declarations, and the parts of interfaces and components, that are left out.
+    """Report declarations, and parts of interfaces and components, that are left out.
 
-    For a translation unit without errors: where there are any, they say why something lacks.
+    Only for a translation unit without errors, which would explain what is missing.
     """
     if all(map(_is_made, tables.references.values())):
         return
@@ -52,7 +52,7 @@ def _is_made(found: object) -> bool:
 
 
 def _parts(entity: Entity, context: Context) -> Iterator[tree.Name]:
-    """The operations, attributes and ports of a type that is not known."""
+    """The operations, attributes and ports with an unsupported type."""
     body = getattr(entity.node, "body", None)
     for item in body.items if isinstance(body, tree.Body) else ():
         types: tuple[tree.TypeNode | None, ...]
@@ -73,7 +73,7 @@ def _parts(entity: Entity, context: Context) -> Iterator[tree.Name]:
 
 
 def _mentioned(node: object) -> Iterator[tree.ScopedName]:
-    """The exceptions and supported interfaces that a declaration names."""
+    """The exceptions and supported interfaces of a declaration."""
     yield from getattr(node, "supports", ())
     body = getattr(node, "body", None)
     for item in body.items if isinstance(body, tree.Body) else ():

@@ -1,4 +1,4 @@
-"""How far declarations refer to each other: later stages follow such references one by one."""
+"""Limits chains of references between declarations, which later stages follow recursively."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from rtgen.typemap.implementation_modules import referred
 def checked(
     made: Mapping[ScopedName, Declaration], report: Callable[[Diagnostic], None]
 ) -> dict[ScopedName, Declaration]:
-    """The declarations; reports the first that rest on more than MOST_LEVELS others in a row.
+    """The declarations without those in too deep chains; reports the first over MOST_LEVELS.
 
-    Components beyond that are left out, since each has a copy of all that it inherits.
+    Components beyond the limit are left out, because each copies all inherited members.
     """
     edges = {name: set(_parts(declaration)) for name, declaration in made.items()}
     levels: dict[ScopedName, int] = {}

@@ -1,4 +1,4 @@
-"""Operations and attributes: directions, results, exceptions, oneway, context."""
+"""Checks of operations and attributes: directions, results, exceptions, oneway, context."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _CLAUSES = {
     (False, "raises"): "write getraises, setraises, or both",
     (True, "setraises"): "write raises, or leave readonly out",
 }
-"""By whether an attribute is readonly, the clauses that it cannot have, and what to write."""
+"""Clauses that an attribute cannot have, with their replacement, by whether it is readonly."""
 _NAMELESS = (
     tree.Sequence,
     tree.Map,

@@ -1,4 +1,4 @@
-"""Structs, exceptions, bitsets, typedefs, constants, and repository ids."""
+"""Checks of structs, exceptions, bitsets, typedefs, constants and repository ids."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ _LARGEST_ID = 2**28 - 1
 
 
 def members(entity: Entity, context: Context) -> None:
-    """Members are data."""
+    """Members have data types."""
     assert isinstance(entity.node, tree.Struct)
     for item in entity.node.body.items:
         if isinstance(item.node, tree.Member):
@@ -75,7 +75,7 @@ def _member_annotations(declaration: Struct, context: Context) -> None:
 
 
 def member_ids(entity: Entity, context: Context) -> None:
-    """Each member has an id of its own, given or one more than the one before it."""
+    """Member ids, explicit or sequential, are unique."""
     declaration = context.made.get(entity.path)
     entries: list[Member | Case] = []
     if isinstance(declaration, Union):
@@ -108,13 +108,13 @@ def member_ids(entity: Entity, context: Context) -> None:
 
 
 def typedef(entity: Entity, context: Context) -> None:
-    """A typedef names data."""
+    """A typedef names a data type."""
     if entity.type_node is not None:
         context.is_data(entity.type_node, entity.unit)
 
 
 def constant(entity: Entity, context: Context) -> None:
-    """A constant's type has constants; `constants` has told where it has not."""
+    """Check that constants of this type exist (invalid values are reported by `constants`)."""
     assert isinstance(entity.node, tree.Const)
     type_ = entity.node.type
     if isinstance(type_, tree.Fixed) and type_.digits is not None:
@@ -126,7 +126,7 @@ def constant(entity: Entity, context: Context) -> None:
 
 
 def bitset(entity: Entity, context: Context) -> None:
-    """Bit fields fit into their types, and all together into 64 bits."""
+    """Bit fields fit their types, and together into 64 bits."""
     declaration = context.made.get(entity.path)
     if not isinstance(declaration, Bitset):
         return
@@ -166,7 +166,7 @@ def _bits(declaration: Bitset, context: Context) -> int:
 
 
 def repository_id(entity: Entity, ids: dict[str, Entity], context: Context) -> None:
-    """No two declarations share a repository id."""
+    """Repository ids are unique."""
     other = ids.setdefault(entity.repository_id, entity)
     if other is not entity and not entity.poisoned and not other.poisoned:
         context.report(

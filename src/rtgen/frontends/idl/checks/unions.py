@@ -1,4 +1,4 @@
-"""Unions: the switch, the labels, the default."""
+"""Checks of unions: switch, labels, default."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _CHARACTERS = 256
 
 
 def branches(entity: Entity, context: Context) -> None:
-    """There is a branch, each is data, and the switch is possible."""
+    """There is a branch, each has a data type, and the switch type is valid."""
     node = entity.node
     assert isinstance(node, tree.Union)
     cases = [item.node for item in node.body.items if isinstance(item.node, tree.Case)]
@@ -35,7 +35,7 @@ def branches(entity: Entity, context: Context) -> None:
 
 
 def labels(entity: Entity, context: Context) -> None:
-    """Labels differ, and a default is given once, and only if something is left for it."""
+    """Labels are unique; a default is given once, and only if values remain for it."""
     node = entity.node
     assert isinstance(node, tree.Union)
     unit = entity.unit
@@ -82,7 +82,7 @@ def labels(entity: Entity, context: Context) -> None:
 
 
 def _values(switch: Type, context: Context) -> int | None:
-    """How many values the switch has; None if they are too many to be listed."""
+    """The number of values of the switch; None if there are too many to list."""
     match context.types.unaliased(switch):
         case PrimitiveType(Primitive.BOOLEAN):
             return 2

@@ -1,4 +1,4 @@
-"""Valuetypes and value boxes (CORBA 2.6, 3.8)."""
+"""Checks of valuetypes and value boxes (CORBA 2.6, 3.8)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ from rtgen.frontends.idl.scopes import Entity, Kind
 
 
 def bases(entity: Entity, context: Context) -> None:
-    """Concrete bases stand first and alone; abstract, custom and truncatable go together."""
+    """There is at most one concrete base, in first place.
+
+    Abstract, custom, truncatable are compatible.
+    """
     node = entity.node
     assert isinstance(node, tree.Valuetype)
     _concrete_first(entity, node.bases, "base", context)
@@ -95,7 +98,7 @@ def _concrete_first(
 
 
 def members(entity: Entity, context: Context) -> None:
-    """State is data, not local, and not in an abstract valuetype."""
+    """State members are data, not local, and not in an abstract valuetype."""
     node = entity.node
     assert isinstance(node, tree.Valuetype)
     for item in node.body.items:
@@ -134,7 +137,7 @@ def members(entity: Entity, context: Context) -> None:
 
 
 def box(entity: Entity, context: Context) -> None:
-    """A box holds data that is no value."""
+    """A box contains data other than a value."""
     node = entity.node
     assert isinstance(node, tree.ValueBox)
     if not context.is_data(node.type, entity.unit):

@@ -1,4 +1,4 @@
-"""Syntax errors in a user's words: what the parser found, told as the mistake that it likely is."""
+"""Turns parser errors into diagnostics about their likely cause, and decides how to recover."""
 
 from rtgen.frontends.idl.mistakes.characters import bad_character, is_blank, meant
 from rtgen.frontends.idl.mistakes.recognisers import explain

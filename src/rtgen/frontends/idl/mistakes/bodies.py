@@ -1,4 +1,4 @@
-"""Braces that are missing or too many."""
+"""Recognizes missing and superfluous braces."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _TYPES = ("struct", "union", "enum")
 
 
 def unclosed(s: Situation) -> Mistake | None:
-    """A declaration begins that cannot stand in the open body, and a `}` is missing somewhere."""
+    """A declaration that is not allowed in the open body: a `}` is missing before."""
     if s.surplus <= 0 or s.opening is None or s.kind == "$END":
         return None
     if s.construct in _DATA:
@@ -67,7 +67,7 @@ def _unclosed(s: Situation, start: int, word: str, *, back: bool) -> Mistake:
 
 
 def unopened(s: Situation) -> Mistake | None:
-    """The body of `struct S` begins without `{`, and there is a `}` for which none is open."""
+    """The body of `struct S` starts without `{`, and a `}` has no partner."""
     if s.surplus >= 0 or "LBRACE" not in s.accepted or s.text in ("{", ";"):
         return None
     if not any(word.text in DEFINERS for word in s.before):
@@ -76,7 +76,7 @@ def unopened(s: Situation) -> Mistake | None:
 
 
 def doubled(s: Situation) -> Mistake | None:
-    """A brace that stands twice."""
+    """A duplicated brace."""
     twice = s.last > 0 and s.unit.text[s.last - 1] == s.text
     if twice and (
         (s.text == "{" and s.surplus > 0) or (s.text == "}" and s.surplus < 0)
@@ -125,7 +125,7 @@ def _opened(s: Situation, brace: int) -> Related:
 
 
 def _innermost(text: str, start: int, end: int) -> int:
-    """The innermost brace that is open at `end`; the one at `start` is."""
+    """The innermost open brace at `end`, starting from the one at `start`."""
     opened = [start]
     for place in range(start + 1, end):
         if text[place] == "{":
@@ -136,7 +136,7 @@ def _innermost(text: str, start: int, end: int) -> int:
 
 
 def stray(s: Situation) -> Mistake | None:
-    """A `}` where no brace is open."""
+    """A `}` without an open brace."""
     if s.text != "}" or s.opening is not None:
         return None
     return s.mistake(

@@ -1,4 +1,4 @@
-"""Characters that no token begins with."""
+"""Recognizes characters that start no token."""
 
 from __future__ import annotations
 
@@ -58,12 +58,12 @@ _INVISIBLE = ("Zs", "Zl", "Zp", "Cf", "Cc")
 
 
 def is_blank(character: str) -> bool:
-    """Whether nothing is seen of a character, so that it is best passed over."""
+    """Whether a character is invisible, and best skipped."""
     return category(character) in _INVISIBLE
 
 
 def bad_character(unit: Unit, text: str, start: int) -> Diagnostic:
-    """The finding for a character that no token begins with."""
+    """The diagnostic for a character that starts no token."""
     character = text[start]
     span = unit.span(start, start + 1)
     if character == "'":
@@ -97,7 +97,7 @@ def bad_character(unit: Unit, text: str, start: int) -> Diagnostic:
 
 
 def meant(text: str, start: int) -> tuple[str | None, int]:
-    """The terminal that was probably meant by a wrong character, and how long it is."""
+    """The terminal that a wrong character probably stands for, and its length."""
     if _QUOTED.match(text, start):
         closing = _QUOTED.search(text, start + 1)
         if closing and "\n" not in text[start : closing.end()]:

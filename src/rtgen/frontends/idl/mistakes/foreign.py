@@ -1,4 +1,4 @@
-"""Words and types of other languages."""
+"""Recognizes words and types of other languages."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def word(s: Situation) -> Mistake | None:
 
 
 def _named_before(s: Situation, reserved: bool) -> Mistake | None:
-    """The first or the last word before the token is of another language."""
+    """The first or the last word before the token belongs to another language."""
     if not s.before:
         return None
     first, last = s.before[0], s.before[-1]

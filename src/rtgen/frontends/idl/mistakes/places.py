@@ -1,4 +1,4 @@
-"""Things that cannot stand where they stand, and where they would."""
+"""Recognizes misplaced constructs, and suggests their right place."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _BODIES_OF_DATA = ("struct", "exception", "union")
 
 
 def what_stands_here(s: Situation) -> str:
-    """What the body around the token is made of, as a hint."""
+    """A hint about what the body around the token consists of."""
     return _CONTENTS.get(s.construct, _CONTENTS[""])
 
 
@@ -124,7 +124,7 @@ def misplaced_clause(s: Situation) -> Mistake | None:
 
 
 def misplaced(s: Situation) -> Mistake | None:
-    """A declaration in a body that takes no such ones."""
+    """A declaration in a body that does not allow it."""
     if s.before:
         return _method(s)
     body = s.construct
@@ -203,7 +203,7 @@ def _method(s: Situation) -> Mistake | None:
 
 
 def assignment(s: Situation) -> Mistake | None:
-    """`=` where nothing has a value, and bodies of operations."""
+    """`=` where no value is allowed, and bodies of operations."""
     if (
         s.text == "{"
         and s.previous == ")"
@@ -285,7 +285,7 @@ def brackets(s: Situation) -> Mistake | None:
 
 
 def parenthesis(s: Situation) -> Mistake | None:
-    """Parentheses for angle brackets, and bases in parentheses."""
+    """Parentheses instead of angle brackets, and bases in parentheses."""
     if s.text != "(":
         return None
     if s.previous in ("sequence", "string", "wstring", "fixed", "map"):
@@ -304,7 +304,7 @@ def parenthesis(s: Situation) -> Mistake | None:
 
 
 def marks(s: Situation) -> Mistake | None:
-    """`*`, `&`, `.`, `->`, `&&` and other marks of other languages."""
+    """`*`, `&`, `.`, `->`, `&&` and other symbols of other languages."""
     if s.text in ("*", "&") and "IDENT" in s.accepted and "NUMBER" not in s.accepted:
         hint = (
             "write string for text, sequence<T> for several, inout or out for a result"

@@ -1,4 +1,4 @@
-"""The mistakes that people make, each recognised by what surrounds the unexpected token."""
+"""Recognizers of common syntax errors, by the context of the unexpected token."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _BY_TERMINAL = {"TEXT": "string", "WTEXT": "wstring"}
 
 
 def explain(situation: Situation) -> Mistake:
-    """What is wrong where the token came."""
+    """The most likely cause of a syntax error."""
     for recognise in _RECOGNISERS:
         found = recognise(situation)
         if found is not None:
@@ -82,7 +82,7 @@ def _semicolon(s: Situation) -> Mistake:
 
 
 def _missing_semicolon(s: Situation) -> Mistake | None:
-    """The token begins a line, or is a keyword, or closes the body."""
+    """The token starts a line, is a keyword, or closes the body: a `;` is missing."""
     if "SEMI" not in s.accepted or s.text in (";", "{", "="):
         return None
     if s.text == "const" and s.previous == ")" and s.following == ";":
@@ -114,7 +114,7 @@ def _comma_for_semicolon(s: Situation, comma: Word, resume: int) -> Mistake:
 
 
 def _wrong_separator(s: Situation) -> Mistake | None:
-    """`long a,` before the next member, `;` between parameters, and the like."""
+    """`long a,` before the next member, `;` between parameters, and similar."""
     if s.previous == "," and not s.in_parameters and "IDENT" in s.accepted:
         if s.text == "}" or (s.text in RESERVED and s.following not in _BEHIND_A_NAME):
             return _comma_for_semicolon(s, s.before[-1], s.start)
@@ -151,7 +151,7 @@ def _wrong_separator(s: Situation) -> Mistake | None:
 
 
 def _split_name(s: Situation) -> Mistake | None:
-    """`long max speed;`, `struct My Struct {`, `};` of a body with a word behind it."""
+    """`long max speed;`, `struct My Struct {`, a word after the `};` of a body."""
     text = s.unit.text
     if s.kind != "IDENT" or s.fresh_line:
         return None
@@ -212,7 +212,7 @@ def _expected_words(s: Situation) -> dict[str, str]:
 
 
 def _misspelt(s: Situation) -> Mistake | None:
-    """The token is nearly one of the keywords that fit: reading goes on with that one."""
+    """The token resembles a keyword that fits; parsing continues with that one."""
     if s.kind != "IDENT":
         return None
     fitting = _expected_words(s)
@@ -229,7 +229,7 @@ def _misspelt(s: Situation) -> Mistake | None:
 
 
 def _misspelt_before(s: Situation) -> Mistake | None:
-    """The word before was taken for a name, but is nearly a keyword: `unsinged long`."""
+    """The word before was read as a name, but resembles a keyword: `unsinged long`."""
     word = s.before[-1] if s.before else None
     if word is None or not word.is_name:
         return None
@@ -267,7 +267,7 @@ def _misspelt_before(s: Situation) -> Mistake | None:
 
 
 def _starters(s: Situation) -> frozenset[str]:
-    """The terminals that can be supplied at the start of a declaration of this body."""
+    """The terminals that may be supplied at the start of a declaration in this body."""
     if s.construct == "interface":
         return frozenset(("UNSIGNED", "ONEWAY", "READONLY", "ATTRIBUTE", "TYPEDEF"))
     if s.construct in ("struct", "exception"):
@@ -296,7 +296,7 @@ def _keyword_as_name(s: Situation) -> Mistake | None:
 
 
 def _doubled_word(s: Situation) -> Mistake | None:
-    """A word that stands twice."""
+    """A duplicated word."""
     if s.text != s.previous or not s.before[-1].is_word or s.fresh_line:
         return None
     message = f"'{s.text}' stands twice"
@@ -314,7 +314,7 @@ def _missing_tag(s: Situation) -> Mistake | None:
 
 
 def _missing_mark(s: Situation) -> Mistake | None:
-    """Only one mark fits: reading goes on as if it were there."""
+    """Only one token fits; parsing continues as if it were present."""
     fitting = s.accepted - {"ERROR", "TRAILING"}
     if len(fitting) > 1 and fitting <= {"GREATER", "COMMA"}:
         fitting = {"GREATER"}
@@ -470,4 +470,4 @@ _RECOGNISERS: tuple[Callable[[Situation], Mistake | None], ...] = (
     _missing_word,
     _missing_mark,
 )
-"""In this order: the surer comes first."""
+"""Order of the recognizers: the more certain first."""

@@ -1,4 +1,4 @@
-"""What surrounds a token that cannot stand where it does."""
+"""Context of a syntax error: the unexpected token and its surroundings."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ DEFINERS = (
     *("struct", "union", "enum", "exception", "interface", "module", "valuetype"),
     *("bitset", "bitmask", "component", "home", "eventtype", "porttype", "connector"),
 )
-"""The words that say what a body is."""
+"""Keywords that determine the kind of a body."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +49,11 @@ class Word:
 
 @dataclass(frozen=True, slots=True)
 class Mistake:
-    """A finding, and how reading goes on.
+    """A diagnostic with a recovery.
 
-    `feed` are terminals to supply before the token, in place of it if `instead` (without `feed`:
-    the token is dropped), after going back to the list of declarations if `back`. `resume` is
-    where reading goes on; None: behind the broken declaration.
+    `feed` are terminals to supply before the token, or replacing it with `instead` (without
+    `feed`, the token is dropped), after a reset to the list of declarations with `back`. `resume`
+    is the offset where parsing continues; None: after the broken declaration.
     """
 
     diagnostic: Diagnostic
@@ -67,9 +67,9 @@ class Mistake:
 class Situation:
     """An unexpected token and its surroundings.
 
-    `kind` is the token's terminal; `accepted` are the terminals that fit; `last` is where the
-    token before it ends; `opening` is the innermost open brace; `surplus` says how many more
-    `{` than `}` the text has.
+    `kind` is the token's terminal; `accepted` are the terminals that fit; `last` is the end of
+    the token before; `opening` is the innermost open brace; `surplus` is the number of `{` minus
+    that of `}` in the text.
     """
 
     unit: Unit
@@ -84,7 +84,7 @@ class Situation:
 
     @cached_property
     def statement(self) -> int:
-        """Where the declaration begins that the token is in."""
+        """The start of the declaration that contains the token."""
         low = max(0, self.start - _FAR)
         begin = low
         for match in _ENDS.finditer(self.unit.text, low, self.start):
@@ -98,7 +98,7 @@ class Situation:
 
     @cached_property
     def after(self) -> list[Word]:
-        """Some tokens behind the unexpected one."""
+        """Some tokens after the unexpected one."""
         return words(self.unit.text, self.end, self.end + _FAR, _AHEAD)
 
     @cached_property
@@ -110,7 +110,7 @@ class Situation:
 
     @cached_property
     def construct(self) -> str:
-        """What the innermost open brace belongs to; empty at file scope."""
+        """The construct of the innermost open brace; empty at file scope."""
         return next((w.text for w in self.header if w.text in DEFINERS), "")
 
     @property
@@ -122,7 +122,7 @@ class Situation:
 
     @property
     def first(self) -> str:
-        """The first word of the declaration; empty if the token is that."""
+        """The first word of the declaration; empty if the token is the first."""
         return self.before[0].text if self.before else ""
 
     @property
@@ -132,12 +132,12 @@ class Situation:
 
     @property
     def following(self) -> str:
-        """The text of the token behind."""
+        """The text of the token after."""
         return self.after[0].text if self.after else ""
 
     @property
     def fresh_line(self) -> bool:
-        """Whether the token begins a line."""
+        """Whether the token starts a line."""
         return "\n" in self.unit.text[self.last : self.start]
 
     @property
@@ -160,7 +160,9 @@ class Situation:
         back: bool = False,
         resume: int | None = None,
     ) -> Mistake:
-        """A mistake at the token, at another place, or `behind` the token before."""
+        """A recovery with a diagnostic at the token, at another place, or `behind` the token
+        before.
+        """
         if behind:
             span = self.unit.after(self.last)
         elif isinstance(at, Word):
@@ -180,7 +182,7 @@ class Situation:
         feed: str | None = None,
         resume: int | None = None,
     ) -> Mistake:
-        """A mark that is missing behind the token before; reading goes on as if it stood there."""
+        """A missing token after the one before; parsing continues as if it were present."""
         return self.mistake(
             syntax.MISSING_MARK,
             f"a '{mark}' is missing here",
@@ -201,7 +203,7 @@ class Situation:
 
 
 def words(text: str, start: int, end: int, most: int = 400) -> list[Word]:
-    """The tokens of text[start:end), at most so many."""
+    """The tokens of text[start:end), at most `most`."""
     found: list[Word] = []
     for match in _WORD.finditer(text, start, min(end, len(text))):
         found.append(Word(match[0], match.start(), match.end()))
@@ -220,7 +222,7 @@ def header(text: str, opening: int) -> list[Word]:
 
 
 def partner(text: str, closing: int) -> int | None:
-    """The `{` that belongs to the `}` at `closing`."""
+    """The `{` that matches the `}` at `closing`."""
     depth = 0
     for place in range(closing, max(-1, closing - 100_000), -1):
         if text[place] == "}":
