@@ -11,9 +11,9 @@ import pytest
 from lark import Lark, Token, Tree
 
 from rtgen.frontends import lalr, lalr_tables
+from rtgen.frontends.idl.keywords import RESERVED, TERMINALS
 from rtgen.frontends.idl.preprocessor import Preprocessor, predefined
 from rtgen.frontends.idl.source import Library
-from rtgen.frontends.idl.words import RESERVED, TERMINALS
 from rtgen.resources import grammar_file
 
 ROOT = Path(__file__).parents[2]

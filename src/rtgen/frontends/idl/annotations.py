@@ -189,8 +189,7 @@ class Annotations:
         unit: Unit,
         type_: Type | None = None,
     ) -> tuple[Annotation, ...]:
-        """The annotations of a declaration; `type_` is its type, for `@default` and similar ones.
-        """
+        """The annotations of a declaration; `type_` is its type, for `@default` and others."""
         nodes = tuple(annotations)
         if len(nodes) > 1:
             self._repeated(nodes, unit)

@@ -103,9 +103,7 @@ class Components:
         return self._made.get(found) if isinstance(found, Entity) else None
 
     def _profile(self, common: dict[str, Any], entity: Entity) -> dict[str, Any]:
-        """The arguments of `@rtc`; the description falls back on the first line of the doc
-        comment.
-        """
+        """The arguments of `@rtc`; the description defaults to the doc comment's first line."""
         profile: dict[str, Any] = {}
         for annotation in common["annotations"]:
             if annotation.name == "rtc":

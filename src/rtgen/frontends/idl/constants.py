@@ -92,7 +92,10 @@ _CONVERSIONS = {
     (OperandClass.WIDE_TEXT, OperandClass.TEXT): _WIDE_HINT,
     (OperandClass.CHARACTER, OperandClass.WIDE_CHARACTER): _WIDE_HINT,
     (OperandClass.WIDE_CHARACTER, OperandClass.CHARACTER): _WIDE_HINT,
-    (OperandClass.INTEGER, OperandClass.FLOAT): "write a number without point, or make the type double",
+    (
+        OperandClass.INTEGER,
+        OperandClass.FLOAT,
+    ): ("write a number without point, or make the type double"),
     (
         OperandClass.INTEGER,
         OperandClass.ENUM,
@@ -100,7 +103,9 @@ _CONVERSIONS = {
 }
 
 
-def operand_class_of(type_: Type | None, is_enum: Callable[[ScopedName], bool]) -> OperandClass | None:
+def operand_class_of(
+    type_: Type | None, is_enum: Callable[[ScopedName], bool]
+) -> OperandClass | None:
     """The operand class of a type's constants, through aliases; None if it has no constants."""
     match type_:
         case PrimitiveType(kind):
@@ -111,7 +116,11 @@ def operand_class_of(type_: Type | None, is_enum: Callable[[ScopedName], bool]) 
             if kind is Primitive.BOOLEAN:
                 return OperandClass.BOOLEAN
             if kind in _CHARACTERS:
-                return OperandClass.WIDE_CHARACTER if _CHARACTERS[kind] else OperandClass.CHARACTER
+                return (
+                    OperandClass.WIDE_CHARACTER
+                    if _CHARACTERS[kind]
+                    else OperandClass.CHARACTER
+                )
         case StringType(wide):
             return OperandClass.WIDE_TEXT if wide else OperandClass.TEXT
         case FixedType():
@@ -203,9 +212,7 @@ class Constants:
             self._unit, self._bits, self._signed, self._complement = saved
 
     def positive(self, node: tree.Expression, unit: Unit) -> int | None:
-        """Evaluate a bound or dimension; None, with a diagnostic, if it is not a positive
-        integer.
-        """
+        """Evaluate a bound or dimension; None, with a diagnostic, unless it is positive."""
         value = self.evaluate(node, PrimitiveType(Primitive.LONG_LONG), unit, "bound")
         if value is None:
             return None
@@ -247,7 +254,9 @@ class Constants:
         span = self._unit.span(node.start, node.end)
         self._report(rule.at(span, message, related=related, hint=hint))
 
-    def _evaluate(self, node: tree.Expression, sort: OperandClass, depth: int) -> ConstantValue:
+    def _evaluate(
+        self, node: tree.Expression, sort: OperandClass, depth: int
+    ) -> ConstantValue:
         if depth > MAX_DEPTH:
             self._fail(syntax.TOO_DEEP, node, "this expression is nested too deeply")
         match node:
@@ -286,7 +295,9 @@ class Constants:
             )
             self._fail(rules.WRONG_KIND, node, f"{sort} has no operators", hint)
 
-    def _mixed(self, node: tree.Expression, wanted: OperandClass, found: OperandClass) -> None:
+    def _mixed(
+        self, node: tree.Expression, wanted: OperandClass, found: OperandClass
+    ) -> None:
         self._fail(
             rules.WRONG_KIND,
             node,
@@ -307,7 +318,11 @@ class Constants:
                 return value
             case Decimal() if sort is OperandClass.FIXED:
                 return value
-        self._mixed(node, sort, OperandClass.FLOAT if isinstance(value, float) else OperandClass.FIXED)
+        self._mixed(
+            node,
+            sort,
+            OperandClass.FLOAT if isinstance(value, float) else OperandClass.FIXED,
+        )
         return value
 
     def _from_integer(
@@ -399,7 +414,11 @@ class Constants:
         return value
 
     def _unary(
-        self, operator: str, value: ConstantValue, node: tree.Expression, sort: OperandClass
+        self,
+        operator: str,
+        value: ConstantValue,
+        node: tree.Expression,
+        sort: OperandClass,
     ) -> ConstantValue:
         if isinstance(value, int) and not isinstance(value, bool):
             match operator:

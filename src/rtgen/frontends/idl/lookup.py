@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl import tree
+from rtgen.frontends.idl.keywords import CORBA_3, FOLDED, RESERVED
 from rtgen.frontends.idl.rules import names as rules
 from rtgen.frontends.idl.scopes import TYPES, Entity, Kind, Scope, Use
 from rtgen.frontends.idl.unit import Unit
-from rtgen.frontends.idl.words import CORBA_3, FOLDED, RESERVED
 from rtgen.frontends.suggestions import nearest
 
 MOST_ELSEWHERE = 3
@@ -430,9 +430,7 @@ def _hint_for_clash(entity: Entity, existing: Entity) -> str:
 
 
 def _introduce(scope: Scope, key: str, use: Use) -> None:
-    """Record a use in its scope and, inside an interface or similar, in the enclosing ones up to
-    it.
-    """
+    """Record a use in its scope, and in enclosing ones up to that of an interface or similar."""
     around = list(scope.outward())
     ends = [
         i for i, p in enumerate(around) if p.entity and p.entity.kind in _USED_OUT_TO

@@ -7,7 +7,6 @@ from typing import Any
 
 from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl import tree
-from rtgen.frontends.idl.alike import alike
 from rtgen.frontends.idl.lookup import MOST_ELSEWHERE, called, kind_of
 from rtgen.frontends.idl.naming import FORWARDS, Naming
 from rtgen.frontends.idl.repository import Identities, below
@@ -17,6 +16,7 @@ from rtgen.frontends.idl.rules import names as rules
 from rtgen.frontends.idl.rules import types as type_rules
 from rtgen.frontends.idl.scopes import Entity, Kind, Scope
 from rtgen.frontends.idl.source import Source
+from rtgen.frontends.idl.structural_equality import structurally_equal
 from rtgen.frontends.idl.tables import MAX_DEPTH, Tables
 from rtgen.frontends.idl.unit import Boundary, Inclusion, Pragma, Unit
 
@@ -463,7 +463,7 @@ class Resolver(Naming):
             known is None
             or known.kind is not Kind.TYPEDEF
             or known.unit.source is self._unit.source
-            or not alike(
+            or not structurally_equal(
                 (known.declarator, known.type_node),
                 (declarator, type_),
             )

@@ -15,13 +15,13 @@ from rtgen.diagnostics import Diagnostic
 from rtgen.frontends import lalr
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.builder import Builder
+from rtgen.frontends.idl.keywords import RESERVED, WORDS
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.unit import Unit
-from rtgen.frontends.idl.words import RESERVED, WORDS
 from rtgen.frontends.lalr import END, Token, token
 
 if TYPE_CHECKING:
-    from rtgen.frontends.idl.mistakes import Mistake, Situation
+    from rtgen.frontends.idl.syntax_errors import ErrorContext, Recovery
 
 MAX_ERRORS = 50
 """Maximum number of syntax errors in a file; the rest of the file is then skipped."""
@@ -125,7 +125,7 @@ class _Run:
         if found.type == END and self._unit.cut:
             self._close()
             return
-        from rtgen.frontends.idl.mistakes import Situation, explain
+        from rtgen.frontends.idl.syntax_errors import ErrorContext, explain
 
         accepted = self._parser.accepts()
         if (
@@ -133,7 +133,7 @@ class _Run:
         ):  # between declarations, where a `;` would be one too many
             accepted.discard("SEMI")
         start = found.start_pos
-        situation = Situation(
+        situation = ErrorContext(
             self._unit,
             found.type,
             str(found),
@@ -150,10 +150,8 @@ class _Run:
         if not self._mend(mistake, situation):
             self._resume(start, situation.statement)
 
-    def _mend(self, mistake: Mistake, situation: Situation) -> bool:
-        """Continue parsing as a recovery says; False if impossible, or already tried at this
-        place.
-        """
+    def _mend(self, mistake: Recovery, situation: ErrorContext) -> bool:
+        """Continue parsing as a recovery says; False if impossible, or already tried here."""
         again = (situation.start, mistake.feed, mistake.resume)
         if self._errors > MAX_ERRORS or again in self._mended:
             return False
@@ -204,7 +202,7 @@ class _Run:
         return None
 
     def _bad_character(self) -> None:
-        from rtgen.frontends.idl.mistakes import bad_character, is_blank, meant
+        from rtgen.frontends.idl.syntax_errors import bad_character, is_blank, meant
 
         parser = self._parser
         start = parser.position
@@ -280,9 +278,7 @@ class _Run:
         return len(self._text)
 
     def _unwind(self) -> int:
-        """Reset the stack to the innermost list of declarations; return the number of open
-        braces.
-        """
+        """Reset the stack to the innermost list of declarations; return the braces left open."""
         parser = self._parser
         depth = 0
         while len(parser.states) > 1 and (depth < 0 or not parser.takes("ERROR")):

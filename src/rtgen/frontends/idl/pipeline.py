@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span, in_order
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import checks, preprocessor, tables
-from rtgen.frontends.idl.alike import alike
 from rtgen.frontends.idl.checks import levels
 from rtgen.frontends.idl.lower import Lowering
 from rtgen.frontends.idl.macros import ExpansionError, Macro
@@ -20,6 +19,7 @@ from rtgen.frontends.idl.parser import parse
 from rtgen.frontends.idl.preprocessor import Preprocessor, predefined
 from rtgen.frontends.idl.rules import lexical, names, syntax
 from rtgen.frontends.idl.source import Library, Source
+from rtgen.frontends.idl.structural_equality import structurally_equal
 from rtgen.frontends.idl.tables import Tables
 from rtgen.frontends.idl.tree import Item
 from rtgen.frontends.idl.typetable import Types
@@ -206,7 +206,7 @@ class _Run:
         if (
             known == declaration
             or _is_forward(declaration)
-            or alike(known, declaration)
+            or structurally_equal(known, declaration)
         ):
             return
         if _is_forward(known) and known.repository_id == declaration.repository_id:

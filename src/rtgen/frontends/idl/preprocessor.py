@@ -656,9 +656,7 @@ class _File:
 
 
 def _call_end(code: str, start: int, end: int) -> int:
-    """The offset after the closing parenthesis of the call whose name ends at `start`, or
-    `start`.
-    """
+    """The end of the arguments of the call whose name ends at `start`, or `start`."""
     depth = 0
     for match in TOKEN.finditer(code, start, end):
         if match[0] == "(":

@@ -1,5 +1,4 @@
-"""Repository ids (CORBA 2.6, 10.6): prefixes, `#pragma ID`, `#pragma version`, typeid of CORBA 3.
-"""
+"""Repository ids (CORBA 2.6, 10.6): prefixes, `#pragma ID` and `version`, typeid of CORBA 3."""
 
 from __future__ import annotations
 

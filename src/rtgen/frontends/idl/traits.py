@@ -21,9 +21,7 @@ _GROUPS |= {name: name for name in ("autoid", "data_representation")}
 
 
 def extensibility(annotations: Sequence[Annotation]) -> Extensibility:
-    """The extensibility from `@final`, `@appendable`, `@mutable`, `@extensibility`; default:
-    final.
-    """
+    """The extensibility from `@final`, `@appendable`, `@mutable`, `@extensibility`, or final."""
     for annotation in annotations:
         name = annotation.name
         if name == "extensibility":

@@ -513,8 +513,7 @@ class AnnotationDcl:
 
 @node
 class Unused:
-    """A construct that is parsed but not supported: a porttype, a connector, a template module
-    ...
+    """A construct that is parsed but not supported: porttype, connector, template module ...
 
     `target` is the module of an alias.
     """

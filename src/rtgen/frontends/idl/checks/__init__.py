@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from rtgen.diagnostics import Diagnostic
 from rtgen.frontends.idl.checks import (
     interfaces,
-    lacks,
+    missing_definitions,
     operations,
     structures,
     unions,
@@ -71,4 +71,4 @@ def left_out(
     report: Callable[[Diagnostic], None],
 ) -> None:
     """Report declarations without errors that are missing from the model."""
-    lacks.tell(tables, Context(types, made, report))
+    missing_definitions.report(tables, Context(types, made, report))

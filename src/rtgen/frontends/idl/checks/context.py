@@ -33,7 +33,7 @@ class Context:
     made: Mapping[ScopedName, Declaration]
     report: Callable[[Diagnostic], None]
 
-    def tell(
+    def report_at(
         self,
         rule: Rule,
         unit: Unit,

@@ -22,7 +22,7 @@ def bases(entity: Entity, context: Context) -> None:
             continue
         if base in seen:
             first = entity.unit.span(seen[base].start, seen[base].end)
-            context.tell(
+            context.report_at(
                 rules.DUPLICATE_BASE,
                 entity.unit,
                 name,
@@ -37,7 +37,7 @@ def bases(entity: Entity, context: Context) -> None:
                 f"the abstract interface {entity.name} cannot inherit from {base.name}"
             )
             hint = f"make {base.name} abstract"
-            context.tell(
+            context.report_at(
                 rules.ABSTRACT_BASE,
                 entity.unit,
                 name,
@@ -50,7 +50,7 @@ def bases(entity: Entity, context: Context) -> None:
                 f"{entity.name} is not local, so it cannot inherit from {base.name}"
             )
             hint = f"make {entity.name} local"
-            context.tell(
+            context.report_at(
                 rules.LOCAL_BASE, entity.unit, name, message, related=related, hint=hint
             )
 

@@ -52,7 +52,7 @@ def _operation(
         if node.oneway:
             message = f"{node.name.text} is oneway, so it returns void"
             hint = "write void, or leave oneway out"
-            context.tell(rules.ONEWAY, unit, node.type, message, hint=hint)
+            context.report_at(rules.ONEWAY, unit, node.type, message, hint=hint)
     for parameter in node.parameters:
         _parameter(parameter, node, entity, context, remote)
     if node.raises is not None:
@@ -60,13 +60,13 @@ def _operation(
         if node.oneway:
             message = f"{node.name.text} is oneway, so it raises nothing"
             hint = "leave raises or oneway out"
-            context.tell(rules.ONEWAY, unit, node.raises, message, hint=hint)
+            context.report_at(rules.ONEWAY, unit, node.raises, message, hint=hint)
     for text in node.context:
         name = "".join(part[1:-1] for part in text.parts)
         if not _CONTEXT.fullmatch(name):
             hint = "letters, digits, '.' and '_'; one '*' at the end"
             message = f'"{name}" is no context name'
-            context.tell(rules.BAD_CONTEXT, unit, text, message, hint=hint)
+            context.report_at(rules.BAD_CONTEXT, unit, text, message, hint=hint)
 
 
 def _parameter(
@@ -80,7 +80,7 @@ def _parameter(
     name = parameter.declarator.name
     if parameter.direction is None:
         message = f"the parameter {name.text} has no direction"
-        context.tell(
+        context.report_at(
             syntax.MISSING_DIRECTION,
             unit,
             parameter.type,
@@ -91,13 +91,13 @@ def _parameter(
         if node.oneway:
             message = f"{node.name.text} is oneway, so its parameters are in"
             hint = "write in, or leave oneway out"
-            context.tell(rules.ONEWAY, unit, name, message, hint=hint)
+            context.report_at(rules.ONEWAY, unit, name, message, hint=hint)
         if node.factory:
             message = f"the parameters of a {node.factory} are in"
             hint = "write in"
-            context.tell(rules.BAD_PARAMETER, unit, name, message, hint=hint)
+            context.report_at(rules.BAD_PARAMETER, unit, name, message, hint=hint)
     if parameter.declarator.dimensions:
-        context.tell(
+        context.report_at(
             type_rules.ANONYMOUS,
             unit,
             name,
@@ -113,7 +113,7 @@ def _is_void(node: tree.TypeNode) -> bool:
 
 def _type(node: tree.TypeNode, entity: Entity, context: Context, remote: bool) -> None:
     if isinstance(node, _NAMELESS):
-        context.tell(
+        context.report_at(
             type_rules.ANONYMOUS,
             entity.unit,
             (
@@ -134,7 +134,7 @@ def _type(node: tree.TypeNode, entity: Entity, context: Context, remote: bool) -
 def _mentions_local(node: tree.TypeNode, entity: Entity, context: Context) -> None:
     message = f"{entity.name} is not local, so it cannot mention a local type"
     hint = f"make {entity.name} local, or use a type that is not"
-    context.tell(type_rules.LOCAL_TYPE, entity.unit, node, message, hint=hint)
+    context.report_at(type_rules.LOCAL_TYPE, entity.unit, node, message, hint=hint)
 
 
 def _attribute(
@@ -148,7 +148,7 @@ def _attribute(
         if hint is not None:
             which = "that is readonly" if node.readonly else "that can be set"
             message = f"an attribute {which} has no {clause.keyword}"
-            context.tell(rules.BAD_CLAUSE, entity.unit, clause, message, hint=hint)
+            context.report_at(rules.BAD_CLAUSE, entity.unit, clause, message, hint=hint)
         _raises(clause, entity, context, remote)
 
 
@@ -156,7 +156,7 @@ def _raises(clause: tree.Names, entity: Entity, context: Context, remote: bool) 
     unit = entity.unit
     if not clause.names:
         hint = "name an exception, or leave raises out"
-        context.tell(
+        context.report_at(
             syntax.EMPTY_RAISES, unit, clause, "no exception is named", hint=hint
         )
     seen: dict[Entity, tree.ScopedName] = {}
@@ -165,7 +165,7 @@ def _raises(clause: tree.Names, entity: Entity, context: Context, remote: bool) 
         if found is None:
             continue
         if found.kind not in (Kind.EXCEPTION, Kind.NATIVE):
-            context.tell(
+            context.report_at(
                 rules.NOT_RAISABLE,
                 unit,
                 name,
@@ -175,7 +175,7 @@ def _raises(clause: tree.Names, entity: Entity, context: Context, remote: bool) 
             )
         elif found in seen:
             first = unit.span(seen[found].start, seen[found].end)
-            context.tell(
+            context.report_at(
                 rules.RAISED_TWICE,
                 unit,
                 name,

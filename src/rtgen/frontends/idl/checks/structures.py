@@ -120,7 +120,7 @@ def constant(entity: Entity, context: Context) -> None:
     if isinstance(type_, tree.Fixed) and type_.digits is not None:
         message = "the digits of a fixed-point constant are those of its value"
         hint = "write fixed, or give the type a name by a typedef"
-        context.tell(rules.BAD_FIXED, entity.unit, type_, message, hint=hint)
+        context.report_at(rules.BAD_FIXED, entity.unit, type_, message, hint=hint)
     if context.types.of_node(entity.node.type, entity.unit) is None:
         entity.poisoned = True
 

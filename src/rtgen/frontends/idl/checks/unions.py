@@ -31,7 +31,9 @@ def branches(entity: Entity, context: Context) -> None:
     if type_ is not None and not context.types.can_switch(type_):
         message = f"a union cannot switch on {type_}"
         hint = "it switches on an integer, a character, a boolean or an enum"
-        context.tell(rules.BAD_SWITCH, entity.unit, node.switch, message, hint=hint)
+        context.report_at(
+            rules.BAD_SWITCH, entity.unit, node.switch, message, hint=hint
+        )
 
 
 def labels(entity: Entity, context: Context) -> None:
@@ -78,7 +80,7 @@ def labels(entity: Entity, context: Context) -> None:
     if default is not None and whole and len(seen) == _values(switch, context):
         message = "the labels name every value, so nothing is left for default"
         hint = "remove the default"
-        context.tell(rules.SUPERFLUOUS_DEFAULT, unit, default, message, hint=hint)
+        context.report_at(rules.SUPERFLUOUS_DEFAULT, unit, default, message, hint=hint)
 
 
 def _values(switch: Type, context: Context) -> int | None:

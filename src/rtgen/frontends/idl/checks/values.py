@@ -29,7 +29,7 @@ def bases(entity: Entity, context: Context) -> None:
                 f"the abstract valuetype {entity.name} cannot inherit from {base.name}"
             )
             hint = f"make {base.name} abstract"
-            context.tell(
+            context.report_at(
                 rules.ABSTRACT_BASE,
                 entity.unit,
                 name,
@@ -42,7 +42,7 @@ def bases(entity: Entity, context: Context) -> None:
                 f"{entity.name} is not custom, so it cannot inherit from {base.name}"
             )
             hint = f"make {entity.name} custom"
-            context.tell(
+            context.report_at(
                 rules.CUSTOM, entity.unit, name, message, related=related, hint=hint
             )
     if node.truncatable and node.modifier == "custom":
@@ -74,7 +74,7 @@ def _concrete_first(
         if base in seen:
             message = f"{base.name} is named twice"
             place = entity.unit.span(seen[base].start, seen[base].end)
-            context.tell(
+            context.report_at(
                 rules.DUPLICATE_BASE,
                 entity.unit,
                 name,
@@ -86,7 +86,7 @@ def _concrete_first(
             message = f"{base.name} is not abstract, so it can only be the first {what}"
             related = [Related(base.span, "declared here")]
             hint = f"put {base.name} first, and make the others abstract"
-            context.tell(
+            context.report_at(
                 rules.CONCRETE_BASES,
                 entity.unit,
                 name,
@@ -108,14 +108,14 @@ def members(entity: Entity, context: Context) -> None:
                     message = f"the abstract valuetype {entity.name} has no state"
                     name = member.declarators[0].name
                     hint = f"remove abstract from {entity.name}, or the member"
-                    context.tell(
+                    context.report_at(
                         rules.ABSTRACT_STATE, entity.unit, name, message, hint=hint
                     )
                 if context.is_data(member.type, entity.unit) and context.is_local(
                     context.types.of_node(member.type, entity.unit)
                 ):
                     message = "state cannot be of a local type"
-                    context.tell(
+                    context.report_at(
                         type_rules.LOCAL_TYPE,
                         entity.unit,
                         member.type,
@@ -127,7 +127,7 @@ def members(entity: Entity, context: Context) -> None:
             ):
                 message = f"the abstract valuetype {entity.name} has no factories"
                 hint = f"remove abstract from {entity.name}, or the factory"
-                context.tell(
+                context.report_at(
                     rules.ABSTRACT_STATE,
                     entity.unit,
                     operation.name,
@@ -147,7 +147,7 @@ def box(entity: Entity, context: Context) -> None:
         Kind.VALUETYPE,
         Kind.VALUE_BOX,
     ):
-        context.tell(
+        context.report_at(
             rules.BOXED_VALUE,
             entity.unit,
             node.type,

@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from rtgen.diagnostics import Related
-from rtgen.frontends.idl.mistakes import bodies, foreign, places
-from rtgen.frontends.idl.mistakes.situation import DEFINERS, Mistake, Situation, Word
+from rtgen.frontends.idl.keywords import CORBA_3, RESERVED, TERMINALS
 from rtgen.frontends.idl.rules import syntax
-from rtgen.frontends.idl.words import CORBA_3, RESERVED, TERMINALS
+from rtgen.frontends.idl.syntax_errors import bodies, foreign, misplaced
+from rtgen.frontends.idl.syntax_errors.context import (
+    DEFINERS,
+    ErrorContext,
+    Recovery,
+    Word,
+)
 from rtgen.frontends.suggestions import nearest
 
 _NUMBERS = frozenset(("short", "long", "float", "double", "char", "int", "unsigned"))
@@ -30,7 +35,7 @@ _TAGGED = ("struct", "union", "enum", "interface")
 _BY_TERMINAL = {"TEXT": "string", "WTEXT": "wstring"}
 
 
-def explain(situation: Situation) -> Mistake:
+def explain(situation: ErrorContext) -> Recovery:
     """The most likely cause of a syntax error."""
     for recognise in _RECOGNISERS:
         found = recognise(situation)
@@ -39,17 +44,17 @@ def explain(situation: Situation) -> Mistake:
     return _unexpected(situation)
 
 
-def _unexpected(s: Situation) -> Mistake:
+def _unexpected(s: ErrorContext) -> Recovery:
     text = " ".join(s.text.split())
     text = text if len(text) <= 40 else text[:37] + "..."
     return s.mistake(
         syntax.UNEXPECTED,
         f"'{text}' cannot stand here{s.expectation()}",
-        places.what_stands_here(s),
+        misplaced.what_stands_here(s),
     )
 
 
-def _at_end(s: Situation) -> Mistake | None:
+def _at_end(s: ErrorContext) -> Recovery | None:
     if s.kind != "$END":
         return None
     if "SEMI" in s.accepted:
@@ -70,7 +75,7 @@ def _at_end(s: Situation) -> Mistake | None:
     )
 
 
-def _semicolon(s: Situation) -> Mistake:
+def _semicolon(s: ErrorContext) -> Recovery:
     return s.mistake(
         syntax.MISSING_SEMICOLON,
         "a ';' is missing here",
@@ -81,7 +86,7 @@ def _semicolon(s: Situation) -> Mistake:
     )
 
 
-def _missing_semicolon(s: Situation) -> Mistake | None:
+def _missing_semicolon(s: ErrorContext) -> Recovery | None:
     """The token starts a line, is a keyword, or closes the body: a `;` is missing."""
     if "SEMI" not in s.accepted or s.text in (";", "{", "="):
         return None
@@ -102,7 +107,7 @@ def _missing_semicolon(s: Situation) -> Mistake | None:
     return _semicolon(s)
 
 
-def _comma_for_semicolon(s: Situation, comma: Word, resume: int) -> Mistake:
+def _comma_for_semicolon(s: ErrorContext, comma: Word, resume: int) -> Recovery:
     return s.mistake(
         syntax.MISSING_SEMICOLON,
         "a ';' is wanted here, not a ','",
@@ -113,7 +118,7 @@ def _comma_for_semicolon(s: Situation, comma: Word, resume: int) -> Mistake:
     )
 
 
-def _wrong_separator(s: Situation) -> Mistake | None:
+def _wrong_separator(s: ErrorContext) -> Recovery | None:
     """`long a,` before the next member, `;` between parameters, and similar."""
     if s.previous == "," and not s.in_parameters and "IDENT" in s.accepted:
         if s.text == "}" or (s.text in RESERVED and s.following not in _BEHIND_A_NAME):
@@ -150,7 +155,7 @@ def _wrong_separator(s: Situation) -> Mistake | None:
     return None
 
 
-def _split_name(s: Situation) -> Mistake | None:
+def _split_name(s: ErrorContext) -> Recovery | None:
     """`long max speed;`, `struct My Struct {`, a word after the `};` of a body."""
     text = s.unit.text
     if s.kind != "IDENT" or s.fresh_line:
@@ -191,7 +196,7 @@ def _split_name(s: Situation) -> Mistake | None:
     return None
 
 
-def _expected_words(s: Situation) -> dict[str, str]:
+def _expected_words(s: ErrorContext) -> dict[str, str]:
     """The keywords that fit, with their terminals."""
     found = {
         _BY_TERMINAL.get(t, t.lower()): t
@@ -211,7 +216,7 @@ def _expected_words(s: Situation) -> dict[str, str]:
     return {w: t for w, t in found.items() if w.isalpha() and w not in marks}
 
 
-def _misspelt(s: Situation) -> Mistake | None:
+def _misspelt(s: ErrorContext) -> Recovery | None:
     """The token resembles a keyword that fits; parsing continues with that one."""
     if s.kind != "IDENT":
         return None
@@ -228,7 +233,7 @@ def _misspelt(s: Situation) -> Mistake | None:
     )
 
 
-def _misspelt_before(s: Situation) -> Mistake | None:
+def _misspelt_before(s: ErrorContext) -> Recovery | None:
     """The word before was read as a name, but resembles a keyword: `unsinged long`."""
     word = s.before[-1] if s.before else None
     if word is None or not word.is_name:
@@ -266,7 +271,7 @@ def _misspelt_before(s: Situation) -> Mistake | None:
     )
 
 
-def _starters(s: Situation) -> frozenset[str]:
+def _starters(s: ErrorContext) -> frozenset[str]:
     """The terminals that may be supplied at the start of a declaration in this body."""
     if s.construct == "interface":
         return frozenset(("UNSIGNED", "ONEWAY", "READONLY", "ATTRIBUTE", "TYPEDEF"))
@@ -275,7 +280,7 @@ def _starters(s: Situation) -> frozenset[str]:
     return frozenset()
 
 
-def _keyword_as_name(s: Situation) -> Mistake | None:
+def _keyword_as_name(s: ErrorContext) -> Recovery | None:
     if "IDENT" not in s.accepted or s.text not in RESERVED:
         return None
     if s.first == "typedef" and len(s.before) == 2 and s.before[1].is_name:
@@ -295,7 +300,7 @@ def _keyword_as_name(s: Situation) -> Mistake | None:
     )
 
 
-def _doubled_word(s: Situation) -> Mistake | None:
+def _doubled_word(s: ErrorContext) -> Recovery | None:
     """A duplicated word."""
     if s.text != s.previous or not s.before[-1].is_word or s.fresh_line:
         return None
@@ -303,7 +308,7 @@ def _doubled_word(s: Situation) -> Mistake | None:
     return s.mistake(syntax.UNEXPECTED, message, "remove one", instead=True)
 
 
-def _missing_tag(s: Situation) -> Mistake | None:
+def _missing_tag(s: ErrorContext) -> Recovery | None:
     if s.text != "{" or s.previous not in DEFINERS:
         return None
     return s.mistake(
@@ -313,7 +318,7 @@ def _missing_tag(s: Situation) -> Mistake | None:
     )
 
 
-def _missing_mark(s: Situation) -> Mistake | None:
+def _missing_mark(s: ErrorContext) -> Recovery | None:
     """Only one token fits; parsing continues as if it were present."""
     fitting = s.accepted - {"ERROR", "TRAILING"}
     if len(fitting) > 1 and fitting <= {"GREATER", "COMMA"}:
@@ -357,7 +362,7 @@ def _missing_mark(s: Situation) -> Mistake | None:
     return s.missing(mark, hint, feed=feed)
 
 
-def _missing_word(s: Situation) -> Mistake | None:
+def _missing_word(s: ErrorContext) -> Recovery | None:
     """A name, a type or a value is missing before `;`, `,`, `)` or `>`."""
     if s.text not in (";", ",", ")", ">", "}", "]"):
         return None
@@ -426,7 +431,7 @@ def _missing_word(s: Situation) -> Mistake | None:
     )
 
 
-def _semicolon_of_macro(s: Situation) -> Mistake | None:
+def _semicolon_of_macro(s: ErrorContext) -> Recovery | None:
     """`#define SIZE 10;`"""
     if s.text != ";" or "SEMI" in s.accepted or not s.unit.piece(s.start)[0].expanded:
         return None
@@ -438,7 +443,7 @@ def _semicolon_of_macro(s: Situation) -> Mistake | None:
     )
 
 
-_RECOGNISERS: tuple[Callable[[Situation], Mistake | None], ...] = (
+_RECOGNISERS: tuple[Callable[[ErrorContext], Recovery | None], ...] = (
     _semicolon_of_macro,
     bodies.doubled,
     bodies.end_without_brace,
@@ -449,10 +454,10 @@ _RECOGNISERS: tuple[Callable[[Situation], Mistake | None], ...] = (
     _missing_tag,
     foreign.number_type,
     _doubled_word,
-    places.values,
-    places.colon_behind_access,
-    places.misplaced_direction,
-    places.misplaced_clause,
+    misplaced.values,
+    misplaced.colon_behind_access,
+    misplaced.misplaced_direction,
+    misplaced.misplaced_clause,
     foreign.superfluous,
     foreign.inclusion,
     foreign.word,
@@ -462,11 +467,11 @@ _RECOGNISERS: tuple[Callable[[Situation], Mistake | None], ...] = (
     _misspelt_before,
     _keyword_as_name,
     _misspelt,
-    places.misplaced,
-    places.assignment,
-    places.brackets,
-    places.parenthesis,
-    places.marks,
+    misplaced.misplaced,
+    misplaced.assignment,
+    misplaced.brackets,
+    misplaced.parenthesis,
+    misplaced.marks,
     _missing_word,
     _missing_mark,
 )

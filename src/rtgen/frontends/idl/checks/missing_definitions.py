@@ -11,7 +11,7 @@ from rtgen.frontends.idl.scopes import Entity
 from rtgen.frontends.idl.tables import Tables
 
 
-def tell(tables: Tables, context: Context) -> None:
+def report(tables: Tables, context: Context) -> None:
     """Report declarations, and parts of interfaces and components, that are left out.
 
     Only for a translation unit without errors, which would explain what is missing.
@@ -22,13 +22,13 @@ def tell(tables: Tables, context: Context) -> None:
         if entity.node is None:
             continue
         if entity.path not in context.made:
-            _tell(entity, entity.name, context)
+            _report_one(entity, entity.name, context)
             continue
         for name in _parts(entity, context):
-            _tell(tables.entities[name], f"{entity.name}::{name.text}", context)
+            _report_one(tables.entities[name], f"{entity.name}::{name.text}", context)
         for used in _mentioned(entity.node):
             if not _is_made(tables.references.get(used)):
-                context.tell(
+                context.report_at(
                     rules.LEFT_OUT,
                     entity.unit,
                     used,
@@ -37,7 +37,7 @@ def tell(tables: Tables, context: Context) -> None:
                 )
 
 
-def _tell(entity: Entity, name: str, context: Context) -> None:
+def _report_one(entity: Entity, name: str, context: Context) -> None:
     context.report(
         rules.LEFT_OUT.at(
             entity.span,

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from rtgen.frontends.idl.foreign_words import TYPES, WORDS
-from rtgen.frontends.idl.mistakes.situation import Mistake, Situation, Word
+from rtgen.frontends.idl.keywords import RESERVED
 from rtgen.frontends.idl.rules import syntax
-from rtgen.frontends.idl.words import RESERVED
+from rtgen.frontends.idl.syntax_errors.context import ErrorContext, Recovery, Word
 
 _UNSIGNED = {
     "char": "write octet for a byte without sign",
@@ -28,7 +28,7 @@ _COMBINED = {
 }
 
 
-def superfluous(s: Situation) -> Mistake | None:
+def superfluous(s: ErrorContext) -> Recovery | None:
     """`in const string a`, `interface B : public A`, `enum class E`."""
     if s.text == "const" and (s.in_parameters or s.previous == "<"):
         hint = "leave the word out: IDL passes values"
@@ -42,7 +42,7 @@ def superfluous(s: Situation) -> Mistake | None:
     return None
 
 
-def inclusion(s: Situation) -> Mistake | None:
+def inclusion(s: ErrorContext) -> Recovery | None:
     """`import file.idl;`, `include "file.idl"`."""
     if s.text == "import" and s.kind == "IDENT" and "IDENT" not in s.accepted:
         s.unit.lacking = True
@@ -55,7 +55,7 @@ def inclusion(s: Situation) -> Mistake | None:
     return None
 
 
-def word(s: Situation) -> Mistake | None:
+def word(s: ErrorContext) -> Recovery | None:
     """A word of another language, as the token or before it."""
     hint = WORDS.get(s.text)
     if hint is not None and s.kind == "IDENT" and "IDENT" not in s.accepted:
@@ -78,7 +78,7 @@ def word(s: Situation) -> Mistake | None:
     return None
 
 
-def _named_before(s: Situation, reserved: bool) -> Mistake | None:
+def _named_before(s: ErrorContext, reserved: bool) -> Recovery | None:
     """The first or the last word before the token belongs to another language."""
     if not s.before:
         return None
@@ -95,8 +95,8 @@ def _named_before(s: Situation, reserved: bool) -> Mistake | None:
 
 
 def _other_language(
-    s: Situation, at: Word | tuple[int, int], hint: str, *, drop: bool = False
-) -> Mistake:
+    s: ErrorContext, at: Word | tuple[int, int], hint: str, *, drop: bool = False
+) -> Recovery:
     start, end = (at.start, at.end) if isinstance(at, Word) else at
     word = s.unit.text[start:end]
     return s.mistake(
@@ -108,7 +108,7 @@ def _other_language(
     )
 
 
-def number_type(s: Situation) -> Mistake | None:
+def number_type(s: ErrorContext) -> Recovery | None:
     """`unsigned double`, `long int`, `long float`."""
     if s.previous == "unsigned" and s.accepted <= {"LONG", "SHORT"}:
         word = s.before[-1]

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from rtgen.frontends.idl.mistakes.situation import Mistake, Situation, header
+from rtgen.frontends.idl.keywords import RESERVED
 from rtgen.frontends.idl.rules import syntax, types
-from rtgen.frontends.idl.words import RESERVED
+from rtgen.frontends.idl.syntax_errors.context import ErrorContext, Recovery, header
 
 _DIRECTIONS = ("in", "out", "inout")
 _CONTENTS = {
@@ -39,12 +39,12 @@ _ACCESS = ("public", "private", "protected")
 _BODIES_OF_DATA = ("struct", "exception", "union")
 
 
-def what_stands_here(s: Situation) -> str:
+def what_stands_here(s: ErrorContext) -> str:
     """A hint about what the body around the token consists of."""
     return _CONTENTS.get(s.construct, _CONTENTS[""])
 
 
-def colon_behind_access(s: Situation) -> Mistake | None:
+def colon_behind_access(s: ErrorContext) -> Recovery | None:
     """`public:` of C++."""
     if s.text in _ACCESS and s.following == ":":
         end = s.after[0].end
@@ -68,7 +68,7 @@ def colon_behind_access(s: Situation) -> Mistake | None:
     return None
 
 
-def values(s: Situation) -> Mistake | None:
+def values(s: ErrorContext) -> Recovery | None:
     """Casts and lists among the values of constants."""
     if "NUMBER" not in s.accepted or s.first != "const":
         return None
@@ -81,7 +81,7 @@ def values(s: Situation) -> Mistake | None:
     return None
 
 
-def misplaced_direction(s: Situation) -> Mistake | None:
+def misplaced_direction(s: ErrorContext) -> Recovery | None:
     """`long in a`, `in out long a`."""
     if s.text not in _DIRECTIONS or not s.in_parameters:
         return None
@@ -100,7 +100,7 @@ def misplaced_direction(s: Situation) -> Mistake | None:
     return None
 
 
-def misplaced_clause(s: Situation) -> Mistake | None:
+def misplaced_clause(s: ErrorContext) -> Recovery | None:
     """`void raises (E) f()`, `raises E`."""
     if s.text == "Object" and s.first == "interface" and s.previous in (":", ","):
         return s.mistake(
@@ -123,7 +123,7 @@ def misplaced_clause(s: Situation) -> Mistake | None:
     return None
 
 
-def misplaced(s: Situation) -> Mistake | None:
+def misplaced(s: ErrorContext) -> Recovery | None:
     """A declaration in a body that does not allow it."""
     if s.before:
         return _method(s)
@@ -158,11 +158,11 @@ def misplaced(s: Situation) -> Mistake | None:
     return None
 
 
-def _move(s: Situation, message: str, hint: str) -> Mistake:
+def _move(s: ErrorContext, message: str, hint: str) -> Recovery:
     return s.mistake(syntax.MISPLACED, message, hint)
 
 
-def _outside_all(s: Situation) -> Mistake | None:
+def _outside_all(s: ErrorContext) -> Recovery | None:
     """A member or an operation at file scope or in a module."""
     ahead = [word.text for word in s.after]
     until = ahead.index(";") if ";" in ahead else 0
@@ -179,7 +179,7 @@ def _outside_all(s: Situation) -> Mistake | None:
     return None
 
 
-def _method(s: Situation) -> Mistake | None:
+def _method(s: ErrorContext) -> Recovery | None:
     """An operation or an initial value among the members of a struct."""
     if s.text == "(" and s.construct in _BODIES_OF_DATA and "SEMI" in s.accepted:
         if s.following.isdigit():
@@ -202,7 +202,7 @@ def _method(s: Situation) -> Mistake | None:
     return None
 
 
-def assignment(s: Situation) -> Mistake | None:
+def assignment(s: ErrorContext) -> Recovery | None:
     """`=` where no value is allowed, and bodies of operations."""
     if (
         s.text == "{"
@@ -254,11 +254,11 @@ def assignment(s: Situation) -> Mistake | None:
     return None
 
 
-def _foreign(s: Situation, message: str, hint: str) -> Mistake:
+def _foreign(s: ErrorContext, message: str, hint: str) -> Recovery:
     return s.mistake(syntax.FOREIGN, message, hint)
 
 
-def brackets(s: Situation) -> Mistake | None:
+def brackets(s: ErrorContext) -> Recovery | None:
     """`long[3] a`, `a[]`, `a[2,3]`."""
     if s.text == "[" and "IDENT" in s.accepted and s.before:
         return s.mistake(
@@ -284,7 +284,7 @@ def brackets(s: Situation) -> Mistake | None:
     return None
 
 
-def parenthesis(s: Situation) -> Mistake | None:
+def parenthesis(s: ErrorContext) -> Recovery | None:
     """Parentheses instead of angle brackets, and bases in parentheses."""
     if s.text != "(":
         return None
@@ -303,7 +303,7 @@ def parenthesis(s: Situation) -> Mistake | None:
     return None
 
 
-def marks(s: Situation) -> Mistake | None:
+def marks(s: ErrorContext) -> Recovery | None:
     """`*`, `&`, `.`, `->`, `&&` and other symbols of other languages."""
     if s.text in ("*", "&") and "IDENT" in s.accepted and "NUMBER" not in s.accepted:
         hint = (

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from rtgen.diagnostics import Diagnostic, Related, Rule
+from rtgen.frontends.idl.keywords import RESERVED, shown
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.unit import Unit
-from rtgen.frontends.idl.words import RESERVED, shown
 
 _WORD = re.compile(
     r"\"(?:\\.|[^\"\\\n])*\"?|'(?:\\.|[^'\\\n]){0,12}'?|::|<<|>>|\w+|[^\s\w]"
@@ -48,7 +48,7 @@ class Word:
 
 
 @dataclass(frozen=True, slots=True)
-class Mistake:
+class Recovery:
     """A diagnostic with a recovery.
 
     `feed` are terminals to supply before the token, or replacing it with `instead` (without
@@ -64,7 +64,7 @@ class Mistake:
 
 
 @dataclass(frozen=True, eq=False)
-class Situation:
+class ErrorContext:
     """An unexpected token and its surroundings.
 
     `kind` is the token's terminal; `accepted` are the terminals that fit; `last` is the end of
@@ -159,10 +159,8 @@ class Situation:
         instead: bool = False,
         back: bool = False,
         resume: int | None = None,
-    ) -> Mistake:
-        """A recovery with a diagnostic at the token, at another place, or `behind` the token
-        before.
-        """
+    ) -> Recovery:
+        """A recovery with a diagnostic at the token, at a place, or `behind` the token before."""
         if behind:
             span = self.unit.after(self.last)
         elif isinstance(at, Word):
@@ -172,7 +170,7 @@ class Situation:
         else:
             span = self.unit.span(self.start, self.end)
         diagnostic = rule.at(span, message, related=related, hint=hint)
-        return Mistake(diagnostic, feed, instead, back, resume)
+        return Recovery(diagnostic, feed, instead, back, resume)
 
     def missing(
         self,
@@ -181,7 +179,7 @@ class Situation:
         *,
         feed: str | None = None,
         resume: int | None = None,
-    ) -> Mistake:
+    ) -> Recovery:
         """A missing token after the one before; parsing continues as if it were present."""
         return self.mistake(
             syntax.MISSING_MARK,

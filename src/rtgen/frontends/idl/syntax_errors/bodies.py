@@ -5,14 +5,14 @@ from __future__ import annotations
 import re
 
 from rtgen.diagnostics import Related
-from rtgen.frontends.idl.mistakes.situation import (
+from rtgen.frontends.idl.rules import syntax
+from rtgen.frontends.idl.syntax_errors.context import (
     DEFINERS,
-    Mistake,
-    Situation,
+    ErrorContext,
+    Recovery,
     header,
     partner,
 )
-from rtgen.frontends.idl.rules import syntax
 
 _LONE = re.compile(r"[;{}][ \t\r]*\n\s*;")
 _DATA = ("struct", "exception", "union", "enum", "bitset", "bitmask")
@@ -23,7 +23,7 @@ _NEVER_IN_INTERFACES = frozenset(("module", "interface", "valuetype", "component
 _TYPES = ("struct", "union", "enum")
 
 
-def unclosed(s: Situation) -> Mistake | None:
+def unclosed(s: ErrorContext) -> Recovery | None:
     """A declaration that is not allowed in the open body: a `}` is missing before."""
     if s.surplus <= 0 or s.opening is None or s.kind == "$END":
         return None
@@ -47,7 +47,7 @@ def unclosed(s: Situation) -> Mistake | None:
     return None
 
 
-def _unclosed(s: Situation, start: int, word: str, *, back: bool) -> Mistake:
+def _unclosed(s: ErrorContext, start: int, word: str, *, back: bool) -> Recovery:
     assert s.opening is not None
     lone = _LONE.search(s.unit.text, s.opening, start)
     if lone is not None:
@@ -66,7 +66,7 @@ def _unclosed(s: Situation, start: int, word: str, *, back: bool) -> Mistake:
     )
 
 
-def unopened(s: Situation) -> Mistake | None:
+def unopened(s: ErrorContext) -> Recovery | None:
     """The body of `struct S` starts without `{`, and a `}` has no partner."""
     if s.surplus >= 0 or "LBRACE" not in s.accepted or s.text in ("{", ";"):
         return None
@@ -75,7 +75,7 @@ def unopened(s: Situation) -> Mistake | None:
     return s.missing("{", f"put '{{' behind '{s.previous}'", feed="LBRACE")
 
 
-def doubled(s: Situation) -> Mistake | None:
+def doubled(s: ErrorContext) -> Recovery | None:
     """A duplicated brace."""
     twice = s.last > 0 and s.unit.text[s.last - 1] == s.text
     if twice and (
@@ -86,7 +86,7 @@ def doubled(s: Situation) -> Mistake | None:
     return None
 
 
-def end_without_brace(s: Situation) -> Mistake | None:
+def end_without_brace(s: ErrorContext) -> Recovery | None:
     """A `;` that ends a body whose `}` is missing."""
     if s.surplus <= 0:
         return None
@@ -117,7 +117,7 @@ def end_without_brace(s: Situation) -> Mistake | None:
     )
 
 
-def _opened(s: Situation, brace: int) -> Related:
+def _opened(s: ErrorContext, brace: int) -> Related:
     names = [w.text for w in header(s.unit.text, brace) if w.is_word][:2]
     return Related(
         s.unit.span(brace, brace + 1), f"the body of {' '.join(names)} begins here"
@@ -135,7 +135,7 @@ def _innermost(text: str, start: int, end: int) -> int:
     return opened[-1]
 
 
-def stray(s: Situation) -> Mistake | None:
+def stray(s: ErrorContext) -> Recovery | None:
     """A `}` without an open brace."""
     if s.text != "}" or s.opening is not None:
         return None

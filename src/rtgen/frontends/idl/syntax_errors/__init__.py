@@ -1,0 +1,7 @@
+"""Turns parser errors into diagnostics about their likely cause, and decides how to recover."""
+
+from rtgen.frontends.idl.syntax_errors.characters import bad_character, is_blank, meant
+from rtgen.frontends.idl.syntax_errors.context import ErrorContext, Recovery
+from rtgen.frontends.idl.syntax_errors.recognizers import explain
+
+__all__ = ["ErrorContext", "Recovery", "bad_character", "explain", "is_blank", "meant"]
