@@ -61,10 +61,10 @@ class Context:
             case PrimitiveType(Primitive.VOID):
                 message = "void is a return type only"
                 hint = "write the type of the data, or any for whatever it is"
-                self.tell(rules.VOID, unit, node, message, hint=hint)
+                self.report_at(rules.VOID, unit, node, message, hint=hint)
                 return False
             case FixedType(digits=0):
-                self.tell(
+                self.report_at(
                     rules.BAD_FIXED,
                     unit,
                     node,
@@ -94,7 +94,7 @@ class Context:
             or (isinstance(key, NamedType) and not self.types.is_enum(key.name))
         )
         if bad:
-            self.tell(
+            self.report_at(
                 rules.BAD_MAP_KEY,
                 unit,
                 node,
