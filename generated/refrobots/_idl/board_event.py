@@ -4,30 +4,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Enumeration,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-    members,
-)
-from rtgen.runtime.descriptors import (
-    EnumDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StructDescriptor,
-    bind,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, Enumeration
 
 from .basic_data_type import Time
-from .extended_data_types import Point2D, Pose2D
+from .extended_data_types import Pose2D
 
 
 class BoardEventKind(Enumeration):
@@ -47,42 +31,20 @@ class BoardEventKind(Enumeration):
     """The line is whole again."""
 
 
-bind(
-    BoardEventKind,
-    EnumDescriptor(
-        "IDL:RH3/BoardEventKind:1.0",
-        "RH3::BoardEventKind",
-        (
-            ("DRIVING", 0),
-            ("WATCHDOG", 1),
-            ("STOPPED", 2),
-            ("RELEASED", 3),
-            ("LINK_DOWN", 4),
-            ("LINK_UP", 5),
-        ),
-    ),
-)
+idl.enum(BoardEventKind, "RH3::BoardEventKind")
 
 
-_BoardEventKind_members = members(BoardEventKind)
-_BoardEvent_layout = Fixed("IIIII4xddddd")
-
-
-@dataclass(slots=True)
 class BoardEvent(Aggregated):
     """An entry of a motor board's log."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RH3/BoardEvent:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RH3::BoardEvent",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("kind", BoardEventKind._descriptor_),
-            MemberDescriptor("command", Time._descriptor_),
-            MemberDescriptor("left", PrimitiveDescriptor("double")),
-            MemberDescriptor("right", PrimitiveDescriptor("double")),
-            MemberDescriptor("pose", Pose2D._descriptor_),
-        ),
+        tm=Time,
+        kind=BoardEventKind,
+        command=Time,
+        left=idl.DOUBLE,
+        right=idl.DOUBLE,
+        pose=Pose2D,
     )
 
     tm: Time = field(default_factory=Time)
@@ -97,76 +59,3 @@ class BoardEvent(Aggregated):
     """Speed of the right wheel afterwards [rad/s]."""
     pose: Pose2D = field(default_factory=Pose2D)
     """Where the base stood, in truth [m, rad]."""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _BoardEvent_layout.pack_little
-                if little_endian
-                else _BoardEvent_layout.pack_big
-            )
-            tm = self.tm
-            command = self.command
-            pose = self.pose
-            pose_position = pose.position
-            return pack(
-                tm.sec,
-                tm.nsec,
-                _BoardEventKind_members[self.kind],
-                command.sec,
-                command.nsec,
-                self.left,
-                self.right,
-                pose_position.x,
-                pose_position.y,
-                pose.heading,
-            )
-        except FAILURES as failure:
-            raise encoding_error(BoardEvent, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _BoardEvent_layout.unpack_little
-                if little_endian
-                else _BoardEvent_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                kind,
-                command_sec,
-                command_nsec,
-                left,
-                right,
-                pose_position_x,
-                pose_position_y,
-                pose_heading,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                _BoardEventKind_members[kind],
-                Time(command_sec, command_nsec),
-                left,
-                right,
-                Pose2D(Point2D(pose_position_x, pose_position_y), pose_heading),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> BoardEvent:
-        tm = self.tm
-        command = self.command
-        pose = self.pose
-        pose_position = pose.position
-        return BoardEvent(
-            Time(tm.sec, tm.nsec),
-            self.kind,
-            Time(command.sec, command.nsec),
-            self.left,
-            self.right,
-            Pose2D(Point2D(pose_position.x, pose_position.y), pose.heading),
-        )

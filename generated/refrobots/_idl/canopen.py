@@ -5,59 +5,26 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
-from typing import Any, ClassVar, Self, TypeAlias
+from dataclasses import dataclass
+from msgspec import field
+from typing import ClassVar, Self, TypeAlias
 
-from rtgen.runtime.cdr import (
-    BOOLEAN,
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Enumeration,
-    Layout,
-    PhasedLayout,
-    Settled,
-    Union,
-    UserException,
-    decoding_error,
-    encoding_error,
-    from_xcdr2,
-    members,
-    to_xcdr2,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value, wide_octets, wide_value
-from rtgen.runtime.descriptors import (
-    AliasDescriptor,
-    BranchDescriptor,
-    EnumDescriptor,
-    ExceptionDescriptor,
-    InterfaceDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-    UnionDescriptor,
-    bind,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, UserException
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 from .basic_data_type import Time
-
-_SdoAbort_layout = Layout("=II", "@0 *s")
 
 
 @dataclass(eq=False)
 class SdoAbort(UserException):
     """A transfer of a value that the node, or this end, aborted (CiA 301, 7.2.4.3.17)."""
 
-    _descriptor_: ClassVar[ExceptionDescriptor] = ExceptionDescriptor(
-        "IDL:CANopen/SdoAbort:1.0",
+    _descriptor_: ClassVar = idl.exception(
         "CANopen::SdoAbort",
-        (
-            MemberDescriptor("code", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("text", StringDescriptor()),
-        ),
+        code=idl.UNSIGNED_LONG,
+        text=idl.STRING,
     )
 
     code: int = 0
@@ -65,149 +32,24 @@ class SdoAbort(UserException):
     text: str = ""
     """What it means."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _SdoAbort_layout.pack_little
-                if little_endian
-                else _SdoAbort_layout.pack_big
-            )
-            text = text_octets(self.text)
-            n_text = len(text) + 1
-            return pack[n_text](self.code, n_text, text)
-        except FAILURES as failure:
-            raise encoding_error(SdoAbort, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _SdoAbort_layout.read_little
-                if little_endian
-                else _SdoAbort_layout.read_big
-            )
-            code, n_text = read_1(data)
-            unpack, size = read_2[n_text]
-            (text,) = unpack(data, 8)
-            offset = 8 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(code, text_value(text))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-
-_BusGone_layout = Layout("=I", "@4 *s")
-
 
 @dataclass(eq=False)
 class BusGone(UserException):
     """The bus cannot be used: it is off, or its other end has gone."""
 
-    _descriptor_: ClassVar[ExceptionDescriptor] = ExceptionDescriptor(
-        "IDL:CANopen/BusGone:1.0",
-        "CANopen::BusGone",
-        (MemberDescriptor("reason", StringDescriptor()),),
-    )
+    _descriptor_: ClassVar = idl.exception("CANopen::BusGone", reason=idl.STRING)
 
     reason: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _BusGone_layout.pack_little
-                if little_endian
-                else _BusGone_layout.pack_big
-            )
-            reason = text_octets(self.reason)
-            n_reason = len(reason) + 1
-            return pack[n_reason](n_reason, reason)
-        except FAILURES as failure:
-            raise encoding_error(BusGone, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _BusGone_layout.read_little
-                if little_endian
-                else _BusGone_layout.read_big
-            )
-            (n_reason,) = read_1(data)
-            unpack, size = read_2[n_reason]
-            (reason,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(reason))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
 
 Octets: TypeAlias = bytes
-_Octets_alias = AliasDescriptor(
-    "IDL:CANopen/Octets:1.0",
-    "CANopen::Octets",
-    SequenceDescriptor(PrimitiveDescriptor("octet")),
-)
+_Octets_alias = idl.alias("CANopen::Octets", idl.sequence(idl.OCTET))
 
 
-_OctetsCodec_layout = Layout("=I", "@4 *s")
-
-
-class OctetsCodec:
+class OctetsCodec(AliasCodec[Octets]):
     """The codec of `CANopen::Octets`."""
 
-    _descriptor_ = _Octets_alias
-
-    @staticmethod
-    def to_cdr(value: Octets, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _OctetsCodec_layout.pack_little
-                if little_endian
-                else _OctetsCodec_layout.pack_big
-            )
-            n_value = len(value)
-            return pack[n_value](n_value, value)
-        except FAILURES as failure:
-            raise encoding_error(OctetsCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> Octets:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _OctetsCodec_layout.read_little
-                if little_endian
-                else _OctetsCodec_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: Octets = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(OctetsCodec, data, little_endian, failure) from failure
-
-    @staticmethod
-    def to_xcdr2(value: Octets, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(OctetsCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Octets:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Octets = from_xcdr2(OctetsCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _Octets_alias
 
 
 class ValueKind(Enumeration):
@@ -226,74 +68,21 @@ class ValueKind(Enumeration):
     """OCTET_STRING, DOMAIN, and objects that the description does not have."""
 
 
-bind(
-    ValueKind,
-    EnumDescriptor(
-        "IDL:CANopen/ValueKind:1.0",
-        "CANopen::ValueKind",
-        (
-            ("VALUE_BOOLEAN", 0),
-            ("VALUE_INTEGER", 1),
-            ("VALUE_UNSIGNED", 2),
-            ("VALUE_REAL", 3),
-            ("VALUE_TEXT", 4),
-            ("VALUE_OCTETS", 5),
-        ),
-    ),
-)
+idl.enum(ValueKind, "CANopen::ValueKind")
 
 
-_ValueKind_members = members(ValueKind)
-_ObjectValue_layout = PhasedLayout("I")
-_ObjectValue_layout_2 = Settled("=B")
-_ObjectValue_layout_3 = PhasedLayout("q")
-_ObjectValue_layout_4 = PhasedLayout("Q")
-_ObjectValue_layout_5 = PhasedLayout("d")
-_ObjectValue_layout_6 = PhasedLayout("I", "@0 *s")
-_ObjectValue_layout_7 = PhasedLayout("I", "@0 *s")
-
-
-@dataclass(slots=True)
 class ObjectValue(Union):
     """The value of an object, as the object dictionary has it."""
 
-    _descriptor_: ClassVar[UnionDescriptor] = UnionDescriptor(
-        "IDL:CANopen/ObjectValue:1.0",
+    _descriptor_: ClassVar = idl.union(
         "CANopen::ObjectValue",
-        ValueKind._descriptor_,
-        (
-            BranchDescriptor(
-                (ValueKind.VALUE_BOOLEAN,),
-                False,
-                "truth",
-                PrimitiveDescriptor("boolean"),
-            ),
-            BranchDescriptor(
-                (ValueKind.VALUE_INTEGER,),
-                False,
-                "number",
-                PrimitiveDescriptor("long long"),
-            ),
-            BranchDescriptor(
-                (ValueKind.VALUE_UNSIGNED,),
-                False,
-                "count",
-                PrimitiveDescriptor("unsigned long long"),
-            ),
-            BranchDescriptor(
-                (ValueKind.VALUE_REAL,),
-                False,
-                "real",
-                PrimitiveDescriptor("double"),
-            ),
-            BranchDescriptor(
-                (ValueKind.VALUE_TEXT,),
-                False,
-                "text",
-                StringDescriptor(True),
-            ),
-            BranchDescriptor((ValueKind.VALUE_OCTETS,), False, "data", _Octets_alias),
-        ),
+        ValueKind,
+        truth=idl.case(idl.BOOLEAN, ValueKind.VALUE_BOOLEAN),
+        number=idl.case(idl.LONG_LONG, ValueKind.VALUE_INTEGER),
+        count=idl.case(idl.UNSIGNED_LONG_LONG, ValueKind.VALUE_UNSIGNED),
+        real=idl.case(idl.DOUBLE, ValueKind.VALUE_REAL),
+        text=idl.case(idl.WSTRING, ValueKind.VALUE_TEXT),
+        data=idl.case(_Octets_alias, ValueKind.VALUE_OCTETS),
     )
 
     discriminator: ValueKind = ValueKind.VALUE_BOOLEAN
@@ -365,146 +154,6 @@ class ObjectValue(Union):
         value: Octets = self._selected_("data")
         return value
 
-    def _write_(self, out: bytearray, little_endian: bool) -> None:
-        discriminator = _ValueKind_members[self.discriminator]
-        value: Any = self.value
-        pack_1 = (
-            _ObjectValue_layout.pack_little
-            if little_endian
-            else _ObjectValue_layout.pack_big
-        )
-        pack_2 = (
-            _ObjectValue_layout_2.pack_little
-            if little_endian
-            else _ObjectValue_layout_2.pack_big
-        )
-        pack_3 = (
-            _ObjectValue_layout_3.pack_little
-            if little_endian
-            else _ObjectValue_layout_3.pack_big
-        )
-        pack_4 = (
-            _ObjectValue_layout_4.pack_little
-            if little_endian
-            else _ObjectValue_layout_4.pack_big
-        )
-        pack_5 = (
-            _ObjectValue_layout_5.pack_little
-            if little_endian
-            else _ObjectValue_layout_5.pack_big
-        )
-        pack_6 = (
-            _ObjectValue_layout_6.pack_little
-            if little_endian
-            else _ObjectValue_layout_6.pack_big
-        )
-        pack_7 = (
-            _ObjectValue_layout_7.pack_little
-            if little_endian
-            else _ObjectValue_layout_7.pack_big
-        )
-        out += pack_1[len(out) & 7](_ValueKind_members[discriminator])
-        match discriminator:
-            case ValueKind.VALUE_BOOLEAN:
-                out += pack_2(BOOLEAN[value])
-            case ValueKind.VALUE_INTEGER:
-                out += pack_3[len(out) & 7](value)
-            case ValueKind.VALUE_UNSIGNED:
-                out += pack_4[len(out) & 7](value)
-            case ValueKind.VALUE_REAL:
-                out += pack_5[len(out) & 7](value)
-            case ValueKind.VALUE_TEXT:
-                text = wide_octets(value)
-                n_text = len(text)
-                out += pack_6[len(out) & 7, n_text](n_text, text)
-            case ValueKind.VALUE_OCTETS:
-                n_data = len(value)
-                out += pack_7[len(out) & 7, n_data](n_data, value)
-            case _ if value is not None:
-                raise ValueError("no branch is selected")
-
-    @classmethod
-    def _read_(cls, data: Buffer, offset: int, little_endian: bool) -> tuple[Self, int]:
-        (read_1,) = (
-            _ObjectValue_layout.read_little
-            if little_endian
-            else _ObjectValue_layout.read_big
-        )
-        (read_2,) = (
-            _ObjectValue_layout_2.read_little
-            if little_endian
-            else _ObjectValue_layout_2.read_big
-        )
-        (read_3,) = (
-            _ObjectValue_layout_3.read_little
-            if little_endian
-            else _ObjectValue_layout_3.read_big
-        )
-        (read_4,) = (
-            _ObjectValue_layout_4.read_little
-            if little_endian
-            else _ObjectValue_layout_4.read_big
-        )
-        (read_5,) = (
-            _ObjectValue_layout_5.read_little
-            if little_endian
-            else _ObjectValue_layout_5.read_big
-        )
-        read_6, read_7 = (
-            _ObjectValue_layout_6.read_little
-            if little_endian
-            else _ObjectValue_layout_6.read_big
-        )
-        read_8, read_9 = (
-            _ObjectValue_layout_7.read_little
-            if little_endian
-            else _ObjectValue_layout_7.read_big
-        )
-        unpack, size = read_1[offset & 7]
-        (discriminator,) = unpack(data, offset)
-        offset += size
-        selected = _ValueKind_members[discriminator]
-        match selected:
-            case ValueKind.VALUE_BOOLEAN:
-                (truth,) = read_2(data, offset)
-                offset += 1
-                return cls(selected, BOOLEAN[truth]), offset
-            case ValueKind.VALUE_INTEGER:
-                unpack, size = read_3[offset & 7]
-                (number,) = unpack(data, offset)
-                offset += size
-                return cls(selected, number), offset
-            case ValueKind.VALUE_UNSIGNED:
-                unpack, size = read_4[offset & 7]
-                (count,) = unpack(data, offset)
-                offset += size
-                return cls(selected, count), offset
-            case ValueKind.VALUE_REAL:
-                unpack, size = read_5[offset & 7]
-                (real,) = unpack(data, offset)
-                offset += size
-                return cls(selected, real), offset
-            case ValueKind.VALUE_TEXT:
-                unpack, size = read_6[offset & 7]
-                (n_text,) = unpack(data, offset)
-                offset += size
-                unpack, size = read_7[n_text]
-                (text,) = unpack(data, offset)
-                offset += size
-                return cls(selected, wide_value(text)), offset
-            case ValueKind.VALUE_OCTETS:
-                unpack, size = read_8[offset & 7]
-                (n_data,) = unpack(data, offset)
-                offset += size
-                unpack, size = read_9[n_data]
-                (data_,) = unpack(data, offset)
-                offset += size
-                return cls(selected, data_), offset
-        return cls(selected, None), offset
-
-    def _snapshot_(self) -> ObjectValue:
-        return ObjectValue(self.discriminator, self.value)
-
 
 class ObjectDictionary(Servant):
     """The object dictionary of a node, by index and sub-index."""
@@ -565,19 +214,7 @@ class NmtState(Enumeration):
     NMT_STOPPED = 3
 
 
-bind(
-    NmtState,
-    EnumDescriptor(
-        "IDL:CANopen/NmtState:1.0",
-        "CANopen::NmtState",
-        (
-            ("NMT_UNKNOWN", 0),
-            ("NMT_PRE_OPERATIONAL", 1),
-            ("NMT_OPERATIONAL", 2),
-            ("NMT_STOPPED", 3),
-        ),
-    ),
-)
+idl.enum(NmtState, "CANopen::NmtState")
 
 
 class NodePhase(Enumeration):
@@ -607,49 +244,21 @@ class NodePhase(Enumeration):
     """It cannot be used; the reason says why."""
 
 
-bind(
-    NodePhase,
-    EnumDescriptor(
-        "IDL:CANopen/NodePhase:1.0",
-        "CANopen::NodePhase",
-        (
-            ("NODE_IDLE", 0),
-            ("NODE_ASSIGNING", 1),
-            ("NODE_AWAITED", 2),
-            ("NODE_IDENTIFYING", 3),
-            ("NODE_CONFIGURING", 4),
-            ("NODE_READY", 5),
-            ("NODE_STARTING", 6),
-            ("NODE_RUNNING", 7),
-            ("NODE_HALTED", 8),
-            ("NODE_MISSING", 9),
-            ("NODE_FAILED", 10),
-        ),
-    ),
-)
+idl.enum(NodePhase, "CANopen::NodePhase")
 
 
-_NodePhase_members = members(NodePhase)
-_NmtState_members = members(NmtState)
-_NodeState_layout = Layout("=IIB3xI", "@0 *s I I H I", "@0 *s")
-
-
-@dataclass(slots=True)
 class NodeState(Aggregated):
     """A node as its manager sees it."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/NodeState:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::NodeState",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("id", PrimitiveDescriptor("octet")),
-            MemberDescriptor("name", StringDescriptor()),
-            MemberDescriptor("phase", NodePhase._descriptor_),
-            MemberDescriptor("nmt", NmtState._descriptor_),
-            MemberDescriptor("restarts", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("reason", StringDescriptor()),
-        ),
+        tm=Time,
+        id=idl.OCTET,
+        name=idl.STRING,
+        phase=NodePhase,
+        nmt=NmtState,
+        restarts=idl.UNSIGNED_SHORT,
+        reason=idl.STRING,
     )
 
     tm: Time = field(default_factory=Time)
@@ -665,244 +274,24 @@ class NodeState(Aggregated):
     reason: str = ""
     """What went wrong last; empty for nothing."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _NodeState_layout.pack_little
-                if little_endian
-                else _NodeState_layout.pack_big
-            )
-            tm = self.tm
-            name = text_octets(self.name)
-            n_name = len(name) + 1
-            reason = text_octets(self.reason)
-            n_reason = len(reason) + 1
-            return pack[n_name, n_reason](
-                tm.sec,
-                tm.nsec,
-                self.id,
-                n_name,
-                name,
-                _NodePhase_members[self.phase],
-                _NmtState_members[self.nmt],
-                self.restarts,
-                n_reason,
-                reason,
-            )
-        except FAILURES as failure:
-            raise encoding_error(NodeState, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _NodeState_layout.read_little
-                if little_endian
-                else _NodeState_layout.read_big
-            )
-            tm_sec, tm_nsec, id, n_name = read_1(data)
-            unpack, size = read_2[n_name]
-            name, phase, nmt, restarts, n_reason = unpack(data, 16)
-            offset = 16 + size
-            unpack, size = read_3[n_reason]
-            (reason,) = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                id,
-                text_value(name),
-                _NodePhase_members[phase],
-                _NmtState_members[nmt],
-                restarts,
-                text_value(reason),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> NodeState:
-        tm = self.tm
-        return NodeState(
-            Time(tm.sec, tm.nsec),
-            self.id,
-            self.name,
-            self.phase,
-            self.nmt,
-            self.restarts,
-            self.reason,
-        )
-
 
 NodeStateSeq: TypeAlias = list[NodeState]
-_NodeStateSeq_alias = AliasDescriptor(
-    "IDL:CANopen/NodeStateSeq:1.0",
-    "CANopen::NodeStateSeq",
-    SequenceDescriptor(NodeState._descriptor_),
-)
+_NodeStateSeq_alias = idl.alias("CANopen::NodeStateSeq", idl.sequence(NodeState))
 
 
-_NodeStateSeqCodec_layout = Settled("=I")
-_NodeStateSeqCodec_layout_2 = PhasedLayout("I I B I", "@0 *s I I H I", "@0 *s")
-
-
-class NodeStateSeqCodec:
+class NodeStateSeqCodec(AliasCodec[NodeStateSeq]):
     """The codec of `CANopen::NodeStateSeq`."""
 
-    _descriptor_ = _NodeStateSeq_alias
-
-    @staticmethod
-    def to_cdr(value: NodeStateSeq, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _NodeStateSeqCodec_layout.pack_little
-                if little_endian
-                else _NodeStateSeqCodec_layout.pack_big
-            )
-            pack_2 = (
-                _NodeStateSeqCodec_layout_2.pack_little
-                if little_endian
-                else _NodeStateSeqCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            out += pack_1(n_value)
-            for item_value in value:
-                tm = item_value.tm
-                name = text_octets(item_value.name)
-                n_name = len(name) + 1
-                reason = text_octets(item_value.reason)
-                n_reason = len(reason) + 1
-                out += pack_2[len(out) & 7, n_name, n_reason](
-                    tm.sec,
-                    tm.nsec,
-                    item_value.id,
-                    n_name,
-                    name,
-                    _NodePhase_members[item_value.phase],
-                    _NmtState_members[item_value.nmt],
-                    item_value.restarts,
-                    n_reason,
-                    reason,
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(NodeStateSeqCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> NodeStateSeq:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _NodeStateSeqCodec_layout.read_little
-                if little_endian
-                else _NodeStateSeqCodec_layout.read_big
-            )
-            read_2, read_3, read_4 = (
-                _NodeStateSeqCodec_layout_2.read_little
-                if little_endian
-                else _NodeStateSeqCodec_layout_2.read_big
-            )
-            (n_value,) = read_1(data)
-            offset = 4
-            if n_value * 27 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            value = []
-            for _ in range(n_value):
-                unpack, size = read_2[offset & 7]
-                tm_sec, tm_nsec, id, n_name = unpack(data, offset)
-                offset += size
-                unpack, size = read_3[n_name]
-                name, phase, nmt, restarts, n_reason = unpack(data, offset)
-                offset += size
-                unpack, size = read_4[n_reason]
-                (reason,) = unpack(data, offset)
-                offset += size
-                value.append(
-                    NodeState(
-                        Time(tm_sec, tm_nsec),
-                        id,
-                        text_value(name),
-                        _NodePhase_members[phase],
-                        _NmtState_members[nmt],
-                        restarts,
-                        text_value(reason),
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: NodeStateSeq = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                NodeStateSeqCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: NodeStateSeq, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(NodeStateSeqCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> NodeStateSeq:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: NodeStateSeq = from_xcdr2(NodeStateSeqCodec, data, little_endian)
-        return value
-
-
-_Refused_layout = Layout("=I", "@4 *s")
+    _descriptor_: ClassVar = _NodeStateSeq_alias
 
 
 @dataclass(eq=False)
 class Refused(UserException):
     """A command that cannot be given."""
 
-    _descriptor_: ClassVar[ExceptionDescriptor] = ExceptionDescriptor(
-        "IDL:CANopen/Refused:1.0",
-        "CANopen::Refused",
-        (MemberDescriptor("reason", StringDescriptor()),),
-    )
+    _descriptor_: ClassVar = idl.exception("CANopen::Refused", reason=idl.STRING)
 
     reason: str = ""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Refused_layout.pack_little
-                if little_endian
-                else _Refused_layout.pack_big
-            )
-            reason = text_octets(self.reason)
-            n_reason = len(reason) + 1
-            return pack[n_reason](n_reason, reason)
-        except FAILURES as failure:
-            raise encoding_error(Refused, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Refused_layout.read_little
-                if little_endian
-                else _Refused_layout.read_big
-            )
-            (n_reason,) = read_1(data)
-            unpack, size = read_2[n_reason]
-            (reason,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(reason))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
 
 
 class Manager(Servant):

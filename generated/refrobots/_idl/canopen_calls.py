@@ -4,36 +4,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
+from rtgen.runtime import idl
 from rtgen.runtime.calls import Call
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    PhasedLayout,
-    Settled,
-    decoding_error,
-    encoding_error,
-    members,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime.cdr import Aggregated
 
-from .basic_data_type import Time
 from .canopen import (
     BusGone,
-    NmtState,
-    NodePhase,
-    NodeState,
     NodeStateSeq,
     ObjectValue,
     Octets,
@@ -43,21 +22,16 @@ from .canopen import (
     _Octets_alias,
 )
 
-_CANopen_SdoAbort_raised_layout = Layout("=I", "@4 *s I I", "@0 *s")
 
-
-@dataclass(slots=True)
 class CANopen_SdoAbort_raised(Aggregated):
     """The reply that tells of `CANopen::SdoAbort`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/SdoAbort:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen.SdoAbort raised",
-        (
-            MemberDescriptor("_id", StringDescriptor()),
-            MemberDescriptor("code", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("text", StringDescriptor()),
-        ),
+        idl.traits(repository_id="IDL:CANopen/SdoAbort:1.0"),
+        _id=idl.STRING,
+        code=idl.UNSIGNED_LONG,
+        text=idl.STRING,
     )
 
     _id: str = ""
@@ -66,859 +40,189 @@ class CANopen_SdoAbort_raised(Aggregated):
     text: str = ""
     """What it means."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _CANopen_SdoAbort_raised_layout.pack_little
-                if little_endian
-                else _CANopen_SdoAbort_raised_layout.pack_big
-            )
-            _id = text_octets(self._id)
-            n__id = len(_id) + 1
-            text = text_octets(self.text)
-            n_text = len(text) + 1
-            return pack[n__id, n_text](n__id, _id, self.code, n_text, text)
-        except FAILURES as failure:
-            raise encoding_error(CANopen_SdoAbort_raised, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _CANopen_SdoAbort_raised_layout.read_little
-                if little_endian
-                else _CANopen_SdoAbort_raised_layout.read_big
-            )
-            (n__id,) = read_1(data)
-            unpack, size = read_2[n__id]
-            _id, code, n_text = unpack(data, 4)
-            offset = 4 + size
-            unpack, size = read_3[n_text]
-            (text,) = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(_id), code, text_value(text))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> CANopen_SdoAbort_raised:
-        return CANopen_SdoAbort_raised(self._id, self.code, self.text)
-
-
-_CANopen_BusGone_raised_layout = Layout("=I", "@4 *s I", "@0 *s")
-
-
-@dataclass(slots=True)
 class CANopen_BusGone_raised(Aggregated):
     """The reply that tells of `CANopen::BusGone`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/BusGone:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen.BusGone raised",
-        (
-            MemberDescriptor("_id", StringDescriptor()),
-            MemberDescriptor("reason", StringDescriptor()),
-        ),
+        idl.traits(repository_id="IDL:CANopen/BusGone:1.0"),
+        _id=idl.STRING,
+        reason=idl.STRING,
     )
 
     _id: str = ""
     reason: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _CANopen_BusGone_raised_layout.pack_little
-                if little_endian
-                else _CANopen_BusGone_raised_layout.pack_big
-            )
-            _id = text_octets(self._id)
-            n__id = len(_id) + 1
-            reason = text_octets(self.reason)
-            n_reason = len(reason) + 1
-            return pack[n__id, n_reason](n__id, _id, n_reason, reason)
-        except FAILURES as failure:
-            raise encoding_error(CANopen_BusGone_raised, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _CANopen_BusGone_raised_layout.read_little
-                if little_endian
-                else _CANopen_BusGone_raised_layout.read_big
-            )
-            (n__id,) = read_1(data)
-            unpack, size = read_2[n__id]
-            _id, n_reason = unpack(data, 4)
-            offset = 4 + size
-            unpack, size = read_3[n_reason]
-            (reason,) = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(_id), text_value(reason))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> CANopen_BusGone_raised:
-        return CANopen_BusGone_raised(self._id, self.reason)
-
-
-_ObjectDictionary_read_request_layout = Fixed("HB")
-
-
-@dataclass(slots=True)
 class ObjectDictionary_read_request(Aggregated):
     """Arguments of `CANopen::ObjectDictionary::read`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/ObjectDictionary/read:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::ObjectDictionary.read request",
-        (
-            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("subindex", PrimitiveDescriptor("octet")),
-        ),
+        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/read:1.0"),
+        index=idl.UNSIGNED_SHORT,
+        subindex=idl.OCTET,
     )
 
     index: int = 0
     subindex: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectDictionary_read_request_layout.pack_little
-                if little_endian
-                else _ObjectDictionary_read_request_layout.pack_big
-            )
-            return pack(self.index, self.subindex)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectDictionary_read_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectDictionary_read_request_layout.unpack_little
-                if little_endian
-                else _ObjectDictionary_read_request_layout.unpack_big
-            )
-            index, subindex = unpack(data)
-            return cls(index, subindex)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectDictionary_read_request:
-        return ObjectDictionary_read_request(self.index, self.subindex)
-
-
-_ObjectDictionary_read_reply_layout = Layout("=I", "@4 *s")
-
-
-@dataclass(slots=True)
 class ObjectDictionary_read_reply(Aggregated):
     """Results of `CANopen::ObjectDictionary::read`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/ObjectDictionary/read:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::ObjectDictionary.read reply",
-        (MemberDescriptor("_result", _Octets_alias),),
+        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/read:1.0"),
+        _result=_Octets_alias,
     )
 
     _result: Octets = b""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectDictionary_read_reply_layout.pack_little
-                if little_endian
-                else _ObjectDictionary_read_reply_layout.pack_big
-            )
-            _result = self._result
-            n__result = len(_result)
-            return pack[n__result](n__result, _result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectDictionary_read_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _ObjectDictionary_read_reply_layout.read_little
-                if little_endian
-                else _ObjectDictionary_read_reply_layout.read_big
-            )
-            (n__result,) = read_1(data)
-            unpack, size = read_2[n__result]
-            (_result,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectDictionary_read_reply:
-        return ObjectDictionary_read_reply(self._result)
-
-
-_ObjectDictionary_write_request_layout = Layout("=HBxI", "@0 *s")
-
-
-@dataclass(slots=True)
 class ObjectDictionary_write_request(Aggregated):
     """Arguments of `CANopen::ObjectDictionary::write`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/ObjectDictionary/write:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::ObjectDictionary.write request",
-        (
-            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("subindex", PrimitiveDescriptor("octet")),
-            MemberDescriptor("value", _Octets_alias),
-        ),
+        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/write:1.0"),
+        index=idl.UNSIGNED_SHORT,
+        subindex=idl.OCTET,
+        value=_Octets_alias,
     )
 
     index: int = 0
     subindex: int = 0
     value: Octets = b""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectDictionary_write_request_layout.pack_little
-                if little_endian
-                else _ObjectDictionary_write_request_layout.pack_big
-            )
-            value_ = self.value
-            n_value = len(value_)
-            return pack[n_value](self.index, self.subindex, n_value, value_)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectDictionary_write_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _ObjectDictionary_write_request_layout.read_little
-                if little_endian
-                else _ObjectDictionary_write_request_layout.read_big
-            )
-            index, subindex, n_value = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 8)
-            offset = 8 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(index, subindex, value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectDictionary_write_request:
-        return ObjectDictionary_write_request(self.index, self.subindex, self.value)
-
-
-_ObjectDictionary_get_request_layout = Fixed("HB")
-
-
-@dataclass(slots=True)
 class ObjectDictionary_get_request(Aggregated):
     """Arguments of `CANopen::ObjectDictionary::get`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/ObjectDictionary/get:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::ObjectDictionary.get request",
-        (
-            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("subindex", PrimitiveDescriptor("octet")),
-        ),
+        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/get:1.0"),
+        index=idl.UNSIGNED_SHORT,
+        subindex=idl.OCTET,
     )
 
     index: int = 0
     subindex: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectDictionary_get_request_layout.pack_little
-                if little_endian
-                else _ObjectDictionary_get_request_layout.pack_big
-            )
-            return pack(self.index, self.subindex)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectDictionary_get_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectDictionary_get_request_layout.unpack_little
-                if little_endian
-                else _ObjectDictionary_get_request_layout.unpack_big
-            )
-            index, subindex = unpack(data)
-            return cls(index, subindex)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectDictionary_get_request:
-        return ObjectDictionary_get_request(self.index, self.subindex)
-
-
-@dataclass(slots=True)
 class ObjectDictionary_get_reply(Aggregated):
     """Results of `CANopen::ObjectDictionary::get`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/ObjectDictionary/get:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::ObjectDictionary.get reply",
-        (MemberDescriptor("_result", ObjectValue._descriptor_),),
+        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/get:1.0"),
+        _result=ObjectValue,
     )
 
     _result: ObjectValue = field(default_factory=ObjectValue)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            self._result._write_(out, little_endian)
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(ObjectDictionary_get_reply, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            offset = 0
-            _result, offset = ObjectValue._read_(data, offset, little_endian)
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectDictionary_get_reply:
-        return ObjectDictionary_get_reply(self._result._snapshot_())
-
-
-_ObjectDictionary_set_request_layout = Settled("=HB")
-
-
-@dataclass(slots=True)
 class ObjectDictionary_set_request(Aggregated):
     """Arguments of `CANopen::ObjectDictionary::set`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/ObjectDictionary/set:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::ObjectDictionary.set request",
-        (
-            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("subindex", PrimitiveDescriptor("octet")),
-            MemberDescriptor("value", ObjectValue._descriptor_),
-        ),
+        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/set:1.0"),
+        index=idl.UNSIGNED_SHORT,
+        subindex=idl.OCTET,
+        value=ObjectValue,
     )
 
     index: int = 0
     subindex: int = 0
     value: ObjectValue = field(default_factory=ObjectValue)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _ObjectDictionary_set_request_layout.pack_little
-                if little_endian
-                else _ObjectDictionary_set_request_layout.pack_big
-            )
-            out += pack_1(self.index, self.subindex)
-            self.value._write_(out, little_endian)
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectDictionary_set_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _ObjectDictionary_set_request_layout.read_little
-                if little_endian
-                else _ObjectDictionary_set_request_layout.read_big
-            )
-            index, subindex = read_1(data)
-            offset = 3
-            value, offset = ObjectValue._read_(data, offset, little_endian)
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(index, subindex, value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectDictionary_set_request:
-        return ObjectDictionary_set_request(
-            self.index,
-            self.subindex,
-            self.value._snapshot_(),
-        )
-
-
-_NodePhase_members = members(NodePhase)
-_NmtState_members = members(NmtState)
-_Manager_states_reply_layout = Settled("=I")
-_Manager_states_reply_layout_2 = PhasedLayout("I I B I", "@0 *s I I H I", "@0 *s")
-
-
-@dataclass(slots=True)
 class Manager_states_reply(Aggregated):
     """Results of `CANopen::Manager::states`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/Manager/states:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::Manager.states reply",
-        (MemberDescriptor("_result", _NodeStateSeq_alias),),
+        idl.traits(repository_id="IDL:CANopen/Manager/states:1.0"),
+        _result=_NodeStateSeq_alias,
     )
 
     _result: NodeStateSeq = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _Manager_states_reply_layout.pack_little
-                if little_endian
-                else _Manager_states_reply_layout.pack_big
-            )
-            pack_2 = (
-                _Manager_states_reply_layout_2.pack_little
-                if little_endian
-                else _Manager_states_reply_layout_2.pack_big
-            )
-            _result = self._result
-            n__result = len(_result)
-            out += pack_1(n__result)
-            for item__result in _result:
-                _result_tm = item__result.tm
-                _result_name = text_octets(item__result.name)
-                n__result_name = len(_result_name) + 1
-                _result_reason = text_octets(item__result.reason)
-                n__result_reason = len(_result_reason) + 1
-                out += pack_2[len(out) & 7, n__result_name, n__result_reason](
-                    _result_tm.sec,
-                    _result_tm.nsec,
-                    item__result.id,
-                    n__result_name,
-                    _result_name,
-                    _NodePhase_members[item__result.phase],
-                    _NmtState_members[item__result.nmt],
-                    item__result.restarts,
-                    n__result_reason,
-                    _result_reason,
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(Manager_states_reply, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _Manager_states_reply_layout.read_little
-                if little_endian
-                else _Manager_states_reply_layout.read_big
-            )
-            read_2, read_3, read_4 = (
-                _Manager_states_reply_layout_2.read_little
-                if little_endian
-                else _Manager_states_reply_layout_2.read_big
-            )
-            (n__result,) = read_1(data)
-            offset = 4
-            if n__result * 27 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            _result = []
-            for _ in range(n__result):
-                unpack, size = read_2[offset & 7]
-                (
-                    _result_tm_sec,
-                    _result_tm_nsec,
-                    _result_id,
-                    n__result_name,
-                ) = unpack(data, offset)
-                offset += size
-                unpack, size = read_3[n__result_name]
-                (
-                    _result_name,
-                    _result_phase,
-                    _result_nmt,
-                    _result_restarts,
-                    n__result_reason,
-                ) = unpack(data, offset)
-                offset += size
-                unpack, size = read_4[n__result_reason]
-                (_result_reason,) = unpack(data, offset)
-                offset += size
-                _result.append(
-                    NodeState(
-                        Time(_result_tm_sec, _result_tm_nsec),
-                        _result_id,
-                        text_value(_result_name),
-                        _NodePhase_members[_result_phase],
-                        _NmtState_members[_result_nmt],
-                        _result_restarts,
-                        text_value(_result_reason),
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Manager_states_reply:
-        return Manager_states_reply(
-            [
-                NodeState(
-                    Time(item.tm.sec, item.tm.nsec),
-                    item.id,
-                    item.name,
-                    item.phase,
-                    item.nmt,
-                    item.restarts,
-                    item.reason,
-                )
-                for item in self._result
-            ],
-        )
-
-
-_CANopen_Refused_raised_layout = Layout("=I", "@4 *s I", "@0 *s")
-
-
-@dataclass(slots=True)
 class CANopen_Refused_raised(Aggregated):
     """The reply that tells of `CANopen::Refused`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/Refused:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen.Refused raised",
-        (
-            MemberDescriptor("_id", StringDescriptor()),
-            MemberDescriptor("reason", StringDescriptor()),
-        ),
+        idl.traits(repository_id="IDL:CANopen/Refused:1.0"),
+        _id=idl.STRING,
+        reason=idl.STRING,
     )
 
     _id: str = ""
     reason: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _CANopen_Refused_raised_layout.pack_little
-                if little_endian
-                else _CANopen_Refused_raised_layout.pack_big
-            )
-            _id = text_octets(self._id)
-            n__id = len(_id) + 1
-            reason = text_octets(self.reason)
-            n_reason = len(reason) + 1
-            return pack[n__id, n_reason](n__id, _id, n_reason, reason)
-        except FAILURES as failure:
-            raise encoding_error(CANopen_Refused_raised, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _CANopen_Refused_raised_layout.read_little
-                if little_endian
-                else _CANopen_Refused_raised_layout.read_big
-            )
-            (n__id,) = read_1(data)
-            unpack, size = read_2[n__id]
-            _id, n_reason = unpack(data, 4)
-            offset = 4 + size
-            unpack, size = read_3[n_reason]
-            (reason,) = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(_id), text_value(reason))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> CANopen_Refused_raised:
-        return CANopen_Refused_raised(self._id, self.reason)
-
-
-_Manager_start_request_layout = Fixed("B")
-
-
-@dataclass(slots=True)
 class Manager_start_request(Aggregated):
     """Arguments of `CANopen::Manager::start`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/Manager/start:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::Manager.start request",
-        (MemberDescriptor("node_id", PrimitiveDescriptor("octet")),),
+        idl.traits(repository_id="IDL:CANopen/Manager/start:1.0"),
+        node_id=idl.OCTET,
     )
 
     node_id: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Manager_start_request_layout.pack_little
-                if little_endian
-                else _Manager_start_request_layout.pack_big
-            )
-            return pack(self.node_id)
-        except FAILURES as failure:
-            raise encoding_error(Manager_start_request, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Manager_start_request_layout.unpack_little
-                if little_endian
-                else _Manager_start_request_layout.unpack_big
-            )
-            (node_id,) = unpack(data)
-            return cls(node_id)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Manager_start_request:
-        return Manager_start_request(self.node_id)
-
-
-_Manager_stop_request_layout = Fixed("B")
-
-
-@dataclass(slots=True)
 class Manager_stop_request(Aggregated):
     """Arguments of `CANopen::Manager::stop`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/Manager/stop:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::Manager.stop request",
-        (MemberDescriptor("node_id", PrimitiveDescriptor("octet")),),
+        idl.traits(repository_id="IDL:CANopen/Manager/stop:1.0"),
+        node_id=idl.OCTET,
     )
 
     node_id: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Manager_stop_request_layout.pack_little
-                if little_endian
-                else _Manager_stop_request_layout.pack_big
-            )
-            return pack(self.node_id)
-        except FAILURES as failure:
-            raise encoding_error(Manager_stop_request, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Manager_stop_request_layout.unpack_little
-                if little_endian
-                else _Manager_stop_request_layout.unpack_big
-            )
-            (node_id,) = unpack(data)
-            return cls(node_id)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Manager_stop_request:
-        return Manager_stop_request(self.node_id)
-
-
-_Manager_enter_pre_operational_request_layout = Fixed("B")
-
-
-@dataclass(slots=True)
 class Manager_enter_pre_operational_request(Aggregated):
     """Arguments of `CANopen::Manager::enter_pre_operational`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/Manager/enter_pre_operational:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::Manager.enter_pre_operational request",
-        (MemberDescriptor("node_id", PrimitiveDescriptor("octet")),),
+        idl.traits(repository_id="IDL:CANopen/Manager/enter_pre_operational:1.0"),
+        node_id=idl.OCTET,
     )
 
     node_id: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Manager_enter_pre_operational_request_layout.pack_little
-                if little_endian
-                else _Manager_enter_pre_operational_request_layout.pack_big
-            )
-            return pack(self.node_id)
-        except FAILURES as failure:
-            raise encoding_error(
-                Manager_enter_pre_operational_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Manager_enter_pre_operational_request_layout.unpack_little
-                if little_endian
-                else _Manager_enter_pre_operational_request_layout.unpack_big
-            )
-            (node_id,) = unpack(data)
-            return cls(node_id)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Manager_enter_pre_operational_request:
-        return Manager_enter_pre_operational_request(self.node_id)
-
-
-_Manager_reset_node_request_layout = Fixed("B")
-
-
-@dataclass(slots=True)
 class Manager_reset_node_request(Aggregated):
     """Arguments of `CANopen::Manager::reset_node`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/Manager/reset_node:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::Manager.reset_node request",
-        (MemberDescriptor("node_id", PrimitiveDescriptor("octet")),),
+        idl.traits(repository_id="IDL:CANopen/Manager/reset_node:1.0"),
+        node_id=idl.OCTET,
     )
 
     node_id: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Manager_reset_node_request_layout.pack_little
-                if little_endian
-                else _Manager_reset_node_request_layout.pack_big
-            )
-            return pack(self.node_id)
-        except FAILURES as failure:
-            raise encoding_error(Manager_reset_node_request, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Manager_reset_node_request_layout.unpack_little
-                if little_endian
-                else _Manager_reset_node_request_layout.unpack_big
-            )
-            (node_id,) = unpack(data)
-            return cls(node_id)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Manager_reset_node_request:
-        return Manager_reset_node_request(self.node_id)
-
-
-_Manager_reset_communication_request_layout = Fixed("B")
-
-
-@dataclass(slots=True)
 class Manager_reset_communication_request(Aggregated):
     """Arguments of `CANopen::Manager::reset_communication`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:CANopen/Manager/reset_communication:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "CANopen::Manager.reset_communication request",
-        (MemberDescriptor("node_id", PrimitiveDescriptor("octet")),),
+        idl.traits(repository_id="IDL:CANopen/Manager/reset_communication:1.0"),
+        node_id=idl.OCTET,
     )
 
     node_id: int = 0
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Manager_reset_communication_request_layout.pack_little
-                if little_endian
-                else _Manager_reset_communication_request_layout.pack_big
-            )
-            return pack(self.node_id)
-        except FAILURES as failure:
-            raise encoding_error(
-                Manager_reset_communication_request,
-                self,
-                failure,
-            ) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Manager_reset_communication_request_layout.unpack_little
-                if little_endian
-                else _Manager_reset_communication_request_layout.unpack_big
-            )
-            (node_id,) = unpack(data)
-            return cls(node_id)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Manager_reset_communication_request:
-        return Manager_reset_communication_request(self.node_id)
 
 
 _CALLS: dict[str, dict[str, Call]] = {

@@ -4,41 +4,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
 
 from .basic_data_type import Time
 
-_RGBColour_layout = Fixed("ddd")
 
-
-@dataclass(slots=True)
 class RGBColour(Aggregated):
     """A colour by its red, green and blue parts."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/RGBColour:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::RGBColour",
-        (
-            MemberDescriptor("r", PrimitiveDescriptor("double")),
-            MemberDescriptor("g", PrimitiveDescriptor("double")),
-            MemberDescriptor("b", PrimitiveDescriptor("double")),
-        ),
+        r=idl.DOUBLE,
+        g=idl.DOUBLE,
+        b=idl.DOUBLE,
     )
 
     r: float = 0.0
@@ -48,152 +30,36 @@ class RGBColour(Aggregated):
     b: float = 0.0
     """Blue, 0 to 1."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _RGBColour_layout.pack_little
-                if little_endian
-                else _RGBColour_layout.pack_big
-            )
-            return pack(self.r, self.g, self.b)
-        except FAILURES as failure:
-            raise encoding_error(RGBColour, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _RGBColour_layout.unpack_little
-                if little_endian
-                else _RGBColour_layout.unpack_big
-            )
-            r, g, b = unpack(data)
-            return cls(r, g, b)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> RGBColour:
-        return RGBColour(self.r, self.g, self.b)
-
-
-_Point2D_layout = Fixed("dd")
-
-
-@dataclass(slots=True)
 class Point2D(Aggregated):
     """A point in the plane."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Point2D:1.0",
-        "RTC::Point2D",
-        (
-            MemberDescriptor("x", PrimitiveDescriptor("double")),
-            MemberDescriptor("y", PrimitiveDescriptor("double")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::Point2D", x=idl.DOUBLE, y=idl.DOUBLE)
 
     x: float = 0.0
     """Along x [m]."""
     y: float = 0.0
     """Along y [m]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Point2D_layout.pack_little
-                if little_endian
-                else _Point2D_layout.pack_big
-            )
-            return pack(self.x, self.y)
-        except FAILURES as failure:
-            raise encoding_error(Point2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Point2D_layout.unpack_little
-                if little_endian
-                else _Point2D_layout.unpack_big
-            )
-            x, y = unpack(data)
-            return cls(x, y)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Point2D:
-        return Point2D(self.x, self.y)
-
-
-_Vector2D_layout = Fixed("dd")
-
-
-@dataclass(slots=True)
 class Vector2D(Aggregated):
     """A vector in the plane."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Vector2D:1.0",
-        "RTC::Vector2D",
-        (
-            MemberDescriptor("x", PrimitiveDescriptor("double")),
-            MemberDescriptor("y", PrimitiveDescriptor("double")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::Vector2D", x=idl.DOUBLE, y=idl.DOUBLE)
 
     x: float = 0.0
     """Along x [m]."""
     y: float = 0.0
     """Along y [m]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Vector2D_layout.pack_little
-                if little_endian
-                else _Vector2D_layout.pack_big
-            )
-            return pack(self.x, self.y)
-        except FAILURES as failure:
-            raise encoding_error(Vector2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Vector2D_layout.unpack_little
-                if little_endian
-                else _Vector2D_layout.unpack_big
-            )
-            x, y = unpack(data)
-            return cls(x, y)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Vector2D:
-        return Vector2D(self.x, self.y)
-
-
-_Pose2D_layout = Fixed("ddd")
-
-
-@dataclass(slots=True)
 class Pose2D(Aggregated):
     """Position and heading in the plane, counter-clockwise from the x axis."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Pose2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Pose2D",
-        (
-            MemberDescriptor("position", Point2D._descriptor_),
-            MemberDescriptor("heading", PrimitiveDescriptor("double")),
-        ),
+        position=Point2D,
+        heading=idl.DOUBLE,
     )
 
     position: Point2D = field(default_factory=Point2D)
@@ -201,51 +67,15 @@ class Pose2D(Aggregated):
     heading: float = 0.0
     """Heading [rad]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Pose2D_layout.pack_little if little_endian else _Pose2D_layout.pack_big
-            )
-            position = self.position
-            return pack(position.x, position.y, self.heading)
-        except FAILURES as failure:
-            raise encoding_error(Pose2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Pose2D_layout.unpack_little
-                if little_endian
-                else _Pose2D_layout.unpack_big
-            )
-            position_x, position_y, heading = unpack(data)
-            return cls(Point2D(position_x, position_y), heading)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Pose2D:
-        position = self.position
-        return Pose2D(Point2D(position.x, position.y), self.heading)
-
-
-_Velocity2D_layout = Fixed("ddd")
-
-
-@dataclass(slots=True)
 class Velocity2D(Aggregated):
     """Velocity in the plane, in the frame of the body."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Velocity2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Velocity2D",
-        (
-            MemberDescriptor("vx", PrimitiveDescriptor("double")),
-            MemberDescriptor("vy", PrimitiveDescriptor("double")),
-            MemberDescriptor("va", PrimitiveDescriptor("double")),
-        ),
+        vx=idl.DOUBLE,
+        vy=idl.DOUBLE,
+        va=idl.DOUBLE,
     )
 
     vx: float = 0.0
@@ -255,50 +85,14 @@ class Velocity2D(Aggregated):
     va: float = 0.0
     """Turning counter-clockwise [rad/s]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Velocity2D_layout.pack_little
-                if little_endian
-                else _Velocity2D_layout.pack_big
-            )
-            return pack(self.vx, self.vy, self.va)
-        except FAILURES as failure:
-            raise encoding_error(Velocity2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Velocity2D_layout.unpack_little
-                if little_endian
-                else _Velocity2D_layout.unpack_big
-            )
-            vx, vy, va = unpack(data)
-            return cls(vx, vy, va)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Velocity2D:
-        return Velocity2D(self.vx, self.vy, self.va)
-
-
-_Acceleration2D_layout = Fixed("dd")
-
-
-@dataclass(slots=True)
 class Acceleration2D(Aggregated):
     """Linear acceleration in the plane."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Acceleration2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Acceleration2D",
-        (
-            MemberDescriptor("ax", PrimitiveDescriptor("double")),
-            MemberDescriptor("ay", PrimitiveDescriptor("double")),
-        ),
+        ax=idl.DOUBLE,
+        ay=idl.DOUBLE,
     )
 
     ax: float = 0.0
@@ -306,251 +100,51 @@ class Acceleration2D(Aggregated):
     ay: float = 0.0
     """Along y [m/s^2]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Acceleration2D_layout.pack_little
-                if little_endian
-                else _Acceleration2D_layout.pack_big
-            )
-            return pack(self.ax, self.ay)
-        except FAILURES as failure:
-            raise encoding_error(Acceleration2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Acceleration2D_layout.unpack_little
-                if little_endian
-                else _Acceleration2D_layout.unpack_big
-            )
-            ax, ay = unpack(data)
-            return cls(ax, ay)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Acceleration2D:
-        return Acceleration2D(self.ax, self.ay)
-
-
-_PoseVel2D_layout = Fixed("dddddd")
-
-
-@dataclass(slots=True)
 class PoseVel2D(Aggregated):
     """Pose and velocity in the plane."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/PoseVel2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::PoseVel2D",
-        (
-            MemberDescriptor("pose", Pose2D._descriptor_),
-            MemberDescriptor("velocities", Velocity2D._descriptor_),
-        ),
+        pose=Pose2D,
+        velocities=Velocity2D,
     )
 
     pose: Pose2D = field(default_factory=Pose2D)
     velocities: Velocity2D = field(default_factory=Velocity2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _PoseVel2D_layout.pack_little
-                if little_endian
-                else _PoseVel2D_layout.pack_big
-            )
-            pose = self.pose
-            pose_position = pose.position
-            velocities = self.velocities
-            return pack(
-                pose_position.x,
-                pose_position.y,
-                pose.heading,
-                velocities.vx,
-                velocities.vy,
-                velocities.va,
-            )
-        except FAILURES as failure:
-            raise encoding_error(PoseVel2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _PoseVel2D_layout.unpack_little
-                if little_endian
-                else _PoseVel2D_layout.unpack_big
-            )
-            (
-                pose_position_x,
-                pose_position_y,
-                pose_heading,
-                velocities_vx,
-                velocities_vy,
-                velocities_va,
-            ) = unpack(data)
-            return cls(
-                Pose2D(Point2D(pose_position_x, pose_position_y), pose_heading),
-                Velocity2D(velocities_vx, velocities_vy, velocities_va),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> PoseVel2D:
-        pose = self.pose
-        pose_position = pose.position
-        velocities = self.velocities
-        return PoseVel2D(
-            Pose2D(Point2D(pose_position.x, pose_position.y), pose.heading),
-            Velocity2D(velocities.vx, velocities.vy, velocities.va),
-        )
-
-
-_Size2D_layout = Fixed("dd")
-
-
-@dataclass(slots=True)
 class Size2D(Aggregated):
     """The size of a rectangle."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Size2D:1.0",
-        "RTC::Size2D",
-        (
-            MemberDescriptor("l", PrimitiveDescriptor("double")),
-            MemberDescriptor("w", PrimitiveDescriptor("double")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::Size2D", l=idl.DOUBLE, w=idl.DOUBLE)
 
     l: float = 0.0
     """Length [m]."""
     w: float = 0.0
     """Width [m]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Size2D_layout.pack_little if little_endian else _Size2D_layout.pack_big
-            )
-            return pack(self.l, self.w)
-        except FAILURES as failure:
-            raise encoding_error(Size2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Size2D_layout.unpack_little
-                if little_endian
-                else _Size2D_layout.unpack_big
-            )
-            l, w = unpack(data)
-            return cls(l, w)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Size2D:
-        return Size2D(self.l, self.w)
-
-
-_Geometry2D_layout = Fixed("ddddd")
-
-
-@dataclass(slots=True)
 class Geometry2D(Aggregated):
     """Where a rectangular object lies, and how large it is."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Geometry2D:1.0",
-        "RTC::Geometry2D",
-        (
-            MemberDescriptor("pose", Pose2D._descriptor_),
-            MemberDescriptor("size", Size2D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::Geometry2D", pose=Pose2D, size=Size2D)
 
     pose: Pose2D = field(default_factory=Pose2D)
     size: Size2D = field(default_factory=Size2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Geometry2D_layout.pack_little
-                if little_endian
-                else _Geometry2D_layout.pack_big
-            )
-            pose = self.pose
-            pose_position = pose.position
-            size_ = self.size
-            return pack(
-                pose_position.x,
-                pose_position.y,
-                pose.heading,
-                size_.l,
-                size_.w,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Geometry2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Geometry2D_layout.unpack_little
-                if little_endian
-                else _Geometry2D_layout.unpack_big
-            )
-            (
-                pose_position_x,
-                pose_position_y,
-                pose_heading,
-                size_l,
-                size_w,
-            ) = unpack(data)
-            return cls(
-                Pose2D(Point2D(pose_position_x, pose_position_y), pose_heading),
-                Size2D(size_l, size_w),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Geometry2D:
-        pose = self.pose
-        pose_position = pose.position
-        size_ = self.size
-        return Geometry2D(
-            Pose2D(Point2D(pose_position.x, pose_position.y), pose.heading),
-            Size2D(size_.l, size_.w),
-        )
-
-
-_Covariance2D_layout = Fixed("dddddd")
-
-
-@dataclass(slots=True)
 class Covariance2D(Aggregated):
     """Upper triangle of the covariance of a planar pose (x, y, theta)."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Covariance2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Covariance2D",
-        (
-            MemberDescriptor("xx", PrimitiveDescriptor("double")),
-            MemberDescriptor("xy", PrimitiveDescriptor("double")),
-            MemberDescriptor("xt", PrimitiveDescriptor("double")),
-            MemberDescriptor("yy", PrimitiveDescriptor("double")),
-            MemberDescriptor("yt", PrimitiveDescriptor("double")),
-            MemberDescriptor("tt", PrimitiveDescriptor("double")),
-        ),
+        xx=idl.DOUBLE,
+        xy=idl.DOUBLE,
+        xt=idl.DOUBLE,
+        yy=idl.DOUBLE,
+        yt=idl.DOUBLE,
+        tt=idl.DOUBLE,
     )
 
     xx: float = 0.0
@@ -566,51 +160,15 @@ class Covariance2D(Aggregated):
     tt: float = 0.0
     """Entry (2, 2) of the matrix."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Covariance2D_layout.pack_little
-                if little_endian
-                else _Covariance2D_layout.pack_big
-            )
-            return pack(self.xx, self.xy, self.xt, self.yy, self.yt, self.tt)
-        except FAILURES as failure:
-            raise encoding_error(Covariance2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Covariance2D_layout.unpack_little
-                if little_endian
-                else _Covariance2D_layout.unpack_big
-            )
-            xx, xy, xt, yy, yt, tt = unpack(data)
-            return cls(xx, xy, xt, yy, yt, tt)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Covariance2D:
-        return Covariance2D(self.xx, self.xy, self.xt, self.yy, self.yt, self.tt)
-
-
-_PointCovariance2D_layout = Fixed("ddd")
-
-
-@dataclass(slots=True)
 class PointCovariance2D(Aggregated):
     """Upper triangle of the covariance of a planar point."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/PointCovariance2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::PointCovariance2D",
-        (
-            MemberDescriptor("xx", PrimitiveDescriptor("double")),
-            MemberDescriptor("xy", PrimitiveDescriptor("double")),
-            MemberDescriptor("yy", PrimitiveDescriptor("double")),
-        ),
+        xx=idl.DOUBLE,
+        xy=idl.DOUBLE,
+        yy=idl.DOUBLE,
     )
 
     xx: float = 0.0
@@ -620,50 +178,14 @@ class PointCovariance2D(Aggregated):
     yy: float = 0.0
     """Entry (1, 1) of the matrix."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _PointCovariance2D_layout.pack_little
-                if little_endian
-                else _PointCovariance2D_layout.pack_big
-            )
-            return pack(self.xx, self.xy, self.yy)
-        except FAILURES as failure:
-            raise encoding_error(PointCovariance2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _PointCovariance2D_layout.unpack_little
-                if little_endian
-                else _PointCovariance2D_layout.unpack_big
-            )
-            xx, xy, yy = unpack(data)
-            return cls(xx, xy, yy)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> PointCovariance2D:
-        return PointCovariance2D(self.xx, self.xy, self.yy)
-
-
-_Carlike_layout = Fixed("dd")
-
-
-@dataclass(slots=True)
 class Carlike(Aggregated):
     """A command to a vehicle that steers like a car."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Carlike:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Carlike",
-        (
-            MemberDescriptor("speed", PrimitiveDescriptor("double")),
-            MemberDescriptor("steeringAngle", PrimitiveDescriptor("double")),
-        ),
+        speed=idl.DOUBLE,
+        steeringAngle=idl.DOUBLE,
     )
 
     speed: float = 0.0
@@ -671,50 +193,14 @@ class Carlike(Aggregated):
     steeringAngle: float = 0.0
     """Steering angle [rad]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Carlike_layout.pack_little
-                if little_endian
-                else _Carlike_layout.pack_big
-            )
-            return pack(self.speed, self.steeringAngle)
-        except FAILURES as failure:
-            raise encoding_error(Carlike, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Carlike_layout.unpack_little
-                if little_endian
-                else _Carlike_layout.unpack_big
-            )
-            speed, steeringAngle = unpack(data)
-            return cls(speed, steeringAngle)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Carlike:
-        return Carlike(self.speed, self.steeringAngle)
-
-
-_SpeedHeading2D_layout = Fixed("dd")
-
-
-@dataclass(slots=True)
 class SpeedHeading2D(Aggregated):
     """Speed along a heading in the plane."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/SpeedHeading2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::SpeedHeading2D",
-        (
-            MemberDescriptor("speed", PrimitiveDescriptor("double")),
-            MemberDescriptor("heading", PrimitiveDescriptor("double")),
-        ),
+        speed=idl.DOUBLE,
+        heading=idl.DOUBLE,
     )
 
     speed: float = 0.0
@@ -722,51 +208,15 @@ class SpeedHeading2D(Aggregated):
     heading: float = 0.0
     """Heading from the x axis [rad]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _SpeedHeading2D_layout.pack_little
-                if little_endian
-                else _SpeedHeading2D_layout.pack_big
-            )
-            return pack(self.speed, self.heading)
-        except FAILURES as failure:
-            raise encoding_error(SpeedHeading2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _SpeedHeading2D_layout.unpack_little
-                if little_endian
-                else _SpeedHeading2D_layout.unpack_big
-            )
-            speed, heading = unpack(data)
-            return cls(speed, heading)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> SpeedHeading2D:
-        return SpeedHeading2D(self.speed, self.heading)
-
-
-_Point3D_layout = Fixed("ddd")
-
-
-@dataclass(slots=True)
 class Point3D(Aggregated):
     """A point in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Point3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Point3D",
-        (
-            MemberDescriptor("x", PrimitiveDescriptor("double")),
-            MemberDescriptor("y", PrimitiveDescriptor("double")),
-            MemberDescriptor("z", PrimitiveDescriptor("double")),
-        ),
+        x=idl.DOUBLE,
+        y=idl.DOUBLE,
+        z=idl.DOUBLE,
     )
 
     x: float = 0.0
@@ -776,51 +226,15 @@ class Point3D(Aggregated):
     z: float = 0.0
     """Along z [m]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Point3D_layout.pack_little
-                if little_endian
-                else _Point3D_layout.pack_big
-            )
-            return pack(self.x, self.y, self.z)
-        except FAILURES as failure:
-            raise encoding_error(Point3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Point3D_layout.unpack_little
-                if little_endian
-                else _Point3D_layout.unpack_big
-            )
-            x, y, z = unpack(data)
-            return cls(x, y, z)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Point3D:
-        return Point3D(self.x, self.y, self.z)
-
-
-_Vector3D_layout = Fixed("ddd")
-
-
-@dataclass(slots=True)
 class Vector3D(Aggregated):
     """A vector in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Vector3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Vector3D",
-        (
-            MemberDescriptor("x", PrimitiveDescriptor("double")),
-            MemberDescriptor("y", PrimitiveDescriptor("double")),
-            MemberDescriptor("z", PrimitiveDescriptor("double")),
-        ),
+        x=idl.DOUBLE,
+        y=idl.DOUBLE,
+        z=idl.DOUBLE,
     )
 
     x: float = 0.0
@@ -830,51 +244,15 @@ class Vector3D(Aggregated):
     z: float = 0.0
     """Along z [m]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Vector3D_layout.pack_little
-                if little_endian
-                else _Vector3D_layout.pack_big
-            )
-            return pack(self.x, self.y, self.z)
-        except FAILURES as failure:
-            raise encoding_error(Vector3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Vector3D_layout.unpack_little
-                if little_endian
-                else _Vector3D_layout.unpack_big
-            )
-            x, y, z = unpack(data)
-            return cls(x, y, z)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Vector3D:
-        return Vector3D(self.x, self.y, self.z)
-
-
-_Orientation3D_layout = Fixed("ddd")
-
-
-@dataclass(slots=True)
 class Orientation3D(Aggregated):
     """Orientation in space as roll, pitch and yaw."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Orientation3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Orientation3D",
-        (
-            MemberDescriptor("r", PrimitiveDescriptor("double")),
-            MemberDescriptor("p", PrimitiveDescriptor("double")),
-            MemberDescriptor("y", PrimitiveDescriptor("double")),
-        ),
+        r=idl.DOUBLE,
+        p=idl.DOUBLE,
+        y=idl.DOUBLE,
     )
 
     r: float = 0.0
@@ -884,125 +262,31 @@ class Orientation3D(Aggregated):
     y: float = 0.0
     """Yaw [rad]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Orientation3D_layout.pack_little
-                if little_endian
-                else _Orientation3D_layout.pack_big
-            )
-            return pack(self.r, self.p, self.y)
-        except FAILURES as failure:
-            raise encoding_error(Orientation3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Orientation3D_layout.unpack_little
-                if little_endian
-                else _Orientation3D_layout.unpack_big
-            )
-            r, p, y = unpack(data)
-            return cls(r, p, y)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Orientation3D:
-        return Orientation3D(self.r, self.p, self.y)
-
-
-_Pose3D_layout = Fixed("dddddd")
-
-
-@dataclass(slots=True)
 class Pose3D(Aggregated):
     """Position and orientation in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Pose3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Pose3D",
-        (
-            MemberDescriptor("position", Point3D._descriptor_),
-            MemberDescriptor("orientation", Orientation3D._descriptor_),
-        ),
+        position=Point3D,
+        orientation=Orientation3D,
     )
 
     position: Point3D = field(default_factory=Point3D)
     orientation: Orientation3D = field(default_factory=Orientation3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Pose3D_layout.pack_little if little_endian else _Pose3D_layout.pack_big
-            )
-            position = self.position
-            orientation = self.orientation
-            return pack(
-                position.x,
-                position.y,
-                position.z,
-                orientation.r,
-                orientation.p,
-                orientation.y,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Pose3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Pose3D_layout.unpack_little
-                if little_endian
-                else _Pose3D_layout.unpack_big
-            )
-            (
-                position_x,
-                position_y,
-                position_z,
-                orientation_r,
-                orientation_p,
-                orientation_y,
-            ) = unpack(data)
-            return cls(
-                Point3D(position_x, position_y, position_z),
-                Orientation3D(orientation_r, orientation_p, orientation_y),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Pose3D:
-        position = self.position
-        orientation = self.orientation
-        return Pose3D(
-            Point3D(position.x, position.y, position.z),
-            Orientation3D(orientation.r, orientation.p, orientation.y),
-        )
-
-
-_Velocity3D_layout = Fixed("dddddd")
-
-
-@dataclass(slots=True)
 class Velocity3D(Aggregated):
     """Linear and angular velocity in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Velocity3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Velocity3D",
-        (
-            MemberDescriptor("vx", PrimitiveDescriptor("double")),
-            MemberDescriptor("vy", PrimitiveDescriptor("double")),
-            MemberDescriptor("vz", PrimitiveDescriptor("double")),
-            MemberDescriptor("vr", PrimitiveDescriptor("double")),
-            MemberDescriptor("vp", PrimitiveDescriptor("double")),
-            MemberDescriptor("va", PrimitiveDescriptor("double")),
-        ),
+        vx=idl.DOUBLE,
+        vy=idl.DOUBLE,
+        vz=idl.DOUBLE,
+        vr=idl.DOUBLE,
+        vp=idl.DOUBLE,
+        va=idl.DOUBLE,
     )
 
     vx: float = 0.0
@@ -1018,51 +302,15 @@ class Velocity3D(Aggregated):
     va: float = 0.0
     """Yaw rate [rad/s]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Velocity3D_layout.pack_little
-                if little_endian
-                else _Velocity3D_layout.pack_big
-            )
-            return pack(self.vx, self.vy, self.vz, self.vr, self.vp, self.va)
-        except FAILURES as failure:
-            raise encoding_error(Velocity3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Velocity3D_layout.unpack_little
-                if little_endian
-                else _Velocity3D_layout.unpack_big
-            )
-            vx, vy, vz, vr, vp, va = unpack(data)
-            return cls(vx, vy, vz, vr, vp, va)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Velocity3D:
-        return Velocity3D(self.vx, self.vy, self.vz, self.vr, self.vp, self.va)
-
-
-_AngularVelocity3D_layout = Fixed("ddd")
-
-
-@dataclass(slots=True)
 class AngularVelocity3D(Aggregated):
     """Angular velocity in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/AngularVelocity3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::AngularVelocity3D",
-        (
-            MemberDescriptor("avx", PrimitiveDescriptor("double")),
-            MemberDescriptor("avy", PrimitiveDescriptor("double")),
-            MemberDescriptor("avz", PrimitiveDescriptor("double")),
-        ),
+        avx=idl.DOUBLE,
+        avy=idl.DOUBLE,
+        avz=idl.DOUBLE,
     )
 
     avx: float = 0.0
@@ -1072,51 +320,15 @@ class AngularVelocity3D(Aggregated):
     avz: float = 0.0
     """About z [rad/s]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _AngularVelocity3D_layout.pack_little
-                if little_endian
-                else _AngularVelocity3D_layout.pack_big
-            )
-            return pack(self.avx, self.avy, self.avz)
-        except FAILURES as failure:
-            raise encoding_error(AngularVelocity3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _AngularVelocity3D_layout.unpack_little
-                if little_endian
-                else _AngularVelocity3D_layout.unpack_big
-            )
-            avx, avy, avz = unpack(data)
-            return cls(avx, avy, avz)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> AngularVelocity3D:
-        return AngularVelocity3D(self.avx, self.avy, self.avz)
-
-
-_Acceleration3D_layout = Fixed("ddd")
-
-
-@dataclass(slots=True)
 class Acceleration3D(Aggregated):
     """Linear acceleration in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Acceleration3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Acceleration3D",
-        (
-            MemberDescriptor("ax", PrimitiveDescriptor("double")),
-            MemberDescriptor("ay", PrimitiveDescriptor("double")),
-            MemberDescriptor("az", PrimitiveDescriptor("double")),
-        ),
+        ax=idl.DOUBLE,
+        ay=idl.DOUBLE,
+        az=idl.DOUBLE,
     )
 
     ax: float = 0.0
@@ -1126,51 +338,15 @@ class Acceleration3D(Aggregated):
     az: float = 0.0
     """Along z [m/s^2]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Acceleration3D_layout.pack_little
-                if little_endian
-                else _Acceleration3D_layout.pack_big
-            )
-            return pack(self.ax, self.ay, self.az)
-        except FAILURES as failure:
-            raise encoding_error(Acceleration3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Acceleration3D_layout.unpack_little
-                if little_endian
-                else _Acceleration3D_layout.unpack_big
-            )
-            ax, ay, az = unpack(data)
-            return cls(ax, ay, az)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Acceleration3D:
-        return Acceleration3D(self.ax, self.ay, self.az)
-
-
-_AngularAcceleration3D_layout = Fixed("ddd")
-
-
-@dataclass(slots=True)
 class AngularAcceleration3D(Aggregated):
     """Angular acceleration in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/AngularAcceleration3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::AngularAcceleration3D",
-        (
-            MemberDescriptor("aax", PrimitiveDescriptor("double")),
-            MemberDescriptor("aay", PrimitiveDescriptor("double")),
-            MemberDescriptor("aaz", PrimitiveDescriptor("double")),
-        ),
+        aax=idl.DOUBLE,
+        aay=idl.DOUBLE,
+        aaz=idl.DOUBLE,
     )
 
     aax: float = 0.0
@@ -1180,168 +356,28 @@ class AngularAcceleration3D(Aggregated):
     aaz: float = 0.0
     """About z [rad/s^2]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _AngularAcceleration3D_layout.pack_little
-                if little_endian
-                else _AngularAcceleration3D_layout.pack_big
-            )
-            return pack(self.aax, self.aay, self.aaz)
-        except FAILURES as failure:
-            raise encoding_error(AngularAcceleration3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _AngularAcceleration3D_layout.unpack_little
-                if little_endian
-                else _AngularAcceleration3D_layout.unpack_big
-            )
-            aax, aay, aaz = unpack(data)
-            return cls(aax, aay, aaz)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> AngularAcceleration3D:
-        return AngularAcceleration3D(self.aax, self.aay, self.aaz)
-
-
-_PoseVel3D_layout = Fixed("dddddddddddd")
-
-
-@dataclass(slots=True)
 class PoseVel3D(Aggregated):
     """Pose and velocity in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/PoseVel3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::PoseVel3D",
-        (
-            MemberDescriptor("pose", Pose3D._descriptor_),
-            MemberDescriptor("velocities", Velocity3D._descriptor_),
-        ),
+        pose=Pose3D,
+        velocities=Velocity3D,
     )
 
     pose: Pose3D = field(default_factory=Pose3D)
     velocities: Velocity3D = field(default_factory=Velocity3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _PoseVel3D_layout.pack_little
-                if little_endian
-                else _PoseVel3D_layout.pack_big
-            )
-            pose = self.pose
-            pose_position = pose.position
-            pose_orientation = pose.orientation
-            velocities = self.velocities
-            return pack(
-                pose_position.x,
-                pose_position.y,
-                pose_position.z,
-                pose_orientation.r,
-                pose_orientation.p,
-                pose_orientation.y,
-                velocities.vx,
-                velocities.vy,
-                velocities.vz,
-                velocities.vr,
-                velocities.vp,
-                velocities.va,
-            )
-        except FAILURES as failure:
-            raise encoding_error(PoseVel3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _PoseVel3D_layout.unpack_little
-                if little_endian
-                else _PoseVel3D_layout.unpack_big
-            )
-            (
-                pose_position_x,
-                pose_position_y,
-                pose_position_z,
-                pose_orientation_r,
-                pose_orientation_p,
-                pose_orientation_y,
-                velocities_vx,
-                velocities_vy,
-                velocities_vz,
-                velocities_vr,
-                velocities_vp,
-                velocities_va,
-            ) = unpack(data)
-            return cls(
-                Pose3D(
-                    Point3D(pose_position_x, pose_position_y, pose_position_z),
-                    Orientation3D(
-                        pose_orientation_r,
-                        pose_orientation_p,
-                        pose_orientation_y,
-                    ),
-                ),
-                Velocity3D(
-                    velocities_vx,
-                    velocities_vy,
-                    velocities_vz,
-                    velocities_vr,
-                    velocities_vp,
-                    velocities_va,
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> PoseVel3D:
-        pose = self.pose
-        pose_position = pose.position
-        pose_orientation = pose.orientation
-        velocities = self.velocities
-        return PoseVel3D(
-            Pose3D(
-                Point3D(pose_position.x, pose_position.y, pose_position.z),
-                Orientation3D(
-                    pose_orientation.r,
-                    pose_orientation.p,
-                    pose_orientation.y,
-                ),
-            ),
-            Velocity3D(
-                velocities.vx,
-                velocities.vy,
-                velocities.vz,
-                velocities.vr,
-                velocities.vp,
-                velocities.va,
-            ),
-        )
-
-
-_Size3D_layout = Fixed("ddd")
-
-
-@dataclass(slots=True)
 class Size3D(Aggregated):
     """The size of a box."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Size3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Size3D",
-        (
-            MemberDescriptor("l", PrimitiveDescriptor("double")),
-            MemberDescriptor("w", PrimitiveDescriptor("double")),
-            MemberDescriptor("h", PrimitiveDescriptor("double")),
-        ),
+        l=idl.DOUBLE,
+        w=idl.DOUBLE,
+        h=idl.DOUBLE,
     )
 
     l: float = 0.0
@@ -1351,164 +387,42 @@ class Size3D(Aggregated):
     h: float = 0.0
     """Height [m]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Size3D_layout.pack_little if little_endian else _Size3D_layout.pack_big
-            )
-            return pack(self.l, self.w, self.h)
-        except FAILURES as failure:
-            raise encoding_error(Size3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Size3D_layout.unpack_little
-                if little_endian
-                else _Size3D_layout.unpack_big
-            )
-            l, w, h = unpack(data)
-            return cls(l, w, h)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Size3D:
-        return Size3D(self.l, self.w, self.h)
-
-
-_Geometry3D_layout = Fixed("ddddddddd")
-
-
-@dataclass(slots=True)
 class Geometry3D(Aggregated):
     """Where a box-shaped object lies, and how large it is."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Geometry3D:1.0",
-        "RTC::Geometry3D",
-        (
-            MemberDescriptor("pose", Pose3D._descriptor_),
-            MemberDescriptor("size", Size3D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::Geometry3D", pose=Pose3D, size=Size3D)
 
     pose: Pose3D = field(default_factory=Pose3D)
     size: Size3D = field(default_factory=Size3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Geometry3D_layout.pack_little
-                if little_endian
-                else _Geometry3D_layout.pack_big
-            )
-            pose = self.pose
-            pose_position = pose.position
-            pose_orientation = pose.orientation
-            size_ = self.size
-            return pack(
-                pose_position.x,
-                pose_position.y,
-                pose_position.z,
-                pose_orientation.r,
-                pose_orientation.p,
-                pose_orientation.y,
-                size_.l,
-                size_.w,
-                size_.h,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Geometry3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Geometry3D_layout.unpack_little
-                if little_endian
-                else _Geometry3D_layout.unpack_big
-            )
-            (
-                pose_position_x,
-                pose_position_y,
-                pose_position_z,
-                pose_orientation_r,
-                pose_orientation_p,
-                pose_orientation_y,
-                size_l,
-                size_w,
-                size_h,
-            ) = unpack(data)
-            return cls(
-                Pose3D(
-                    Point3D(pose_position_x, pose_position_y, pose_position_z),
-                    Orientation3D(
-                        pose_orientation_r,
-                        pose_orientation_p,
-                        pose_orientation_y,
-                    ),
-                ),
-                Size3D(size_l, size_w, size_h),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Geometry3D:
-        pose = self.pose
-        pose_position = pose.position
-        pose_orientation = pose.orientation
-        size_ = self.size
-        return Geometry3D(
-            Pose3D(
-                Point3D(pose_position.x, pose_position.y, pose_position.z),
-                Orientation3D(
-                    pose_orientation.r,
-                    pose_orientation.p,
-                    pose_orientation.y,
-                ),
-            ),
-            Size3D(size_.l, size_.w, size_.h),
-        )
-
-
-_Covariance3D_layout = Fixed("ddddddddddddddddddddd")
-
-
-@dataclass(slots=True)
 class Covariance3D(Aggregated):
     """Upper triangle of the covariance of a pose in space (x, y, z, roll, pitch, yaw)."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Covariance3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Covariance3D",
-        (
-            MemberDescriptor("xx", PrimitiveDescriptor("double")),
-            MemberDescriptor("xy", PrimitiveDescriptor("double")),
-            MemberDescriptor("xz", PrimitiveDescriptor("double")),
-            MemberDescriptor("xr", PrimitiveDescriptor("double")),
-            MemberDescriptor("xp", PrimitiveDescriptor("double")),
-            MemberDescriptor("xa", PrimitiveDescriptor("double")),
-            MemberDescriptor("yy", PrimitiveDescriptor("double")),
-            MemberDescriptor("yz", PrimitiveDescriptor("double")),
-            MemberDescriptor("yr", PrimitiveDescriptor("double")),
-            MemberDescriptor("yp", PrimitiveDescriptor("double")),
-            MemberDescriptor("ya", PrimitiveDescriptor("double")),
-            MemberDescriptor("zz", PrimitiveDescriptor("double")),
-            MemberDescriptor("zr", PrimitiveDescriptor("double")),
-            MemberDescriptor("zp", PrimitiveDescriptor("double")),
-            MemberDescriptor("za", PrimitiveDescriptor("double")),
-            MemberDescriptor("rr", PrimitiveDescriptor("double")),
-            MemberDescriptor("rp", PrimitiveDescriptor("double")),
-            MemberDescriptor("ra", PrimitiveDescriptor("double")),
-            MemberDescriptor("pp", PrimitiveDescriptor("double")),
-            MemberDescriptor("pa", PrimitiveDescriptor("double")),
-            MemberDescriptor("aa", PrimitiveDescriptor("double")),
-        ),
+        xx=idl.DOUBLE,
+        xy=idl.DOUBLE,
+        xz=idl.DOUBLE,
+        xr=idl.DOUBLE,
+        xp=idl.DOUBLE,
+        xa=idl.DOUBLE,
+        yy=idl.DOUBLE,
+        yz=idl.DOUBLE,
+        yr=idl.DOUBLE,
+        yp=idl.DOUBLE,
+        ya=idl.DOUBLE,
+        zz=idl.DOUBLE,
+        zr=idl.DOUBLE,
+        zp=idl.DOUBLE,
+        za=idl.DOUBLE,
+        rr=idl.DOUBLE,
+        rp=idl.DOUBLE,
+        ra=idl.DOUBLE,
+        pp=idl.DOUBLE,
+        pa=idl.DOUBLE,
+        aa=idl.DOUBLE,
     )
 
     xx: float = 0.0
@@ -1554,274 +468,45 @@ class Covariance3D(Aggregated):
     aa: float = 0.0
     """Entry (5, 5) of the matrix."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Covariance3D_layout.pack_little
-                if little_endian
-                else _Covariance3D_layout.pack_big
-            )
-            return pack(
-                self.xx,
-                self.xy,
-                self.xz,
-                self.xr,
-                self.xp,
-                self.xa,
-                self.yy,
-                self.yz,
-                self.yr,
-                self.yp,
-                self.ya,
-                self.zz,
-                self.zr,
-                self.zp,
-                self.za,
-                self.rr,
-                self.rp,
-                self.ra,
-                self.pp,
-                self.pa,
-                self.aa,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Covariance3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Covariance3D_layout.unpack_little
-                if little_endian
-                else _Covariance3D_layout.unpack_big
-            )
-            (
-                xx,
-                xy,
-                xz,
-                xr,
-                xp,
-                xa,
-                yy,
-                yz,
-                yr,
-                yp,
-                ya,
-                zz,
-                zr,
-                zp,
-                za,
-                rr,
-                rp,
-                ra,
-                pp,
-                pa,
-                aa,
-            ) = unpack(data)
-            return cls(
-                xx,
-                xy,
-                xz,
-                xr,
-                xp,
-                xa,
-                yy,
-                yz,
-                yr,
-                yp,
-                ya,
-                zz,
-                zr,
-                zp,
-                za,
-                rr,
-                rp,
-                ra,
-                pp,
-                pa,
-                aa,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Covariance3D:
-        return Covariance3D(
-            self.xx,
-            self.xy,
-            self.xz,
-            self.xr,
-            self.xp,
-            self.xa,
-            self.yy,
-            self.yz,
-            self.yr,
-            self.yp,
-            self.ya,
-            self.zz,
-            self.zr,
-            self.zp,
-            self.za,
-            self.rr,
-            self.rp,
-            self.ra,
-            self.pp,
-            self.pa,
-            self.aa,
-        )
-
-
-_SpeedHeading3D_layout = Fixed("dddd")
-
-
-@dataclass(slots=True)
 class SpeedHeading3D(Aggregated):
     """Speed along a direction in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/SpeedHeading3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::SpeedHeading3D",
-        (
-            MemberDescriptor("speed", PrimitiveDescriptor("double")),
-            MemberDescriptor("direction", Orientation3D._descriptor_),
-        ),
+        speed=idl.DOUBLE,
+        direction=Orientation3D,
     )
 
     speed: float = 0.0
     """Speed [m/s]."""
     direction: Orientation3D = field(default_factory=Orientation3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _SpeedHeading3D_layout.pack_little
-                if little_endian
-                else _SpeedHeading3D_layout.pack_big
-            )
-            direction = self.direction
-            return pack(self.speed, direction.r, direction.p, direction.y)
-        except FAILURES as failure:
-            raise encoding_error(SpeedHeading3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _SpeedHeading3D_layout.unpack_little
-                if little_endian
-                else _SpeedHeading3D_layout.unpack_big
-            )
-            speed, direction_r, direction_p, direction_y = unpack(data)
-            return cls(speed, Orientation3D(direction_r, direction_p, direction_y))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> SpeedHeading3D:
-        direction = self.direction
-        return SpeedHeading3D(
-            self.speed,
-            Orientation3D(direction.r, direction.p, direction.y),
-        )
-
-
-_OAP_layout = Fixed("ddddddddd")
-
-
-@dataclass(slots=True)
 class OAP(Aggregated):
     """A frame by its orientation and approach vectors and its origin."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/OAP:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::OAP",
-        (
-            MemberDescriptor("orientation", Vector3D._descriptor_),
-            MemberDescriptor("approach", Vector3D._descriptor_),
-            MemberDescriptor("position", Vector3D._descriptor_),
-        ),
+        orientation=Vector3D,
+        approach=Vector3D,
+        position=Vector3D,
     )
 
     orientation: Vector3D = field(default_factory=Vector3D)
     approach: Vector3D = field(default_factory=Vector3D)
     position: Vector3D = field(default_factory=Vector3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = _OAP_layout.pack_little if little_endian else _OAP_layout.pack_big
-            orientation = self.orientation
-            approach = self.approach
-            position = self.position
-            return pack(
-                orientation.x,
-                orientation.y,
-                orientation.z,
-                approach.x,
-                approach.y,
-                approach.z,
-                position.x,
-                position.y,
-                position.z,
-            )
-        except FAILURES as failure:
-            raise encoding_error(OAP, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _OAP_layout.unpack_little if little_endian else _OAP_layout.unpack_big
-            )
-            (
-                orientation_x,
-                orientation_y,
-                orientation_z,
-                approach_x,
-                approach_y,
-                approach_z,
-                position_x,
-                position_y,
-                position_z,
-            ) = unpack(data)
-            return cls(
-                Vector3D(orientation_x, orientation_y, orientation_z),
-                Vector3D(approach_x, approach_y, approach_z),
-                Vector3D(position_x, position_y, position_z),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> OAP:
-        orientation = self.orientation
-        approach = self.approach
-        position = self.position
-        return OAP(
-            Vector3D(orientation.x, orientation.y, orientation.z),
-            Vector3D(approach.x, approach.y, approach.z),
-            Vector3D(position.x, position.y, position.z),
-        )
-
-
-_Quaternion_layout = Fixed("dddd")
-
-
-@dataclass(slots=True)
 class Quaternion(Aggregated):
     """An orientation as a quaternion."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Quaternion:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Quaternion",
-        (
-            MemberDescriptor("x", PrimitiveDescriptor("double")),
-            MemberDescriptor("y", PrimitiveDescriptor("double")),
-            MemberDescriptor("z", PrimitiveDescriptor("double")),
-            MemberDescriptor("w", PrimitiveDescriptor("double")),
-        ),
+        x=idl.DOUBLE,
+        y=idl.DOUBLE,
+        z=idl.DOUBLE,
+        w=idl.DOUBLE,
     )
 
     x: float = 0.0
@@ -1833,2082 +518,314 @@ class Quaternion(Aggregated):
     w: float = 0.0
     """Scalar part."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Quaternion_layout.pack_little
-                if little_endian
-                else _Quaternion_layout.pack_big
-            )
-            return pack(self.x, self.y, self.z, self.w)
-        except FAILURES as failure:
-            raise encoding_error(Quaternion, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Quaternion_layout.unpack_little
-                if little_endian
-                else _Quaternion_layout.unpack_big
-            )
-            x, y, z, w = unpack(data)
-            return cls(x, y, z, w)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Quaternion:
-        return Quaternion(self.x, self.y, self.z, self.w)
-
-
-_TimedRGBColour_layout = Fixed("IIddd")
-
-
-@dataclass(slots=True)
 class TimedRGBColour(Aggregated):
     """Time-stamped value of type RGBColour."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedRGBColour:1.0",
-        "RTC::TimedRGBColour",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", RGBColour._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedRGBColour", tm=Time, data=RGBColour)
 
     tm: Time = field(default_factory=Time)
     data: RGBColour = field(default_factory=RGBColour)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedRGBColour_layout.pack_little
-                if little_endian
-                else _TimedRGBColour_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.r, data_.g, data_.b)
-        except FAILURES as failure:
-            raise encoding_error(TimedRGBColour, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedRGBColour_layout.unpack_little
-                if little_endian
-                else _TimedRGBColour_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_r, data_g, data_b = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), RGBColour(data_r, data_g, data_b))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedRGBColour:
-        tm = self.tm
-        data_ = self.data
-        return TimedRGBColour(
-            Time(tm.sec, tm.nsec),
-            RGBColour(data_.r, data_.g, data_.b),
-        )
-
-
-_TimedPoint2D_layout = Fixed("IIdd")
-
-
-@dataclass(slots=True)
 class TimedPoint2D(Aggregated):
     """Time-stamped value of type Point2D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedPoint2D:1.0",
-        "RTC::TimedPoint2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Point2D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedPoint2D", tm=Time, data=Point2D)
 
     tm: Time = field(default_factory=Time)
     data: Point2D = field(default_factory=Point2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedPoint2D_layout.pack_little
-                if little_endian
-                else _TimedPoint2D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.x, data_.y)
-        except FAILURES as failure:
-            raise encoding_error(TimedPoint2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedPoint2D_layout.unpack_little
-                if little_endian
-                else _TimedPoint2D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_x, data_y = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Point2D(data_x, data_y))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPoint2D:
-        tm = self.tm
-        data_ = self.data
-        return TimedPoint2D(Time(tm.sec, tm.nsec), Point2D(data_.x, data_.y))
-
-
-_TimedVector2D_layout = Fixed("IIdd")
-
-
-@dataclass(slots=True)
 class TimedVector2D(Aggregated):
     """Time-stamped value of type Vector2D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedVector2D:1.0",
-        "RTC::TimedVector2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Vector2D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedVector2D", tm=Time, data=Vector2D)
 
     tm: Time = field(default_factory=Time)
     data: Vector2D = field(default_factory=Vector2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedVector2D_layout.pack_little
-                if little_endian
-                else _TimedVector2D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.x, data_.y)
-        except FAILURES as failure:
-            raise encoding_error(TimedVector2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedVector2D_layout.unpack_little
-                if little_endian
-                else _TimedVector2D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_x, data_y = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Vector2D(data_x, data_y))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedVector2D:
-        tm = self.tm
-        data_ = self.data
-        return TimedVector2D(Time(tm.sec, tm.nsec), Vector2D(data_.x, data_.y))
-
-
-_TimedPose2D_layout = Fixed("IIddd")
-
-
-@dataclass(slots=True)
 class TimedPose2D(Aggregated):
     """Time-stamped value of type Pose2D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedPose2D:1.0",
-        "RTC::TimedPose2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Pose2D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedPose2D", tm=Time, data=Pose2D)
 
     tm: Time = field(default_factory=Time)
     data: Pose2D = field(default_factory=Pose2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedPose2D_layout.pack_little
-                if little_endian
-                else _TimedPose2D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            data_position = data_.position
-            return pack(
-                tm.sec,
-                tm.nsec,
-                data_position.x,
-                data_position.y,
-                data_.heading,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedPose2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedPose2D_layout.unpack_little
-                if little_endian
-                else _TimedPose2D_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                data_position_x,
-                data_position_y,
-                data_heading,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Pose2D(Point2D(data_position_x, data_position_y), data_heading),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPose2D:
-        tm = self.tm
-        data_ = self.data
-        data_position = data_.position
-        return TimedPose2D(
-            Time(tm.sec, tm.nsec),
-            Pose2D(Point2D(data_position.x, data_position.y), data_.heading),
-        )
-
-
-_TimedVelocity2D_layout = Fixed("IIddd")
-
-
-@dataclass(slots=True)
 class TimedVelocity2D(Aggregated):
     """Time-stamped value of type Velocity2D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedVelocity2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedVelocity2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Velocity2D._descriptor_),
-        ),
+        tm=Time,
+        data=Velocity2D,
     )
 
     tm: Time = field(default_factory=Time)
     data: Velocity2D = field(default_factory=Velocity2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedVelocity2D_layout.pack_little
-                if little_endian
-                else _TimedVelocity2D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.vx, data_.vy, data_.va)
-        except FAILURES as failure:
-            raise encoding_error(TimedVelocity2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedVelocity2D_layout.unpack_little
-                if little_endian
-                else _TimedVelocity2D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_vx, data_vy, data_va = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Velocity2D(data_vx, data_vy, data_va))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedVelocity2D:
-        tm = self.tm
-        data_ = self.data
-        return TimedVelocity2D(
-            Time(tm.sec, tm.nsec),
-            Velocity2D(data_.vx, data_.vy, data_.va),
-        )
-
-
-_TimedAcceleration2D_layout = Fixed("IIdd")
-
-
-@dataclass(slots=True)
 class TimedAcceleration2D(Aggregated):
     """Time-stamped value of type Acceleration2D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedAcceleration2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedAcceleration2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Acceleration2D._descriptor_),
-        ),
+        tm=Time,
+        data=Acceleration2D,
     )
 
     tm: Time = field(default_factory=Time)
     data: Acceleration2D = field(default_factory=Acceleration2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedAcceleration2D_layout.pack_little
-                if little_endian
-                else _TimedAcceleration2D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.ax, data_.ay)
-        except FAILURES as failure:
-            raise encoding_error(TimedAcceleration2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedAcceleration2D_layout.unpack_little
-                if little_endian
-                else _TimedAcceleration2D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ax, data_ay = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Acceleration2D(data_ax, data_ay))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedAcceleration2D:
-        tm = self.tm
-        data_ = self.data
-        return TimedAcceleration2D(
-            Time(tm.sec, tm.nsec),
-            Acceleration2D(data_.ax, data_.ay),
-        )
-
-
-_TimedPoseVel2D_layout = Fixed("IIdddddd")
-
-
-@dataclass(slots=True)
 class TimedPoseVel2D(Aggregated):
     """Time-stamped value of type PoseVel2D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedPoseVel2D:1.0",
-        "RTC::TimedPoseVel2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PoseVel2D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedPoseVel2D", tm=Time, data=PoseVel2D)
 
     tm: Time = field(default_factory=Time)
     data: PoseVel2D = field(default_factory=PoseVel2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedPoseVel2D_layout.pack_little
-                if little_endian
-                else _TimedPoseVel2D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            data_pose = data_.pose
-            data_pose_position = data_pose.position
-            data_velocities = data_.velocities
-            return pack(
-                tm.sec,
-                tm.nsec,
-                data_pose_position.x,
-                data_pose_position.y,
-                data_pose.heading,
-                data_velocities.vx,
-                data_velocities.vy,
-                data_velocities.va,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedPoseVel2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedPoseVel2D_layout.unpack_little
-                if little_endian
-                else _TimedPoseVel2D_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                data_pose_position_x,
-                data_pose_position_y,
-                data_pose_heading,
-                data_velocities_vx,
-                data_velocities_vy,
-                data_velocities_va,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                PoseVel2D(
-                    Pose2D(
-                        Point2D(data_pose_position_x, data_pose_position_y),
-                        data_pose_heading,
-                    ),
-                    Velocity2D(
-                        data_velocities_vx,
-                        data_velocities_vy,
-                        data_velocities_va,
-                    ),
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPoseVel2D:
-        tm = self.tm
-        data_ = self.data
-        data_pose = data_.pose
-        data_pose_position = data_pose.position
-        data_velocities = data_.velocities
-        return TimedPoseVel2D(
-            Time(tm.sec, tm.nsec),
-            PoseVel2D(
-                Pose2D(
-                    Point2D(data_pose_position.x, data_pose_position.y),
-                    data_pose.heading,
-                ),
-                Velocity2D(data_velocities.vx, data_velocities.vy, data_velocities.va),
-            ),
-        )
-
-
-_TimedSize2D_layout = Fixed("IIdd")
-
-
-@dataclass(slots=True)
 class TimedSize2D(Aggregated):
     """Time-stamped value of type Size2D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedSize2D:1.0",
-        "RTC::TimedSize2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Size2D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedSize2D", tm=Time, data=Size2D)
 
     tm: Time = field(default_factory=Time)
     data: Size2D = field(default_factory=Size2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedSize2D_layout.pack_little
-                if little_endian
-                else _TimedSize2D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.l, data_.w)
-        except FAILURES as failure:
-            raise encoding_error(TimedSize2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedSize2D_layout.unpack_little
-                if little_endian
-                else _TimedSize2D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_l, data_w = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Size2D(data_l, data_w))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedSize2D:
-        tm = self.tm
-        data_ = self.data
-        return TimedSize2D(Time(tm.sec, tm.nsec), Size2D(data_.l, data_.w))
-
-
-_TimedGeometry2D_layout = Fixed("IIddddd")
-
-
-@dataclass(slots=True)
 class TimedGeometry2D(Aggregated):
     """Time-stamped value of type Geometry2D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedGeometry2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedGeometry2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Geometry2D._descriptor_),
-        ),
+        tm=Time,
+        data=Geometry2D,
     )
 
     tm: Time = field(default_factory=Time)
     data: Geometry2D = field(default_factory=Geometry2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedGeometry2D_layout.pack_little
-                if little_endian
-                else _TimedGeometry2D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            data_pose = data_.pose
-            data_pose_position = data_pose.position
-            data_size = data_.size
-            return pack(
-                tm.sec,
-                tm.nsec,
-                data_pose_position.x,
-                data_pose_position.y,
-                data_pose.heading,
-                data_size.l,
-                data_size.w,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedGeometry2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedGeometry2D_layout.unpack_little
-                if little_endian
-                else _TimedGeometry2D_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                data_pose_position_x,
-                data_pose_position_y,
-                data_pose_heading,
-                data_size_l,
-                data_size_w,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Geometry2D(
-                    Pose2D(
-                        Point2D(data_pose_position_x, data_pose_position_y),
-                        data_pose_heading,
-                    ),
-                    Size2D(data_size_l, data_size_w),
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedGeometry2D:
-        tm = self.tm
-        data_ = self.data
-        data_pose = data_.pose
-        data_pose_position = data_pose.position
-        data_size = data_.size
-        return TimedGeometry2D(
-            Time(tm.sec, tm.nsec),
-            Geometry2D(
-                Pose2D(
-                    Point2D(data_pose_position.x, data_pose_position.y),
-                    data_pose.heading,
-                ),
-                Size2D(data_size.l, data_size.w),
-            ),
-        )
-
-
-_TimedCovariance2D_layout = Fixed("IIdddddd")
-
-
-@dataclass(slots=True)
 class TimedCovariance2D(Aggregated):
     """Time-stamped value of type Covariance2D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedCovariance2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedCovariance2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Covariance2D._descriptor_),
-        ),
+        tm=Time,
+        data=Covariance2D,
     )
 
     tm: Time = field(default_factory=Time)
     data: Covariance2D = field(default_factory=Covariance2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedCovariance2D_layout.pack_little
-                if little_endian
-                else _TimedCovariance2D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(
-                tm.sec,
-                tm.nsec,
-                data_.xx,
-                data_.xy,
-                data_.xt,
-                data_.yy,
-                data_.yt,
-                data_.tt,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedCovariance2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedCovariance2D_layout.unpack_little
-                if little_endian
-                else _TimedCovariance2D_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                data_xx,
-                data_xy,
-                data_xt,
-                data_yy,
-                data_yt,
-                data_tt,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Covariance2D(data_xx, data_xy, data_xt, data_yy, data_yt, data_tt),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedCovariance2D:
-        tm = self.tm
-        data_ = self.data
-        return TimedCovariance2D(
-            Time(tm.sec, tm.nsec),
-            Covariance2D(data_.xx, data_.xy, data_.xt, data_.yy, data_.yt, data_.tt),
-        )
-
-
-_TimedPointCovariance2D_layout = Fixed("IIddd")
-
-
-@dataclass(slots=True)
 class TimedPointCovariance2D(Aggregated):
     """Time-stamped value of type PointCovariance2D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedPointCovariance2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedPointCovariance2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PointCovariance2D._descriptor_),
-        ),
+        tm=Time,
+        data=PointCovariance2D,
     )
 
     tm: Time = field(default_factory=Time)
     data: PointCovariance2D = field(default_factory=PointCovariance2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedPointCovariance2D_layout.pack_little
-                if little_endian
-                else _TimedPointCovariance2D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.xx, data_.xy, data_.yy)
-        except FAILURES as failure:
-            raise encoding_error(TimedPointCovariance2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedPointCovariance2D_layout.unpack_little
-                if little_endian
-                else _TimedPointCovariance2D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_xx, data_xy, data_yy = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                PointCovariance2D(data_xx, data_xy, data_yy),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPointCovariance2D:
-        tm = self.tm
-        data_ = self.data
-        return TimedPointCovariance2D(
-            Time(tm.sec, tm.nsec),
-            PointCovariance2D(data_.xx, data_.xy, data_.yy),
-        )
-
-
-_TimedCarlike_layout = Fixed("IIdd")
-
-
-@dataclass(slots=True)
 class TimedCarlike(Aggregated):
     """Time-stamped value of type Carlike."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedCarlike:1.0",
-        "RTC::TimedCarlike",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Carlike._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedCarlike", tm=Time, data=Carlike)
 
     tm: Time = field(default_factory=Time)
     data: Carlike = field(default_factory=Carlike)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedCarlike_layout.pack_little
-                if little_endian
-                else _TimedCarlike_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.speed, data_.steeringAngle)
-        except FAILURES as failure:
-            raise encoding_error(TimedCarlike, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedCarlike_layout.unpack_little
-                if little_endian
-                else _TimedCarlike_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_speed, data_steeringAngle = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Carlike(data_speed, data_steeringAngle))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedCarlike:
-        tm = self.tm
-        data_ = self.data
-        return TimedCarlike(
-            Time(tm.sec, tm.nsec),
-            Carlike(data_.speed, data_.steeringAngle),
-        )
-
-
-_TimedSpeedHeading2D_layout = Fixed("IIdd")
-
-
-@dataclass(slots=True)
 class TimedSpeedHeading2D(Aggregated):
     """Time-stamped value of type SpeedHeading2D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedSpeedHeading2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedSpeedHeading2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SpeedHeading2D._descriptor_),
-        ),
+        tm=Time,
+        data=SpeedHeading2D,
     )
 
     tm: Time = field(default_factory=Time)
     data: SpeedHeading2D = field(default_factory=SpeedHeading2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedSpeedHeading2D_layout.pack_little
-                if little_endian
-                else _TimedSpeedHeading2D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.speed, data_.heading)
-        except FAILURES as failure:
-            raise encoding_error(TimedSpeedHeading2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedSpeedHeading2D_layout.unpack_little
-                if little_endian
-                else _TimedSpeedHeading2D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_speed, data_heading = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), SpeedHeading2D(data_speed, data_heading))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedSpeedHeading2D:
-        tm = self.tm
-        data_ = self.data
-        return TimedSpeedHeading2D(
-            Time(tm.sec, tm.nsec),
-            SpeedHeading2D(data_.speed, data_.heading),
-        )
-
-
-_TimedPoint3D_layout = Fixed("IIddd")
-
-
-@dataclass(slots=True)
 class TimedPoint3D(Aggregated):
     """Time-stamped value of type Point3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedPoint3D:1.0",
-        "RTC::TimedPoint3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Point3D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedPoint3D", tm=Time, data=Point3D)
 
     tm: Time = field(default_factory=Time)
     data: Point3D = field(default_factory=Point3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedPoint3D_layout.pack_little
-                if little_endian
-                else _TimedPoint3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.x, data_.y, data_.z)
-        except FAILURES as failure:
-            raise encoding_error(TimedPoint3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedPoint3D_layout.unpack_little
-                if little_endian
-                else _TimedPoint3D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_x, data_y, data_z = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Point3D(data_x, data_y, data_z))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPoint3D:
-        tm = self.tm
-        data_ = self.data
-        return TimedPoint3D(Time(tm.sec, tm.nsec), Point3D(data_.x, data_.y, data_.z))
-
-
-_TimedVector3D_layout = Fixed("IIddd")
-
-
-@dataclass(slots=True)
 class TimedVector3D(Aggregated):
     """Time-stamped value of type Vector3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedVector3D:1.0",
-        "RTC::TimedVector3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Vector3D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedVector3D", tm=Time, data=Vector3D)
 
     tm: Time = field(default_factory=Time)
     data: Vector3D = field(default_factory=Vector3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedVector3D_layout.pack_little
-                if little_endian
-                else _TimedVector3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.x, data_.y, data_.z)
-        except FAILURES as failure:
-            raise encoding_error(TimedVector3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedVector3D_layout.unpack_little
-                if little_endian
-                else _TimedVector3D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_x, data_y, data_z = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Vector3D(data_x, data_y, data_z))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedVector3D:
-        tm = self.tm
-        data_ = self.data
-        return TimedVector3D(Time(tm.sec, tm.nsec), Vector3D(data_.x, data_.y, data_.z))
-
-
-_TimedOrientation3D_layout = Fixed("IIddd")
-
-
-@dataclass(slots=True)
 class TimedOrientation3D(Aggregated):
     """Time-stamped value of type Orientation3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedOrientation3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedOrientation3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Orientation3D._descriptor_),
-        ),
+        tm=Time,
+        data=Orientation3D,
     )
 
     tm: Time = field(default_factory=Time)
     data: Orientation3D = field(default_factory=Orientation3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedOrientation3D_layout.pack_little
-                if little_endian
-                else _TimedOrientation3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.r, data_.p, data_.y)
-        except FAILURES as failure:
-            raise encoding_error(TimedOrientation3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedOrientation3D_layout.unpack_little
-                if little_endian
-                else _TimedOrientation3D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_r, data_p, data_y = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Orientation3D(data_r, data_p, data_y))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedOrientation3D:
-        tm = self.tm
-        data_ = self.data
-        return TimedOrientation3D(
-            Time(tm.sec, tm.nsec),
-            Orientation3D(data_.r, data_.p, data_.y),
-        )
-
-
-_TimedPose3D_layout = Fixed("IIdddddd")
-
-
-@dataclass(slots=True)
 class TimedPose3D(Aggregated):
     """Time-stamped value of type Pose3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedPose3D:1.0",
-        "RTC::TimedPose3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Pose3D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedPose3D", tm=Time, data=Pose3D)
 
     tm: Time = field(default_factory=Time)
     data: Pose3D = field(default_factory=Pose3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedPose3D_layout.pack_little
-                if little_endian
-                else _TimedPose3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            data_position = data_.position
-            data_orientation = data_.orientation
-            return pack(
-                tm.sec,
-                tm.nsec,
-                data_position.x,
-                data_position.y,
-                data_position.z,
-                data_orientation.r,
-                data_orientation.p,
-                data_orientation.y,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedPose3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedPose3D_layout.unpack_little
-                if little_endian
-                else _TimedPose3D_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                data_position_x,
-                data_position_y,
-                data_position_z,
-                data_orientation_r,
-                data_orientation_p,
-                data_orientation_y,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Pose3D(
-                    Point3D(data_position_x, data_position_y, data_position_z),
-                    Orientation3D(
-                        data_orientation_r,
-                        data_orientation_p,
-                        data_orientation_y,
-                    ),
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPose3D:
-        tm = self.tm
-        data_ = self.data
-        data_position = data_.position
-        data_orientation = data_.orientation
-        return TimedPose3D(
-            Time(tm.sec, tm.nsec),
-            Pose3D(
-                Point3D(data_position.x, data_position.y, data_position.z),
-                Orientation3D(
-                    data_orientation.r,
-                    data_orientation.p,
-                    data_orientation.y,
-                ),
-            ),
-        )
-
-
-_TimedVelocity3D_layout = Fixed("IIdddddd")
-
-
-@dataclass(slots=True)
 class TimedVelocity3D(Aggregated):
     """Time-stamped value of type Velocity3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedVelocity3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedVelocity3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Velocity3D._descriptor_),
-        ),
+        tm=Time,
+        data=Velocity3D,
     )
 
     tm: Time = field(default_factory=Time)
     data: Velocity3D = field(default_factory=Velocity3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedVelocity3D_layout.pack_little
-                if little_endian
-                else _TimedVelocity3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(
-                tm.sec,
-                tm.nsec,
-                data_.vx,
-                data_.vy,
-                data_.vz,
-                data_.vr,
-                data_.vp,
-                data_.va,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedVelocity3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedVelocity3D_layout.unpack_little
-                if little_endian
-                else _TimedVelocity3D_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                data_vx,
-                data_vy,
-                data_vz,
-                data_vr,
-                data_vp,
-                data_va,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Velocity3D(data_vx, data_vy, data_vz, data_vr, data_vp, data_va),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedVelocity3D:
-        tm = self.tm
-        data_ = self.data
-        return TimedVelocity3D(
-            Time(tm.sec, tm.nsec),
-            Velocity3D(data_.vx, data_.vy, data_.vz, data_.vr, data_.vp, data_.va),
-        )
-
-
-_TimedAngularVelocity3D_layout = Fixed("IIddd")
-
-
-@dataclass(slots=True)
 class TimedAngularVelocity3D(Aggregated):
     """Time-stamped value of type AngularVelocity3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedAngularVelocity3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedAngularVelocity3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", AngularVelocity3D._descriptor_),
-        ),
+        tm=Time,
+        data=AngularVelocity3D,
     )
 
     tm: Time = field(default_factory=Time)
     data: AngularVelocity3D = field(default_factory=AngularVelocity3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedAngularVelocity3D_layout.pack_little
-                if little_endian
-                else _TimedAngularVelocity3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.avx, data_.avy, data_.avz)
-        except FAILURES as failure:
-            raise encoding_error(TimedAngularVelocity3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedAngularVelocity3D_layout.unpack_little
-                if little_endian
-                else _TimedAngularVelocity3D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_avx, data_avy, data_avz = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                AngularVelocity3D(data_avx, data_avy, data_avz),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedAngularVelocity3D:
-        tm = self.tm
-        data_ = self.data
-        return TimedAngularVelocity3D(
-            Time(tm.sec, tm.nsec),
-            AngularVelocity3D(data_.avx, data_.avy, data_.avz),
-        )
-
-
-_TimedAcceleration3D_layout = Fixed("IIddd")
-
-
-@dataclass(slots=True)
 class TimedAcceleration3D(Aggregated):
     """Time-stamped value of type Acceleration3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedAcceleration3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedAcceleration3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Acceleration3D._descriptor_),
-        ),
+        tm=Time,
+        data=Acceleration3D,
     )
 
     tm: Time = field(default_factory=Time)
     data: Acceleration3D = field(default_factory=Acceleration3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedAcceleration3D_layout.pack_little
-                if little_endian
-                else _TimedAcceleration3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.ax, data_.ay, data_.az)
-        except FAILURES as failure:
-            raise encoding_error(TimedAcceleration3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedAcceleration3D_layout.unpack_little
-                if little_endian
-                else _TimedAcceleration3D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ax, data_ay, data_az = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Acceleration3D(data_ax, data_ay, data_az))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedAcceleration3D:
-        tm = self.tm
-        data_ = self.data
-        return TimedAcceleration3D(
-            Time(tm.sec, tm.nsec),
-            Acceleration3D(data_.ax, data_.ay, data_.az),
-        )
-
-
-_TimedAngularAcceleration3D_layout = Fixed("IIddd")
-
-
-@dataclass(slots=True)
 class TimedAngularAcceleration3D(Aggregated):
     """Time-stamped value of type AngularAcceleration3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedAngularAcceleration3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedAngularAcceleration3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", AngularAcceleration3D._descriptor_),
-        ),
+        tm=Time,
+        data=AngularAcceleration3D,
     )
 
     tm: Time = field(default_factory=Time)
     data: AngularAcceleration3D = field(default_factory=AngularAcceleration3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedAngularAcceleration3D_layout.pack_little
-                if little_endian
-                else _TimedAngularAcceleration3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.aax, data_.aay, data_.aaz)
-        except FAILURES as failure:
-            raise encoding_error(TimedAngularAcceleration3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedAngularAcceleration3D_layout.unpack_little
-                if little_endian
-                else _TimedAngularAcceleration3D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_aax, data_aay, data_aaz = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                AngularAcceleration3D(data_aax, data_aay, data_aaz),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedAngularAcceleration3D:
-        tm = self.tm
-        data_ = self.data
-        return TimedAngularAcceleration3D(
-            Time(tm.sec, tm.nsec),
-            AngularAcceleration3D(data_.aax, data_.aay, data_.aaz),
-        )
-
-
-_TimedPoseVel3D_layout = Fixed("IIdddddddddddd")
-
-
-@dataclass(slots=True)
 class TimedPoseVel3D(Aggregated):
     """Time-stamped value of type PoseVel3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedPoseVel3D:1.0",
-        "RTC::TimedPoseVel3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PoseVel3D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedPoseVel3D", tm=Time, data=PoseVel3D)
 
     tm: Time = field(default_factory=Time)
     data: PoseVel3D = field(default_factory=PoseVel3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedPoseVel3D_layout.pack_little
-                if little_endian
-                else _TimedPoseVel3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            data_pose = data_.pose
-            data_pose_position = data_pose.position
-            data_pose_orientation = data_pose.orientation
-            data_velocities = data_.velocities
-            return pack(
-                tm.sec,
-                tm.nsec,
-                data_pose_position.x,
-                data_pose_position.y,
-                data_pose_position.z,
-                data_pose_orientation.r,
-                data_pose_orientation.p,
-                data_pose_orientation.y,
-                data_velocities.vx,
-                data_velocities.vy,
-                data_velocities.vz,
-                data_velocities.vr,
-                data_velocities.vp,
-                data_velocities.va,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedPoseVel3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedPoseVel3D_layout.unpack_little
-                if little_endian
-                else _TimedPoseVel3D_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                data_pose_position_x,
-                data_pose_position_y,
-                data_pose_position_z,
-                data_pose_orientation_r,
-                data_pose_orientation_p,
-                data_pose_orientation_y,
-                data_velocities_vx,
-                data_velocities_vy,
-                data_velocities_vz,
-                data_velocities_vr,
-                data_velocities_vp,
-                data_velocities_va,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                PoseVel3D(
-                    Pose3D(
-                        Point3D(
-                            data_pose_position_x,
-                            data_pose_position_y,
-                            data_pose_position_z,
-                        ),
-                        Orientation3D(
-                            data_pose_orientation_r,
-                            data_pose_orientation_p,
-                            data_pose_orientation_y,
-                        ),
-                    ),
-                    Velocity3D(
-                        data_velocities_vx,
-                        data_velocities_vy,
-                        data_velocities_vz,
-                        data_velocities_vr,
-                        data_velocities_vp,
-                        data_velocities_va,
-                    ),
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPoseVel3D:
-        tm = self.tm
-        data_ = self.data
-        data_pose = data_.pose
-        data_pose_position = data_pose.position
-        data_pose_orientation = data_pose.orientation
-        data_velocities = data_.velocities
-        return TimedPoseVel3D(
-            Time(tm.sec, tm.nsec),
-            PoseVel3D(
-                Pose3D(
-                    Point3D(
-                        data_pose_position.x,
-                        data_pose_position.y,
-                        data_pose_position.z,
-                    ),
-                    Orientation3D(
-                        data_pose_orientation.r,
-                        data_pose_orientation.p,
-                        data_pose_orientation.y,
-                    ),
-                ),
-                Velocity3D(
-                    data_velocities.vx,
-                    data_velocities.vy,
-                    data_velocities.vz,
-                    data_velocities.vr,
-                    data_velocities.vp,
-                    data_velocities.va,
-                ),
-            ),
-        )
-
-
-_TimedSize3D_layout = Fixed("IIddd")
-
-
-@dataclass(slots=True)
 class TimedSize3D(Aggregated):
     """Time-stamped value of type Size3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedSize3D:1.0",
-        "RTC::TimedSize3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Size3D._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedSize3D", tm=Time, data=Size3D)
 
     tm: Time = field(default_factory=Time)
     data: Size3D = field(default_factory=Size3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedSize3D_layout.pack_little
-                if little_endian
-                else _TimedSize3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.l, data_.w, data_.h)
-        except FAILURES as failure:
-            raise encoding_error(TimedSize3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedSize3D_layout.unpack_little
-                if little_endian
-                else _TimedSize3D_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_l, data_w, data_h = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Size3D(data_l, data_w, data_h))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedSize3D:
-        tm = self.tm
-        data_ = self.data
-        return TimedSize3D(Time(tm.sec, tm.nsec), Size3D(data_.l, data_.w, data_.h))
-
-
-_TimedGeometry3D_layout = Fixed("IIddddddddd")
-
-
-@dataclass(slots=True)
 class TimedGeometry3D(Aggregated):
     """Time-stamped value of type Geometry3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedGeometry3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedGeometry3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Geometry3D._descriptor_),
-        ),
+        tm=Time,
+        data=Geometry3D,
     )
 
     tm: Time = field(default_factory=Time)
     data: Geometry3D = field(default_factory=Geometry3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedGeometry3D_layout.pack_little
-                if little_endian
-                else _TimedGeometry3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            data_pose = data_.pose
-            data_pose_position = data_pose.position
-            data_pose_orientation = data_pose.orientation
-            data_size = data_.size
-            return pack(
-                tm.sec,
-                tm.nsec,
-                data_pose_position.x,
-                data_pose_position.y,
-                data_pose_position.z,
-                data_pose_orientation.r,
-                data_pose_orientation.p,
-                data_pose_orientation.y,
-                data_size.l,
-                data_size.w,
-                data_size.h,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedGeometry3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedGeometry3D_layout.unpack_little
-                if little_endian
-                else _TimedGeometry3D_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                data_pose_position_x,
-                data_pose_position_y,
-                data_pose_position_z,
-                data_pose_orientation_r,
-                data_pose_orientation_p,
-                data_pose_orientation_y,
-                data_size_l,
-                data_size_w,
-                data_size_h,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Geometry3D(
-                    Pose3D(
-                        Point3D(
-                            data_pose_position_x,
-                            data_pose_position_y,
-                            data_pose_position_z,
-                        ),
-                        Orientation3D(
-                            data_pose_orientation_r,
-                            data_pose_orientation_p,
-                            data_pose_orientation_y,
-                        ),
-                    ),
-                    Size3D(data_size_l, data_size_w, data_size_h),
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedGeometry3D:
-        tm = self.tm
-        data_ = self.data
-        data_pose = data_.pose
-        data_pose_position = data_pose.position
-        data_pose_orientation = data_pose.orientation
-        data_size = data_.size
-        return TimedGeometry3D(
-            Time(tm.sec, tm.nsec),
-            Geometry3D(
-                Pose3D(
-                    Point3D(
-                        data_pose_position.x,
-                        data_pose_position.y,
-                        data_pose_position.z,
-                    ),
-                    Orientation3D(
-                        data_pose_orientation.r,
-                        data_pose_orientation.p,
-                        data_pose_orientation.y,
-                    ),
-                ),
-                Size3D(data_size.l, data_size.w, data_size.h),
-            ),
-        )
-
-
-_TimedCovariance3D_layout = Fixed("IIddddddddddddddddddddd")
-
-
-@dataclass(slots=True)
 class TimedCovariance3D(Aggregated):
     """Time-stamped value of type Covariance3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedCovariance3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedCovariance3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Covariance3D._descriptor_),
-        ),
+        tm=Time,
+        data=Covariance3D,
     )
 
     tm: Time = field(default_factory=Time)
     data: Covariance3D = field(default_factory=Covariance3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedCovariance3D_layout.pack_little
-                if little_endian
-                else _TimedCovariance3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(
-                tm.sec,
-                tm.nsec,
-                data_.xx,
-                data_.xy,
-                data_.xz,
-                data_.xr,
-                data_.xp,
-                data_.xa,
-                data_.yy,
-                data_.yz,
-                data_.yr,
-                data_.yp,
-                data_.ya,
-                data_.zz,
-                data_.zr,
-                data_.zp,
-                data_.za,
-                data_.rr,
-                data_.rp,
-                data_.ra,
-                data_.pp,
-                data_.pa,
-                data_.aa,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedCovariance3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedCovariance3D_layout.unpack_little
-                if little_endian
-                else _TimedCovariance3D_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                data_xx,
-                data_xy,
-                data_xz,
-                data_xr,
-                data_xp,
-                data_xa,
-                data_yy,
-                data_yz,
-                data_yr,
-                data_yp,
-                data_ya,
-                data_zz,
-                data_zr,
-                data_zp,
-                data_za,
-                data_rr,
-                data_rp,
-                data_ra,
-                data_pp,
-                data_pa,
-                data_aa,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Covariance3D(
-                    data_xx,
-                    data_xy,
-                    data_xz,
-                    data_xr,
-                    data_xp,
-                    data_xa,
-                    data_yy,
-                    data_yz,
-                    data_yr,
-                    data_yp,
-                    data_ya,
-                    data_zz,
-                    data_zr,
-                    data_zp,
-                    data_za,
-                    data_rr,
-                    data_rp,
-                    data_ra,
-                    data_pp,
-                    data_pa,
-                    data_aa,
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedCovariance3D:
-        tm = self.tm
-        data_ = self.data
-        return TimedCovariance3D(
-            Time(tm.sec, tm.nsec),
-            Covariance3D(
-                data_.xx,
-                data_.xy,
-                data_.xz,
-                data_.xr,
-                data_.xp,
-                data_.xa,
-                data_.yy,
-                data_.yz,
-                data_.yr,
-                data_.yp,
-                data_.ya,
-                data_.zz,
-                data_.zr,
-                data_.zp,
-                data_.za,
-                data_.rr,
-                data_.rp,
-                data_.ra,
-                data_.pp,
-                data_.pa,
-                data_.aa,
-            ),
-        )
-
-
-_TimedSpeedHeading3D_layout = Fixed("IIdddd")
-
-
-@dataclass(slots=True)
 class TimedSpeedHeading3D(Aggregated):
     """Time-stamped value of type SpeedHeading3D."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedSpeedHeading3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedSpeedHeading3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SpeedHeading3D._descriptor_),
-        ),
+        tm=Time,
+        data=SpeedHeading3D,
     )
 
     tm: Time = field(default_factory=Time)
     data: SpeedHeading3D = field(default_factory=SpeedHeading3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedSpeedHeading3D_layout.pack_little
-                if little_endian
-                else _TimedSpeedHeading3D_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            data_direction = data_.direction
-            return pack(
-                tm.sec,
-                tm.nsec,
-                data_.speed,
-                data_direction.r,
-                data_direction.p,
-                data_direction.y,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedSpeedHeading3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedSpeedHeading3D_layout.unpack_little
-                if little_endian
-                else _TimedSpeedHeading3D_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                data_speed,
-                data_direction_r,
-                data_direction_p,
-                data_direction_y,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                SpeedHeading3D(
-                    data_speed,
-                    Orientation3D(data_direction_r, data_direction_p, data_direction_y),
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedSpeedHeading3D:
-        tm = self.tm
-        data_ = self.data
-        data_direction = data_.direction
-        return TimedSpeedHeading3D(
-            Time(tm.sec, tm.nsec),
-            SpeedHeading3D(
-                data_.speed,
-                Orientation3D(data_direction.r, data_direction.p, data_direction.y),
-            ),
-        )
-
-
-_TimedOAP_layout = Fixed("IIddddddddd")
-
-
-@dataclass(slots=True)
 class TimedOAP(Aggregated):
     """Time-stamped value of type OAP."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedOAP:1.0",
-        "RTC::TimedOAP",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", OAP._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedOAP", tm=Time, data=OAP)
 
     tm: Time = field(default_factory=Time)
     data: OAP = field(default_factory=OAP)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedOAP_layout.pack_little
-                if little_endian
-                else _TimedOAP_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            data_orientation = data_.orientation
-            data_approach = data_.approach
-            data_position = data_.position
-            return pack(
-                tm.sec,
-                tm.nsec,
-                data_orientation.x,
-                data_orientation.y,
-                data_orientation.z,
-                data_approach.x,
-                data_approach.y,
-                data_approach.z,
-                data_position.x,
-                data_position.y,
-                data_position.z,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedOAP, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedOAP_layout.unpack_little
-                if little_endian
-                else _TimedOAP_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                data_orientation_x,
-                data_orientation_y,
-                data_orientation_z,
-                data_approach_x,
-                data_approach_y,
-                data_approach_z,
-                data_position_x,
-                data_position_y,
-                data_position_z,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                OAP(
-                    Vector3D(
-                        data_orientation_x,
-                        data_orientation_y,
-                        data_orientation_z,
-                    ),
-                    Vector3D(data_approach_x, data_approach_y, data_approach_z),
-                    Vector3D(data_position_x, data_position_y, data_position_z),
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedOAP:
-        tm = self.tm
-        data_ = self.data
-        data_orientation = data_.orientation
-        data_approach = data_.approach
-        data_position = data_.position
-        return TimedOAP(
-            Time(tm.sec, tm.nsec),
-            OAP(
-                Vector3D(data_orientation.x, data_orientation.y, data_orientation.z),
-                Vector3D(data_approach.x, data_approach.y, data_approach.z),
-                Vector3D(data_position.x, data_position.y, data_position.z),
-            ),
-        )
-
-
-_TimedQuaternion_layout = Fixed("IIdddd")
-
-
-@dataclass(slots=True)
 class TimedQuaternion(Aggregated):
     """Time-stamped value of type Quaternion."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedQuaternion:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedQuaternion",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Quaternion._descriptor_),
-        ),
+        tm=Time,
+        data=Quaternion,
     )
 
     tm: Time = field(default_factory=Time)
     data: Quaternion = field(default_factory=Quaternion)
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedQuaternion_layout.pack_little
-                if little_endian
-                else _TimedQuaternion_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.x, data_.y, data_.z, data_.w)
-        except FAILURES as failure:
-            raise encoding_error(TimedQuaternion, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedQuaternion_layout.unpack_little
-                if little_endian
-                else _TimedQuaternion_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_x, data_y, data_z, data_w = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Quaternion(data_x, data_y, data_z, data_w),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedQuaternion:
-        tm = self.tm
-        data_ = self.data
-        return TimedQuaternion(
-            Time(tm.sec, tm.nsec),
-            Quaternion(data_.x, data_.y, data_.z, data_.w),
-        )

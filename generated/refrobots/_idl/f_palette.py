@@ -4,41 +4,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
 
 from .basic_data_type import Time
 
-_Tpdo1_layout = Fixed("IIBB")
 
-
-@dataclass(slots=True)
 class Tpdo1(Aggregated):
     """TPDO 1, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:FPalette/Tpdo1:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "FPalette::Tpdo1",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Digital_inputs_1_to_8", PrimitiveDescriptor("octet")),
-            MemberDescriptor("Digital_inputs_9_to_16", PrimitiveDescriptor("octet")),
-        ),
+        tm=Time,
+        Digital_inputs_1_to_8=idl.OCTET,
+        Digital_inputs_9_to_16=idl.OCTET,
     )
 
     tm: Time = field(default_factory=Time)
@@ -48,71 +30,17 @@ class Tpdo1(Aggregated):
     Digital_inputs_9_to_16: int = 0
     """Digital inputs 9 to 16 (6000h:2, UNSIGNED8)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo1_layout.pack_little if little_endian else _Tpdo1_layout.pack_big
-            )
-            tm = self.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                self.Digital_inputs_1_to_8,
-                self.Digital_inputs_9_to_16,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Tpdo1, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Tpdo1_layout.unpack_little
-                if little_endian
-                else _Tpdo1_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                Digital_inputs_1_to_8,
-                Digital_inputs_9_to_16,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Digital_inputs_1_to_8,
-                Digital_inputs_9_to_16,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo1:
-        tm = self.tm
-        return Tpdo1(
-            Time(tm.sec, tm.nsec),
-            self.Digital_inputs_1_to_8,
-            self.Digital_inputs_9_to_16,
-        )
-
-
-_Tpdo2_layout = Fixed("IIhhhh")
-
-
-@dataclass(slots=True)
 class Tpdo2(Aggregated):
     """TPDO 2, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:FPalette/Tpdo2:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "FPalette::Tpdo2",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Analogue_input_1", PrimitiveDescriptor("short")),
-            MemberDescriptor("Analogue_input_2", PrimitiveDescriptor("short")),
-            MemberDescriptor("Analogue_input_3", PrimitiveDescriptor("short")),
-            MemberDescriptor("Analogue_input_4", PrimitiveDescriptor("short")),
-        ),
+        tm=Time,
+        Analogue_input_1=idl.SHORT,
+        Analogue_input_2=idl.SHORT,
+        Analogue_input_3=idl.SHORT,
+        Analogue_input_4=idl.SHORT,
     )
 
     tm: Time = field(default_factory=Time)
@@ -126,79 +54,17 @@ class Tpdo2(Aggregated):
     Analogue_input_4: int = 0
     """Analogue input 4 (6401h:4, INTEGER16)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo2_layout.pack_little if little_endian else _Tpdo2_layout.pack_big
-            )
-            tm = self.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                self.Analogue_input_1,
-                self.Analogue_input_2,
-                self.Analogue_input_3,
-                self.Analogue_input_4,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Tpdo2, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Tpdo2_layout.unpack_little
-                if little_endian
-                else _Tpdo2_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                Analogue_input_1,
-                Analogue_input_2,
-                Analogue_input_3,
-                Analogue_input_4,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Analogue_input_1,
-                Analogue_input_2,
-                Analogue_input_3,
-                Analogue_input_4,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo2:
-        tm = self.tm
-        return Tpdo2(
-            Time(tm.sec, tm.nsec),
-            self.Analogue_input_1,
-            self.Analogue_input_2,
-            self.Analogue_input_3,
-            self.Analogue_input_4,
-        )
-
-
-_Tpdo3_layout = Fixed("IIhhhh")
-
-
-@dataclass(slots=True)
 class Tpdo3(Aggregated):
     """TPDO 3, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:FPalette/Tpdo3:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "FPalette::Tpdo3",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Analogue_input_5", PrimitiveDescriptor("short")),
-            MemberDescriptor("Analogue_input_6", PrimitiveDescriptor("short")),
-            MemberDescriptor("Analogue_input_7", PrimitiveDescriptor("short")),
-            MemberDescriptor("Analogue_input_8", PrimitiveDescriptor("short")),
-        ),
+        tm=Time,
+        Analogue_input_5=idl.SHORT,
+        Analogue_input_6=idl.SHORT,
+        Analogue_input_7=idl.SHORT,
+        Analogue_input_8=idl.SHORT,
     )
 
     tm: Time = field(default_factory=Time)
@@ -212,76 +78,14 @@ class Tpdo3(Aggregated):
     Analogue_input_8: int = 0
     """Analogue input 8 (6401h:8, INTEGER16)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo3_layout.pack_little if little_endian else _Tpdo3_layout.pack_big
-            )
-            tm = self.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                self.Analogue_input_5,
-                self.Analogue_input_6,
-                self.Analogue_input_7,
-                self.Analogue_input_8,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Tpdo3, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Tpdo3_layout.unpack_little
-                if little_endian
-                else _Tpdo3_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                Analogue_input_5,
-                Analogue_input_6,
-                Analogue_input_7,
-                Analogue_input_8,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Analogue_input_5,
-                Analogue_input_6,
-                Analogue_input_7,
-                Analogue_input_8,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo3:
-        tm = self.tm
-        return Tpdo3(
-            Time(tm.sec, tm.nsec),
-            self.Analogue_input_5,
-            self.Analogue_input_6,
-            self.Analogue_input_7,
-            self.Analogue_input_8,
-        )
-
-
-_Tpdo4_layout = Fixed("IIi")
-
-
-@dataclass(slots=True)
 class Tpdo4(Aggregated):
     """TPDO 4, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:FPalette/Tpdo4:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "FPalette::Tpdo4",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Angle_reference", PrimitiveDescriptor("long")),
-        ),
+        tm=Time,
+        Angle_reference=idl.LONG,
     )
 
     tm: Time = field(default_factory=Time)
@@ -289,51 +93,15 @@ class Tpdo4(Aggregated):
     Angle_reference: int = 0
     """Angle reference (2100h, INTEGER32)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo4_layout.pack_little if little_endian else _Tpdo4_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.Angle_reference)
-        except FAILURES as failure:
-            raise encoding_error(Tpdo4, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Tpdo4_layout.unpack_little
-                if little_endian
-                else _Tpdo4_layout.unpack_big
-            )
-            tm_sec, tm_nsec, Angle_reference = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Angle_reference)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo4:
-        tm = self.tm
-        return Tpdo4(Time(tm.sec, tm.nsec), self.Angle_reference)
-
-
-_Rpdo1_layout = Fixed("IIBB")
-
-
-@dataclass(slots=True)
 class Rpdo1(Aggregated):
     """RPDO 1, which the device receives."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:FPalette/Rpdo1:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "FPalette::Rpdo1",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Digital_outputs_1_to_8", PrimitiveDescriptor("octet")),
-            MemberDescriptor("Digital_outputs_9_to_16", PrimitiveDescriptor("octet")),
-        ),
+        tm=Time,
+        Digital_outputs_1_to_8=idl.OCTET,
+        Digital_outputs_9_to_16=idl.OCTET,
     )
 
     tm: Time = field(default_factory=Time)
@@ -343,71 +111,17 @@ class Rpdo1(Aggregated):
     Digital_outputs_9_to_16: int = 0
     """Digital outputs 9 to 16 (6200h:2, UNSIGNED8)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Rpdo1_layout.pack_little if little_endian else _Rpdo1_layout.pack_big
-            )
-            tm = self.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                self.Digital_outputs_1_to_8,
-                self.Digital_outputs_9_to_16,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Rpdo1, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Rpdo1_layout.unpack_little
-                if little_endian
-                else _Rpdo1_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                Digital_outputs_1_to_8,
-                Digital_outputs_9_to_16,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Digital_outputs_1_to_8,
-                Digital_outputs_9_to_16,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Rpdo1:
-        tm = self.tm
-        return Rpdo1(
-            Time(tm.sec, tm.nsec),
-            self.Digital_outputs_1_to_8,
-            self.Digital_outputs_9_to_16,
-        )
-
-
-_Rpdo2_layout = Fixed("IIhhhh")
-
-
-@dataclass(slots=True)
 class Rpdo2(Aggregated):
     """RPDO 2, which the device receives."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:FPalette/Rpdo2:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "FPalette::Rpdo2",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Analogue_output_1", PrimitiveDescriptor("short")),
-            MemberDescriptor("Analogue_output_2", PrimitiveDescriptor("short")),
-            MemberDescriptor("Analogue_output_3", PrimitiveDescriptor("short")),
-            MemberDescriptor("Analogue_output_4", PrimitiveDescriptor("short")),
-        ),
+        tm=Time,
+        Analogue_output_1=idl.SHORT,
+        Analogue_output_2=idl.SHORT,
+        Analogue_output_3=idl.SHORT,
+        Analogue_output_4=idl.SHORT,
     )
 
     tm: Time = field(default_factory=Time)
@@ -420,58 +134,3 @@ class Rpdo2(Aggregated):
     """Analogue output 3 (6411h:3, INTEGER16)"""
     Analogue_output_4: int = 0
     """Analogue output 4 (6411h:4, INTEGER16)"""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Rpdo2_layout.pack_little if little_endian else _Rpdo2_layout.pack_big
-            )
-            tm = self.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                self.Analogue_output_1,
-                self.Analogue_output_2,
-                self.Analogue_output_3,
-                self.Analogue_output_4,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Rpdo2, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Rpdo2_layout.unpack_little
-                if little_endian
-                else _Rpdo2_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                Analogue_output_1,
-                Analogue_output_2,
-                Analogue_output_3,
-                Analogue_output_4,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Analogue_output_1,
-                Analogue_output_2,
-                Analogue_output_3,
-                Analogue_output_4,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Rpdo2:
-        tm = self.tm
-        return Rpdo2(
-            Time(tm.sec, tm.nsec),
-            self.Analogue_output_1,
-            self.Analogue_output_2,
-            self.Analogue_output_3,
-            self.Analogue_output_4,
-        )

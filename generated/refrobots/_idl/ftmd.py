@@ -4,44 +4,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
 
 from .basic_data_type import Time
 
-_Tpdo1_layout = Fixed("IIHh")
 
-
-@dataclass(slots=True)
 class Tpdo1(Aggregated):
     """TPDO 1, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ftmd/Tpdo1:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Ftmd::Tpdo1",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Statusword", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor(
-                "Modes_of_operation_display",
-                PrimitiveDescriptor("short"),
-            ),
-        ),
+        tm=Time,
+        Statusword=idl.UNSIGNED_SHORT,
+        Modes_of_operation_display=idl.SHORT,
     )
 
     tm: Time = field(default_factory=Time)
@@ -51,60 +30,15 @@ class Tpdo1(Aggregated):
     Modes_of_operation_display: int = 0
     """Modes of operation display (6061h, INTEGER8)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo1_layout.pack_little if little_endian else _Tpdo1_layout.pack_big
-            )
-            tm = self.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                self.Statusword,
-                self.Modes_of_operation_display,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Tpdo1, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Tpdo1_layout.unpack_little
-                if little_endian
-                else _Tpdo1_layout.unpack_big
-            )
-            tm_sec, tm_nsec, Statusword, Modes_of_operation_display = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Statusword, Modes_of_operation_display)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo1:
-        tm = self.tm
-        return Tpdo1(
-            Time(tm.sec, tm.nsec),
-            self.Statusword,
-            self.Modes_of_operation_display,
-        )
-
-
-_Tpdo2_layout = Fixed("IIdd")
-
-
-@dataclass(slots=True)
 class Tpdo2(Aggregated):
     """TPDO 2, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ftmd/Tpdo2:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Ftmd::Tpdo2",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Position_actual_value", PrimitiveDescriptor("double")),
-            MemberDescriptor("Velocity_actual_value", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        Position_actual_value=idl.DOUBLE,
+        Velocity_actual_value=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -114,64 +48,15 @@ class Tpdo2(Aggregated):
     Velocity_actual_value: float = 0.0
     """Velocity actual value (606Ch, INTEGER32, times 0.001) [deg/s]"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo2_layout.pack_little if little_endian else _Tpdo2_layout.pack_big
-            )
-            tm = self.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                self.Position_actual_value,
-                self.Velocity_actual_value,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Tpdo2, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Tpdo2_layout.unpack_little
-                if little_endian
-                else _Tpdo2_layout.unpack_big
-            )
-            tm_sec, tm_nsec, Position_actual_value, Velocity_actual_value = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Position_actual_value,
-                Velocity_actual_value,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo2:
-        tm = self.tm
-        return Tpdo2(
-            Time(tm.sec, tm.nsec),
-            self.Position_actual_value,
-            self.Velocity_actual_value,
-        )
-
-
-_Tpdo3_layout = Fixed("IIhh")
-
-
-@dataclass(slots=True)
 class Tpdo3(Aggregated):
     """TPDO 3, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ftmd/Tpdo3:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Ftmd::Tpdo3",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Torque_actual_value", PrimitiveDescriptor("short")),
-            MemberDescriptor("Current_actual_value", PrimitiveDescriptor("short")),
-        ),
+        tm=Time,
+        Torque_actual_value=idl.SHORT,
+        Current_actual_value=idl.SHORT,
     )
 
     tm: Time = field(default_factory=Time)
@@ -181,63 +66,15 @@ class Tpdo3(Aggregated):
     Current_actual_value: int = 0
     """Current actual value (6078h, INTEGER16)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo3_layout.pack_little if little_endian else _Tpdo3_layout.pack_big
-            )
-            tm = self.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                self.Torque_actual_value,
-                self.Current_actual_value,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Tpdo3, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Tpdo3_layout.unpack_little
-                if little_endian
-                else _Tpdo3_layout.unpack_big
-            )
-            tm_sec, tm_nsec, Torque_actual_value, Current_actual_value = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Torque_actual_value, Current_actual_value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo3:
-        tm = self.tm
-        return Tpdo3(
-            Time(tm.sec, tm.nsec),
-            self.Torque_actual_value,
-            self.Current_actual_value,
-        )
-
-
-_Tpdo4_layout = Fixed("IIIh")
-
-
-@dataclass(slots=True)
 class Tpdo4(Aggregated):
     """TPDO 4, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ftmd/Tpdo4:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Ftmd::Tpdo4",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor(
-                "DC_link_circuit_voltage",
-                PrimitiveDescriptor("unsigned long"),
-            ),
-            MemberDescriptor("Driver_temperature", PrimitiveDescriptor("short")),
-        ),
+        tm=Time,
+        DC_link_circuit_voltage=idl.UNSIGNED_LONG,
+        Driver_temperature=idl.SHORT,
     )
 
     tm: Time = field(default_factory=Time)
@@ -247,64 +84,15 @@ class Tpdo4(Aggregated):
     Driver_temperature: int = 0
     """Driver temperature (2001h, INTEGER16)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo4_layout.pack_little if little_endian else _Tpdo4_layout.pack_big
-            )
-            tm = self.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                self.DC_link_circuit_voltage,
-                self.Driver_temperature,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Tpdo4, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Tpdo4_layout.unpack_little
-                if little_endian
-                else _Tpdo4_layout.unpack_big
-            )
-            tm_sec, tm_nsec, DC_link_circuit_voltage, Driver_temperature = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                DC_link_circuit_voltage,
-                Driver_temperature,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo4:
-        tm = self.tm
-        return Tpdo4(
-            Time(tm.sec, tm.nsec),
-            self.DC_link_circuit_voltage,
-            self.Driver_temperature,
-        )
-
-
-_Rpdo1_layout = Fixed("IIHh")
-
-
-@dataclass(slots=True)
 class Rpdo1(Aggregated):
     """RPDO 1, which the device receives."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ftmd/Rpdo1:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Ftmd::Rpdo1",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Controlword", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("Modes_of_operation", PrimitiveDescriptor("short")),
-        ),
+        tm=Time,
+        Controlword=idl.UNSIGNED_SHORT,
+        Modes_of_operation=idl.SHORT,
     )
 
     tm: Time = field(default_factory=Time)
@@ -314,50 +102,14 @@ class Rpdo1(Aggregated):
     Modes_of_operation: int = 0
     """Modes of operation (6060h, INTEGER8)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Rpdo1_layout.pack_little if little_endian else _Rpdo1_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.Controlword, self.Modes_of_operation)
-        except FAILURES as failure:
-            raise encoding_error(Rpdo1, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Rpdo1_layout.unpack_little
-                if little_endian
-                else _Rpdo1_layout.unpack_big
-            )
-            tm_sec, tm_nsec, Controlword, Modes_of_operation = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Controlword, Modes_of_operation)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Rpdo1:
-        tm = self.tm
-        return Rpdo1(Time(tm.sec, tm.nsec), self.Controlword, self.Modes_of_operation)
-
-
-_Rpdo2_layout = Fixed("IIi")
-
-
-@dataclass(slots=True)
 class Rpdo2(Aggregated):
     """RPDO 2, which the device receives."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ftmd/Rpdo2:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Ftmd::Rpdo2",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Target_position", PrimitiveDescriptor("long")),
-        ),
+        tm=Time,
+        Target_position=idl.LONG,
     )
 
     tm: Time = field(default_factory=Time)
@@ -365,50 +117,14 @@ class Rpdo2(Aggregated):
     Target_position: int = 0
     """Target position (607Ah, INTEGER32)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Rpdo2_layout.pack_little if little_endian else _Rpdo2_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.Target_position)
-        except FAILURES as failure:
-            raise encoding_error(Rpdo2, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Rpdo2_layout.unpack_little
-                if little_endian
-                else _Rpdo2_layout.unpack_big
-            )
-            tm_sec, tm_nsec, Target_position = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Target_position)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Rpdo2:
-        tm = self.tm
-        return Rpdo2(Time(tm.sec, tm.nsec), self.Target_position)
-
-
-_Rpdo3_layout = Fixed("IId")
-
-
-@dataclass(slots=True)
 class Rpdo3(Aggregated):
     """RPDO 3, which the device receives."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ftmd/Rpdo3:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Ftmd::Rpdo3",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Target_velocity", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        Target_velocity=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -416,82 +132,13 @@ class Rpdo3(Aggregated):
     Target_velocity: float = 0.0
     """Target velocity (60FFh, INTEGER32, times 0.001) [deg/s]"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Rpdo3_layout.pack_little if little_endian else _Rpdo3_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.Target_velocity)
-        except FAILURES as failure:
-            raise encoding_error(Rpdo3, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Rpdo3_layout.unpack_little
-                if little_endian
-                else _Rpdo3_layout.unpack_big
-            )
-            tm_sec, tm_nsec, Target_velocity = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Target_velocity)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Rpdo3:
-        tm = self.tm
-        return Rpdo3(Time(tm.sec, tm.nsec), self.Target_velocity)
-
-
-_Rpdo4_layout = Fixed("IIh")
-
-
-@dataclass(slots=True)
 class Rpdo4(Aggregated):
     """RPDO 4, which the device receives."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ftmd/Rpdo4:1.0",
-        "Ftmd::Rpdo4",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Target_torque", PrimitiveDescriptor("short")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("Ftmd::Rpdo4", tm=Time, Target_torque=idl.SHORT)
 
     tm: Time = field(default_factory=Time)
     """When it was sent or received."""
     Target_torque: int = 0
     """Target torque (6071h, INTEGER16)"""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Rpdo4_layout.pack_little if little_endian else _Rpdo4_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.Target_torque)
-        except FAILURES as failure:
-            raise encoding_error(Rpdo4, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Rpdo4_layout.unpack_little
-                if little_endian
-                else _Rpdo4_layout.unpack_big
-            )
-            tm_sec, tm_nsec, Target_torque = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Target_torque)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Rpdo4:
-        tm = self.tm
-        return Rpdo4(Time(tm.sec, tm.nsec), self.Target_torque)

@@ -4,52 +4,27 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Final, Self
+from msgspec import field
+from typing import ClassVar, Final
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Enumeration,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.descriptors import (
-    EnumDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StructDescriptor,
-    bind,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, Enumeration
 
 from .basic_data_type import Time
-from .extended_data_types import Point2D, Pose2D, Velocity2D
-
-_TimedVelocity_layout = Layout("=III", "@4 *i d d d I", "@4 *d")
+from .extended_data_types import Pose2D, Velocity2D
 
 
-@dataclass(slots=True)
 class TimedVelocity(Aggregated):
     """Travel command of the second phase."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:IIS/TimedVelocity:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "IIS::TimedVelocity",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            MemberDescriptor("vx", PrimitiveDescriptor("double")),
-            MemberDescriptor("vy", PrimitiveDescriptor("double")),
-            MemberDescriptor("w", PrimitiveDescriptor("double")),
-            MemberDescriptor(
-                "error",
-                SequenceDescriptor(PrimitiveDescriptor("double")),
-            ),
-        ),
+        tm=Time,
+        id=idl.sequence(idl.LONG),
+        vx=idl.DOUBLE,
+        vy=idl.DOUBLE,
+        w=idl.DOUBLE,
+        error=idl.sequence(idl.DOUBLE),
     )
 
     tm: Time = field(default_factory=Time)
@@ -65,88 +40,18 @@ class TimedVelocity(Aggregated):
     error: list[float] = field(default_factory=list)
     """Error information, free for the application."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedVelocity_layout.pack_little
-                if little_endian
-                else _TimedVelocity_layout.pack_big
-            )
-            tm = self.tm
-            id = self.id
-            n_id = len(id)
-            error = self.error
-            n_error = len(error)
-            return pack[n_id, n_error](
-                tm.sec,
-                tm.nsec,
-                n_id,
-                *id,
-                self.vx,
-                self.vy,
-                self.w,
-                n_error,
-                *error,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedVelocity, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _TimedVelocity_layout.read_little
-                if little_endian
-                else _TimedVelocity_layout.read_big
-            )
-            tm_sec, tm_nsec, n_id = read_1(data)
-            unpack, size = read_2[n_id]
-            *id, vx, vy, w, n_error = unpack(data, 12)
-            offset = 12 + size
-            unpack, size = read_3[n_error]
-            error = list(unpack(data, offset))
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), id, vx, vy, w, error)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedVelocity:
-        tm = self.tm
-        return TimedVelocity(
-            Time(tm.sec, tm.nsec),
-            list(self.id),
-            self.vx,
-            self.vy,
-            self.w,
-            list(self.error),
-        )
-
-
-_TimedPosition_layout = Layout("=III", "@4 *i d d d I", "@4 *d")
-
-
-@dataclass(slots=True)
 class TimedPosition(Aggregated):
     """Self-position, and target position, of the second phase."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:IIS/TimedPosition:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "IIS::TimedPosition",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            MemberDescriptor("x", PrimitiveDescriptor("double")),
-            MemberDescriptor("y", PrimitiveDescriptor("double")),
-            MemberDescriptor("theta", PrimitiveDescriptor("double")),
-            MemberDescriptor(
-                "error",
-                SequenceDescriptor(PrimitiveDescriptor("double")),
-            ),
-        ),
+        tm=Time,
+        id=idl.sequence(idl.LONG),
+        x=idl.DOUBLE,
+        y=idl.DOUBLE,
+        theta=idl.DOUBLE,
+        error=idl.sequence(idl.DOUBLE),
     )
 
     tm: Time = field(default_factory=Time)
@@ -162,86 +67,16 @@ class TimedPosition(Aggregated):
     error: list[float] = field(default_factory=list)
     """Error information, free for the application."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedPosition_layout.pack_little
-                if little_endian
-                else _TimedPosition_layout.pack_big
-            )
-            tm = self.tm
-            id = self.id
-            n_id = len(id)
-            error = self.error
-            n_error = len(error)
-            return pack[n_id, n_error](
-                tm.sec,
-                tm.nsec,
-                n_id,
-                *id,
-                self.x,
-                self.y,
-                self.theta,
-                n_error,
-                *error,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedPosition, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _TimedPosition_layout.read_little
-                if little_endian
-                else _TimedPosition_layout.read_big
-            )
-            tm_sec, tm_nsec, n_id = read_1(data)
-            unpack, size = read_2[n_id]
-            *id, x, y, theta, n_error = unpack(data, 12)
-            offset = 12 + size
-            unpack, size = read_3[n_error]
-            error = list(unpack(data, offset))
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), id, x, y, theta, error)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPosition:
-        tm = self.tm
-        return TimedPosition(
-            Time(tm.sec, tm.nsec),
-            list(self.id),
-            self.x,
-            self.y,
-            self.theta,
-            list(self.error),
-        )
-
-
-_TimedPose2D_layout = Layout("=III", "@4 *i d d d I", "@4 *d")
-
-
-@dataclass(slots=True)
 class TimedPose2D(Aggregated):
     """A pose in the plane: self-position, goal, or one waypoint of a path."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:IIS/TimedPose2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "IIS::TimedPose2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            MemberDescriptor("data", Pose2D._descriptor_),
-            MemberDescriptor(
-                "error",
-                SequenceDescriptor(PrimitiveDescriptor("double")),
-            ),
-        ),
+        tm=Time,
+        id=idl.sequence(idl.LONG),
+        data=Pose2D,
+        error=idl.sequence(idl.DOUBLE),
     )
 
     tm: Time = field(default_factory=Time)
@@ -253,104 +88,19 @@ class TimedPose2D(Aggregated):
     error: list[float] = field(default_factory=list)
     """Error information, free for the application."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedPose2D_layout.pack_little
-                if little_endian
-                else _TimedPose2D_layout.pack_big
-            )
-            tm = self.tm
-            id = self.id
-            n_id = len(id)
-            data_ = self.data
-            data_position = data_.position
-            error = self.error
-            n_error = len(error)
-            return pack[n_id, n_error](
-                tm.sec,
-                tm.nsec,
-                n_id,
-                *id,
-                data_position.x,
-                data_position.y,
-                data_.heading,
-                n_error,
-                *error,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedPose2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _TimedPose2D_layout.read_little
-                if little_endian
-                else _TimedPose2D_layout.read_big
-            )
-            tm_sec, tm_nsec, n_id = read_1(data)
-            unpack, size = read_2[n_id]
-            (
-                *id,
-                data_position_x,
-                data_position_y,
-                data_heading,
-                n_error,
-            ) = unpack(data, 12)
-            offset = 12 + size
-            unpack, size = read_3[n_error]
-            error = list(unpack(data, offset))
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                id,
-                Pose2D(Point2D(data_position_x, data_position_y), data_heading),
-                error,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPose2D:
-        tm = self.tm
-        data_ = self.data
-        data_position = data_.position
-        return TimedPose2D(
-            Time(tm.sec, tm.nsec),
-            list(self.id),
-            Pose2D(Point2D(data_position.x, data_position.y), data_.heading),
-            list(self.error),
-        )
-
-
-_TimedPath2DSeq_layout = Fixed("ddd")
-_TimedPath2DSeq_layout_2 = Fixed("ddd")
-_TimedPath2DSeq_layout_3 = Layout("=III", "@4 *i I", "*24s/8 I", "*24s/8 I", "*d")
-
-
-@dataclass(slots=True)
 class TimedPath2DSeq(Aggregated):
     """A path: the first pose is the start, the last one the goal. The headings between
     them, and the speeds, need not be kept.
     """
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:IIS/TimedPath2DSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "IIS::TimedPath2DSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            MemberDescriptor("pose", SequenceDescriptor(Pose2D._descriptor_)),
-            MemberDescriptor("velocity", SequenceDescriptor(Velocity2D._descriptor_)),
-            MemberDescriptor(
-                "error",
-                SequenceDescriptor(PrimitiveDescriptor("double")),
-            ),
-        ),
+        tm=Time,
+        id=idl.sequence(idl.LONG),
+        pose=idl.sequence(Pose2D),
+        velocity=idl.sequence(Velocity2D),
+        error=idl.sequence(idl.DOUBLE),
     )
 
     tm: Time = field(default_factory=Time)
@@ -364,137 +114,16 @@ class TimedPath2DSeq(Aggregated):
     error: list[float] = field(default_factory=list)
     """Error information, free for the application."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _TimedPath2DSeq_layout.pack_little
-                if little_endian
-                else _TimedPath2DSeq_layout.pack_big
-            )
-            pack_2 = (
-                _TimedPath2DSeq_layout_2.pack_little
-                if little_endian
-                else _TimedPath2DSeq_layout_2.pack_big
-            )
-            pack = (
-                _TimedPath2DSeq_layout_3.pack_little
-                if little_endian
-                else _TimedPath2DSeq_layout_3.pack_big
-            )
-            tm = self.tm
-            id = self.id
-            n_id = len(id)
-            pose = self.pose
-            n_pose = len(pose)
-            octets_pose = b"".join(
-                [
-                    pack_1(item.position.x, item.position.y, item.heading)
-                    for item in pose
-                ],
-            )
-            velocity = self.velocity
-            n_velocity = len(velocity)
-            octets_velocity = b"".join(
-                [pack_2(item.vx, item.vy, item.va) for item in velocity],
-            )
-            error = self.error
-            n_error = len(error)
-            return pack[n_id, n_pose, n_velocity, n_error](
-                tm.sec,
-                tm.nsec,
-                n_id,
-                *id,
-                n_pose,
-                octets_pose,
-                n_velocity,
-                octets_velocity,
-                n_error,
-                *error,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedPath2DSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3, read_4, read_5 = (
-                _TimedPath2DSeq_layout_3.read_little
-                if little_endian
-                else _TimedPath2DSeq_layout_3.read_big
-            )
-            records_1 = (
-                _TimedPath2DSeq_layout.records_little
-                if little_endian
-                else _TimedPath2DSeq_layout.records_big
-            )
-            records_2 = (
-                _TimedPath2DSeq_layout_2.records_little
-                if little_endian
-                else _TimedPath2DSeq_layout_2.records_big
-            )
-            tm_sec, tm_nsec, n_id = read_1(data)
-            unpack, size = read_2[n_id]
-            *id, n_pose = unpack(data, 12)
-            offset = 12 + size
-            unpack, size = read_3[n_pose << 3 | offset & 7]
-            pose, n_velocity = unpack(data, offset)
-            offset += size
-            unpack, size = read_4[n_velocity << 3 | offset & 7]
-            velocity, n_error = unpack(data, offset)
-            offset += size
-            unpack, size = read_5[n_error << 3 | offset & 7]
-            error = list(unpack(data, offset))
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                id,
-                [
-                    Pose2D(Point2D(position_x, position_y), heading)
-                    for position_x, position_y, heading in records_1(pose)
-                ],
-                [Velocity2D(vx, vy, va) for vx, vy, va in records_2(velocity)],
-                error,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPath2DSeq:
-        tm = self.tm
-        return TimedPath2DSeq(
-            Time(tm.sec, tm.nsec),
-            list(self.id),
-            [
-                Pose2D(Point2D(item.position.x, item.position.y), item.heading)
-                for item in self.pose
-            ],
-            [Velocity2D(item.vx, item.vy, item.va) for item in self.velocity],
-            list(self.error),
-        )
-
-
-_TimedVelocity2D_layout = Layout("=III", "@4 *i d d d I", "@4 *d")
-
-
-@dataclass(slots=True)
 class TimedVelocity2D(Aggregated):
     """Velocity in the frame of the body: travel command and travel information."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:IIS/TimedVelocity2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "IIS::TimedVelocity2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            MemberDescriptor("data", Velocity2D._descriptor_),
-            MemberDescriptor(
-                "error",
-                SequenceDescriptor(PrimitiveDescriptor("double")),
-            ),
-        ),
+        tm=Time,
+        id=idl.sequence(idl.LONG),
+        data=Velocity2D,
+        error=idl.sequence(idl.DOUBLE),
     )
 
     tm: Time = field(default_factory=Time)
@@ -506,92 +135,16 @@ class TimedVelocity2D(Aggregated):
     error: list[float] = field(default_factory=list)
     """Error information, free for the application."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedVelocity2D_layout.pack_little
-                if little_endian
-                else _TimedVelocity2D_layout.pack_big
-            )
-            tm = self.tm
-            id = self.id
-            n_id = len(id)
-            data_ = self.data
-            error = self.error
-            n_error = len(error)
-            return pack[n_id, n_error](
-                tm.sec,
-                tm.nsec,
-                n_id,
-                *id,
-                data_.vx,
-                data_.vy,
-                data_.va,
-                n_error,
-                *error,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedVelocity2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _TimedVelocity2D_layout.read_little
-                if little_endian
-                else _TimedVelocity2D_layout.read_big
-            )
-            tm_sec, tm_nsec, n_id = read_1(data)
-            unpack, size = read_2[n_id]
-            *id, data_vx, data_vy, data_va, n_error = unpack(data, 12)
-            offset = 12 + size
-            unpack, size = read_3[n_error]
-            error = list(unpack(data, offset))
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                id,
-                Velocity2D(data_vx, data_vy, data_va),
-                error,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedVelocity2D:
-        tm = self.tm
-        data_ = self.data
-        return TimedVelocity2D(
-            Time(tm.sec, tm.nsec),
-            list(self.id),
-            Velocity2D(data_.vx, data_.vy, data_.va),
-            list(self.error),
-        )
-
-
-_TimedPose2DSeq_layout = Fixed("ddd")
-_TimedPose2DSeq_layout_2 = Layout("=III", "@4 *i I", "*24s/8 I", "*d")
-
-
-@dataclass(slots=True)
 class TimedPose2DSeq(Aggregated):
     """A list of goals; only the first one counts, and an empty list clears the goal."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:IIS/TimedPose2DSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "IIS::TimedPose2DSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            MemberDescriptor("data", SequenceDescriptor(Pose2D._descriptor_)),
-            MemberDescriptor(
-                "error",
-                SequenceDescriptor(PrimitiveDescriptor("double")),
-            ),
-        ),
+        tm=Time,
+        id=idl.sequence(idl.LONG),
+        data=idl.sequence(Pose2D),
+        error=idl.sequence(idl.DOUBLE),
     )
 
     tm: Time = field(default_factory=Time)
@@ -602,95 +155,6 @@ class TimedPose2DSeq(Aggregated):
     """The goals [m, rad]."""
     error: list[float] = field(default_factory=list)
     """Error information, free for the application."""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _TimedPose2DSeq_layout.pack_little
-                if little_endian
-                else _TimedPose2DSeq_layout.pack_big
-            )
-            pack = (
-                _TimedPose2DSeq_layout_2.pack_little
-                if little_endian
-                else _TimedPose2DSeq_layout_2.pack_big
-            )
-            tm = self.tm
-            id = self.id
-            n_id = len(id)
-            data_ = self.data
-            n_data = len(data_)
-            octets_data = b"".join(
-                [
-                    pack_1(item.position.x, item.position.y, item.heading)
-                    for item in data_
-                ],
-            )
-            error = self.error
-            n_error = len(error)
-            return pack[n_id, n_data, n_error](
-                tm.sec,
-                tm.nsec,
-                n_id,
-                *id,
-                n_data,
-                octets_data,
-                n_error,
-                *error,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedPose2DSeq, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3, read_4 = (
-                _TimedPose2DSeq_layout_2.read_little
-                if little_endian
-                else _TimedPose2DSeq_layout_2.read_big
-            )
-            records_1 = (
-                _TimedPose2DSeq_layout.records_little
-                if little_endian
-                else _TimedPose2DSeq_layout.records_big
-            )
-            tm_sec, tm_nsec, n_id = read_1(data)
-            unpack, size = read_2[n_id]
-            *id, n_data = unpack(data, 12)
-            offset = 12 + size
-            unpack, size = read_3[n_data << 3 | offset & 7]
-            data_, n_error = unpack(data, offset)
-            offset += size
-            unpack, size = read_4[n_error << 3 | offset & 7]
-            error = list(unpack(data, offset))
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                id,
-                [
-                    Pose2D(Point2D(position_x, position_y), heading)
-                    for position_x, position_y, heading in records_1(data_)
-                ],
-                error,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPose2DSeq:
-        tm = self.tm
-        return TimedPose2DSeq(
-            Time(tm.sec, tm.nsec),
-            list(self.id),
-            [
-                Pose2D(Point2D(item.position.x, item.position.y), item.heading)
-                for item in self.data
-            ],
-            list(self.error),
-        )
 
 
 class State(Enumeration):
@@ -712,75 +176,18 @@ class State(Enumeration):
     """Driving at crawl speed."""
 
 
-bind(
-    State,
-    EnumDescriptor(
-        "IDL:IIS/State:1.0",
-        "IIS::State",
-        (
-            ("FINISH", 0),
-            ("ANGLE_CHECK", 1),
-            ("TURNING", 2),
-            ("TURNING2", 3),
-            ("GOAL_CHECK", 4),
-            ("SPEED_DOWN", 5),
-            ("STOPPING", 6),
-        ),
-    ),
-)
+idl.enum(State, "IIS::State")
 
 
-_TimedState_layout = Fixed("IIi")
-
-
-@dataclass(slots=True)
 class TimedState(Aggregated):
     """The state of the navigation. OpenRTM's `RTC::TimedState` holds a short instead."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:IIS/TimedState:1.0",
-        "IIS::TimedState",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("long")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("IIS::TimedState", tm=Time, data=idl.LONG)
 
     tm: Time = field(default_factory=Time)
     """Time of the state."""
     data: int = 0
     """A value of `State`."""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedState_layout.pack_little
-                if little_endian
-                else _TimedState_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data)
-        except FAILURES as failure:
-            raise encoding_error(TimedState, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedState_layout.unpack_little
-                if little_endian
-                else _TimedState_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedState:
-        tm = self.tm
-        return TimedState(Time(tm.sec, tm.nsec), self.data)
 
 
 class TravelMode(Enumeration):
@@ -804,46 +211,23 @@ class TravelMode(Enumeration):
     """Run the wheels at given speeds."""
 
 
-bind(
-    TravelMode,
-    EnumDescriptor(
-        "IDL:IIS/TravelMode:1.0",
-        "IIS::TravelMode",
-        (
-            ("RUN_FREE", 0),
-            ("RUN_STOP", 1),
-            ("RUN_LINEFOLLOW", 2),
-            ("RUN_TO_POINT", 3),
-            ("RUN_CIRCLEFOLLOW", 4),
-            ("RUN_SPIN", 5),
-            ("RUN_VEL", 6),
-            ("RUN_WHEEL_VEL", 7),
-        ),
-    ),
-)
+idl.enum(TravelMode, "IIS::TravelMode")
 
 
-_Path_layout = Fixed("hh4xddddddII")
-
-
-@dataclass(slots=True)
 class Path(Aggregated):
     """One waypoint, and how to travel to it."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:IIS/Path:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "IIS::Path",
-        (
-            MemberDescriptor("type", PrimitiveDescriptor("short")),
-            MemberDescriptor("coordinate", PrimitiveDescriptor("short")),
-            MemberDescriptor("x", PrimitiveDescriptor("double")),
-            MemberDescriptor("y", PrimitiveDescriptor("double")),
-            MemberDescriptor("theta", PrimitiveDescriptor("double")),
-            MemberDescriptor("v", PrimitiveDescriptor("double")),
-            MemberDescriptor("w", PrimitiveDescriptor("double")),
-            MemberDescriptor("r", PrimitiveDescriptor("double")),
-            MemberDescriptor("tm", Time._descriptor_),
-        ),
+        type=idl.SHORT,
+        coordinate=idl.SHORT,
+        x=idl.DOUBLE,
+        y=idl.DOUBLE,
+        theta=idl.DOUBLE,
+        v=idl.DOUBLE,
+        w=idl.DOUBLE,
+        r=idl.DOUBLE,
+        tm=Time,
     )
 
     type: int = 0
@@ -864,52 +248,6 @@ class Path(Aggregated):
     """Radius of a circle, positive for counter-clockwise travel [m]."""
     tm: Time = field(default_factory=Time)
     """Time of the command."""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = _Path_layout.pack_little if little_endian else _Path_layout.pack_big
-            tm = self.tm
-            return pack(
-                self.type,
-                self.coordinate,
-                self.x,
-                self.y,
-                self.theta,
-                self.v,
-                self.w,
-                self.r,
-                tm.sec,
-                tm.nsec,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Path, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Path_layout.unpack_little if little_endian else _Path_layout.unpack_big
-            )
-            type_, coordinate, x, y, theta, v, w, r, tm_sec, tm_nsec = unpack(data)
-            return cls(type_, coordinate, x, y, theta, v, w, r, Time(tm_sec, tm_nsec))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Path:
-        tm = self.tm
-        return Path(
-            self.type,
-            self.coordinate,
-            self.x,
-            self.y,
-            self.theta,
-            self.v,
-            self.w,
-            self.r,
-            Time(tm.sec, tm.nsec),
-        )
 
 
 PATH_FIRST: Final = 100

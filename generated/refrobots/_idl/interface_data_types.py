@@ -4,36 +4,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self, TypeAlias
+from msgspec import field
+from typing import ClassVar, TypeAlias
 
-from rtgen.runtime.cdr import (
-    BOOLEAN,
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Enumeration,
-    Fixed,
-    Layout,
-    PhasedLayout,
-    Settled,
-    decoding_error,
-    encoding_error,
-    from_xcdr2,
-    members,
-    to_xcdr2,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    AliasDescriptor,
-    EnumDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-    bind,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration
 
 from .basic_data_type import Time
 from .extended_data_types import (
@@ -65,19 +40,7 @@ class ActArrayActuatorStatus(Enumeration):
     ACTUATOR_STATUS_STALLED = 3
 
 
-bind(
-    ActArrayActuatorStatus,
-    EnumDescriptor(
-        "IDL:RTC/ActArrayActuatorStatus:1.0",
-        "RTC::ActArrayActuatorStatus",
-        (
-            ("ACTUATOR_STATUS_IDLE", 0),
-            ("ACTUATOR_STATUS_MOVING", 1),
-            ("ACTUATOR_STATUS_BRAKED", 2),
-            ("ACTUATOR_STATUS_STALLED", 3),
-        ),
-    ),
-)
+idl.enum(ActArrayActuatorStatus, "RTC::ActArrayActuatorStatus")
 
 
 class ActArrayActuatorType(Enumeration):
@@ -87,14 +50,7 @@ class ActArrayActuatorType(Enumeration):
     ACTARRAY_ACTUATORTYPE_ROTARY = 1
 
 
-bind(
-    ActArrayActuatorType,
-    EnumDescriptor(
-        "IDL:RTC/ActArrayActuatorType:1.0",
-        "RTC::ActArrayActuatorType",
-        (("ACTARRAY_ACTUATORTYPE_LINEAR", 0), ("ACTARRAY_ACTUATORTYPE_ROTARY", 1)),
-    ),
-)
+idl.enum(ActArrayActuatorType, "RTC::ActArrayActuatorType")
 
 
 class GPSFixType(Enumeration):
@@ -105,14 +61,7 @@ class GPSFixType(Enumeration):
     GPS_FIX_DGPS = 2
 
 
-bind(
-    GPSFixType,
-    EnumDescriptor(
-        "IDL:RTC/GPSFixType:1.0",
-        "RTC::GPSFixType",
-        (("GPS_FIX_NONE", 0), ("GPS_FIX_NORMAL", 1), ("GPS_FIX_DGPS", 2)),
-    ),
-)
+idl.enum(GPSFixType, "RTC::GPSFixType")
 
 
 class GripperStatus(Enumeration):
@@ -124,19 +73,7 @@ class GripperStatus(Enumeration):
     GRIPPER_STATE_UNKNOWN = 3
 
 
-bind(
-    GripperStatus,
-    EnumDescriptor(
-        "IDL:RTC/GripperStatus:1.0",
-        "RTC::GripperStatus",
-        (
-            ("GRIPPER_STATE_OPEN", 0),
-            ("GRIPPER_STATE_CLOSED", 1),
-            ("GRIPPER_STATE_MOVING", 2),
-            ("GRIPPER_STATE_UNKNOWN", 3),
-        ),
-    ),
-)
+idl.enum(GripperStatus, "RTC::GripperStatus")
 
 
 class LimbStatus(Enumeration):
@@ -149,37 +86,17 @@ class LimbStatus(Enumeration):
     LIMB_STATUS_COLLISION = 4
 
 
-bind(
-    LimbStatus,
-    EnumDescriptor(
-        "IDL:RTC/LimbStatus:1.0",
-        "RTC::LimbStatus",
-        (
-            ("LIMB_STATUS_IDLE", 0),
-            ("LIMB_STATUS_BRAKED", 1),
-            ("LIMB_STATUS_MOVING", 2),
-            ("LIMB_STATUS_OOR", 3),
-            ("LIMB_STATUS_COLLISION", 4),
-        ),
-    ),
-)
+idl.enum(LimbStatus, "RTC::LimbStatus")
 
 
-_ActArrayActuatorPos_layout = Fixed("IIH6xd")
-
-
-@dataclass(slots=True)
 class ActArrayActuatorPos(Aggregated):
     """Wanted position of one actuator of an array."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/ActArrayActuatorPos:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::ActArrayActuatorPos",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("position", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        index=idl.UNSIGNED_SHORT,
+        position=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -188,53 +105,15 @@ class ActArrayActuatorPos(Aggregated):
     position: float = 0.0
     """Position [m or rad]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ActArrayActuatorPos_layout.pack_little
-                if little_endian
-                else _ActArrayActuatorPos_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.index, self.position)
-        except FAILURES as failure:
-            raise encoding_error(ActArrayActuatorPos, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ActArrayActuatorPos_layout.unpack_little
-                if little_endian
-                else _ActArrayActuatorPos_layout.unpack_big
-            )
-            tm_sec, tm_nsec, index, position = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), index, position)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ActArrayActuatorPos:
-        tm = self.tm
-        return ActArrayActuatorPos(Time(tm.sec, tm.nsec), self.index, self.position)
-
-
-_ActArrayActuatorSpeed_layout = Fixed("IIH6xd")
-
-
-@dataclass(slots=True)
 class ActArrayActuatorSpeed(Aggregated):
     """Wanted speed of one actuator of an array."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/ActArrayActuatorSpeed:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::ActArrayActuatorSpeed",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("speed", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        index=idl.UNSIGNED_SHORT,
+        speed=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -243,53 +122,15 @@ class ActArrayActuatorSpeed(Aggregated):
     speed: float = 0.0
     """Speed [m/s or rad/s]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ActArrayActuatorSpeed_layout.pack_little
-                if little_endian
-                else _ActArrayActuatorSpeed_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.index, self.speed)
-        except FAILURES as failure:
-            raise encoding_error(ActArrayActuatorSpeed, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ActArrayActuatorSpeed_layout.unpack_little
-                if little_endian
-                else _ActArrayActuatorSpeed_layout.unpack_big
-            )
-            tm_sec, tm_nsec, index, speed = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), index, speed)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ActArrayActuatorSpeed:
-        tm = self.tm
-        return ActArrayActuatorSpeed(Time(tm.sec, tm.nsec), self.index, self.speed)
-
-
-_ActArrayActuatorCurrent_layout = Fixed("IIH6xd")
-
-
-@dataclass(slots=True)
 class ActArrayActuatorCurrent(Aggregated):
     """Wanted current of one actuator of an array."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/ActArrayActuatorCurrent:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::ActArrayActuatorCurrent",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("index", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("current", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        index=idl.UNSIGNED_SHORT,
+        current=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -298,56 +139,17 @@ class ActArrayActuatorCurrent(Aggregated):
     current: float = 0.0
     """Current [A]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ActArrayActuatorCurrent_layout.pack_little
-                if little_endian
-                else _ActArrayActuatorCurrent_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.index, self.current)
-        except FAILURES as failure:
-            raise encoding_error(ActArrayActuatorCurrent, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ActArrayActuatorCurrent_layout.unpack_little
-                if little_endian
-                else _ActArrayActuatorCurrent_layout.unpack_big
-            )
-            tm_sec, tm_nsec, index, current = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), index, current)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ActArrayActuatorCurrent:
-        tm = self.tm
-        return ActArrayActuatorCurrent(Time(tm.sec, tm.nsec), self.index, self.current)
-
-
-_ActArrayActuatorStatus_members = members(ActArrayActuatorStatus)
-_Actuator_layout = Fixed("ddddI")
-
-
-@dataclass(slots=True)
 class Actuator(Aggregated):
     """What one actuator is doing."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Actuator:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Actuator",
-        (
-            MemberDescriptor("position", PrimitiveDescriptor("double")),
-            MemberDescriptor("speed", PrimitiveDescriptor("double")),
-            MemberDescriptor("accel", PrimitiveDescriptor("double")),
-            MemberDescriptor("current", PrimitiveDescriptor("double")),
-            MemberDescriptor("status", ActArrayActuatorStatus._descriptor_),
-        ),
+        position=idl.DOUBLE,
+        speed=idl.DOUBLE,
+        accel=idl.DOUBLE,
+        current=idl.DOUBLE,
+        status=ActArrayActuatorStatus,
     )
 
     position: float = 0.0
@@ -360,290 +162,45 @@ class Actuator(Aggregated):
     """Current [A]."""
     status: ActArrayActuatorStatus = ActArrayActuatorStatus.ACTUATOR_STATUS_IDLE
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Actuator_layout.pack_little
-                if little_endian
-                else _Actuator_layout.pack_big
-            )
-            return pack(
-                self.position,
-                self.speed,
-                self.accel,
-                self.current,
-                _ActArrayActuatorStatus_members[self.status],
-            )
-        except FAILURES as failure:
-            raise encoding_error(Actuator, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Actuator_layout.unpack_little
-                if little_endian
-                else _Actuator_layout.unpack_big
-            )
-            position, speed, accel, current, status = unpack(data)
-            return cls(
-                position,
-                speed,
-                accel,
-                current,
-                _ActArrayActuatorStatus_members[status],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Actuator:
-        return Actuator(
-            self.position,
-            self.speed,
-            self.accel,
-            self.current,
-            self.status,
-        )
-
 
 ActuatorList: TypeAlias = list[Actuator]
 """Actuators, by index."""
-_ActuatorList_alias = AliasDescriptor(
-    "IDL:RTC/ActuatorList:1.0",
-    "RTC::ActuatorList",
-    SequenceDescriptor(Actuator._descriptor_),
-)
+_ActuatorList_alias = idl.alias("RTC::ActuatorList", idl.sequence(Actuator))
 
 
-_ActuatorListCodec_layout = Settled("=I")
-_ActuatorListCodec_layout_2 = PhasedLayout("d d d d I")
-
-
-class ActuatorListCodec:
+class ActuatorListCodec(AliasCodec[ActuatorList]):
     """The codec of `RTC::ActuatorList`."""
 
-    _descriptor_ = _ActuatorList_alias
-
-    @staticmethod
-    def to_cdr(value: ActuatorList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _ActuatorListCodec_layout.pack_little
-                if little_endian
-                else _ActuatorListCodec_layout.pack_big
-            )
-            pack_2 = (
-                _ActuatorListCodec_layout_2.pack_little
-                if little_endian
-                else _ActuatorListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            out += pack_1(n_value)
-            for item_value in value:
-                out += pack_2[len(out) & 7](
-                    item_value.position,
-                    item_value.speed,
-                    item_value.accel,
-                    item_value.current,
-                    _ActArrayActuatorStatus_members[item_value.status],
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(ActuatorListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> ActuatorList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _ActuatorListCodec_layout.read_little
-                if little_endian
-                else _ActuatorListCodec_layout.read_big
-            )
-            (read_2,) = (
-                _ActuatorListCodec_layout_2.read_little
-                if little_endian
-                else _ActuatorListCodec_layout_2.read_big
-            )
-            (n_value,) = read_1(data)
-            offset = 4
-            if n_value * 36 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            value = []
-            for _ in range(n_value):
-                unpack, size = read_2[offset & 7]
-                position, speed, accel, current, status = unpack(data, offset)
-                offset += size
-                value.append(
-                    Actuator(
-                        position,
-                        speed,
-                        accel,
-                        current,
-                        _ActArrayActuatorStatus_members[status],
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: ActuatorList = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                ActuatorListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: ActuatorList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(ActuatorListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> ActuatorList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: ActuatorList = from_xcdr2(ActuatorListCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _ActuatorList_alias
 
 
-_ActArrayState_layout = Settled("=III")
-_ActArrayState_layout_2 = PhasedLayout("d d d d I")
-
-
-@dataclass(slots=True)
 class ActArrayState(Aggregated):
     """What every actuator of an array is doing."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/ActArrayState:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::ActArrayState",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("actuators", _ActuatorList_alias),
-        ),
+        tm=Time,
+        actuators=_ActuatorList_alias,
     )
 
     tm: Time = field(default_factory=Time)
     actuators: ActuatorList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _ActArrayState_layout.pack_little
-                if little_endian
-                else _ActArrayState_layout.pack_big
-            )
-            pack_2 = (
-                _ActArrayState_layout_2.pack_little
-                if little_endian
-                else _ActArrayState_layout_2.pack_big
-            )
-            tm = self.tm
-            actuators = self.actuators
-            n_actuators = len(actuators)
-            out += pack_1(tm.sec, tm.nsec, n_actuators)
-            for item_actuators in actuators:
-                out += pack_2[len(out) & 7](
-                    item_actuators.position,
-                    item_actuators.speed,
-                    item_actuators.accel,
-                    item_actuators.current,
-                    _ActArrayActuatorStatus_members[item_actuators.status],
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(ActArrayState, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _ActArrayState_layout.read_little
-                if little_endian
-                else _ActArrayState_layout.read_big
-            )
-            (read_2,) = (
-                _ActArrayState_layout_2.read_little
-                if little_endian
-                else _ActArrayState_layout_2.read_big
-            )
-            tm_sec, tm_nsec, n_actuators = read_1(data)
-            offset = 12
-            if n_actuators * 36 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            actuators = []
-            for _ in range(n_actuators):
-                unpack, size = read_2[offset & 7]
-                (
-                    actuators_position,
-                    actuators_speed,
-                    actuators_accel,
-                    actuators_current,
-                    actuators_status,
-                ) = unpack(data, offset)
-                offset += size
-                actuators.append(
-                    Actuator(
-                        actuators_position,
-                        actuators_speed,
-                        actuators_accel,
-                        actuators_current,
-                        _ActArrayActuatorStatus_members[actuators_status],
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), actuators)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ActArrayState:
-        tm = self.tm
-        return ActArrayState(
-            Time(tm.sec, tm.nsec),
-            [
-                Actuator(
-                    item.position,
-                    item.speed,
-                    item.accel,
-                    item.current,
-                    item.status,
-                )
-                for item in self.actuators
-            ],
-        )
-
-
-_ActArrayActuatorType_members = members(ActArrayActuatorType)
-_ActArrayActuatorGeometry_layout = Fixed("I4xdddddddddddB")
-
-
-@dataclass(slots=True)
 class ActArrayActuatorGeometry(Aggregated):
     """The build of one actuator and its range of motion."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/ActArrayActuatorGeometry:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::ActArrayActuatorGeometry",
-        (
-            MemberDescriptor("type", ActArrayActuatorType._descriptor_),
-            MemberDescriptor("length", PrimitiveDescriptor("double")),
-            MemberDescriptor("orientation", Orientation3D._descriptor_),
-            MemberDescriptor("axis", Vector3D._descriptor_),
-            MemberDescriptor("minRange", PrimitiveDescriptor("double")),
-            MemberDescriptor("centre", PrimitiveDescriptor("double")),
-            MemberDescriptor("maxRange", PrimitiveDescriptor("double")),
-            MemberDescriptor("homePosition", PrimitiveDescriptor("double")),
-            MemberDescriptor("hasBrakes", PrimitiveDescriptor("boolean")),
-        ),
+        type=ActArrayActuatorType,
+        length=idl.DOUBLE,
+        orientation=Orientation3D,
+        axis=Vector3D,
+        minRange=idl.DOUBLE,
+        centre=idl.DOUBLE,
+        maxRange=idl.DOUBLE,
+        homePosition=idl.DOUBLE,
+        hasBrakes=idl.BOOLEAN,
     )
 
     type: ActArrayActuatorType = ActArrayActuatorType.ACTARRAY_ACTUATORTYPE_LINEAR
@@ -661,472 +218,42 @@ class ActArrayActuatorGeometry(Aggregated):
     """Home position [m or rad]."""
     hasBrakes: bool = False
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ActArrayActuatorGeometry_layout.pack_little
-                if little_endian
-                else _ActArrayActuatorGeometry_layout.pack_big
-            )
-            orientation = self.orientation
-            axis = self.axis
-            return pack(
-                _ActArrayActuatorType_members[self.type],
-                self.length,
-                orientation.r,
-                orientation.p,
-                orientation.y,
-                axis.x,
-                axis.y,
-                axis.z,
-                self.minRange,
-                self.centre,
-                self.maxRange,
-                self.homePosition,
-                BOOLEAN[self.hasBrakes],
-            )
-        except FAILURES as failure:
-            raise encoding_error(ActArrayActuatorGeometry, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ActArrayActuatorGeometry_layout.unpack_little
-                if little_endian
-                else _ActArrayActuatorGeometry_layout.unpack_big
-            )
-            (
-                type_,
-                length,
-                orientation_r,
-                orientation_p,
-                orientation_y,
-                axis_x,
-                axis_y,
-                axis_z,
-                minRange,
-                centre,
-                maxRange,
-                homePosition,
-                hasBrakes,
-            ) = unpack(data)
-            return cls(
-                _ActArrayActuatorType_members[type_],
-                length,
-                Orientation3D(orientation_r, orientation_p, orientation_y),
-                Vector3D(axis_x, axis_y, axis_z),
-                minRange,
-                centre,
-                maxRange,
-                homePosition,
-                BOOLEAN[hasBrakes],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ActArrayActuatorGeometry:
-        orientation = self.orientation
-        axis = self.axis
-        return ActArrayActuatorGeometry(
-            self.type,
-            self.length,
-            Orientation3D(orientation.r, orientation.p, orientation.y),
-            Vector3D(axis.x, axis.y, axis.z),
-            self.minRange,
-            self.centre,
-            self.maxRange,
-            self.homePosition,
-            self.hasBrakes,
-        )
-
 
 ActArrayActuatorGeometryList: TypeAlias = list[ActArrayActuatorGeometry]
 """Builds of actuators, by index."""
-_ActArrayActuatorGeometryList_alias = AliasDescriptor(
-    "IDL:RTC/ActArrayActuatorGeometryList:1.0",
+_ActArrayActuatorGeometryList_alias = idl.alias(
     "RTC::ActArrayActuatorGeometryList",
-    SequenceDescriptor(ActArrayActuatorGeometry._descriptor_),
+    idl.sequence(ActArrayActuatorGeometry),
 )
 
 
-_ActArrayActuatorGeometryListCodec_layout = Settled("=I")
-_ActArrayActuatorGeometryListCodec_layout_2 = PhasedLayout("I d d d d d d d d d d d B")
-
-
-class ActArrayActuatorGeometryListCodec:
+class ActArrayActuatorGeometryListCodec(AliasCodec[ActArrayActuatorGeometryList]):
     """The codec of `RTC::ActArrayActuatorGeometryList`."""
 
-    _descriptor_ = _ActArrayActuatorGeometryList_alias
-
-    @staticmethod
-    def to_cdr(
-        value: ActArrayActuatorGeometryList,
-        little_endian: bool = True,
-    ) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _ActArrayActuatorGeometryListCodec_layout.pack_little
-                if little_endian
-                else _ActArrayActuatorGeometryListCodec_layout.pack_big
-            )
-            pack_2 = (
-                _ActArrayActuatorGeometryListCodec_layout_2.pack_little
-                if little_endian
-                else _ActArrayActuatorGeometryListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            out += pack_1(n_value)
-            for item_value in value:
-                orientation = item_value.orientation
-                axis = item_value.axis
-                out += pack_2[len(out) & 7](
-                    _ActArrayActuatorType_members[item_value.type],
-                    item_value.length,
-                    orientation.r,
-                    orientation.p,
-                    orientation.y,
-                    axis.x,
-                    axis.y,
-                    axis.z,
-                    item_value.minRange,
-                    item_value.centre,
-                    item_value.maxRange,
-                    item_value.homePosition,
-                    BOOLEAN[item_value.hasBrakes],
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(
-                ActArrayActuatorGeometryListCodec,
-                value,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def from_cdr(
-        data: Buffer,
-        little_endian: bool = True,
-    ) -> ActArrayActuatorGeometryList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _ActArrayActuatorGeometryListCodec_layout.read_little
-                if little_endian
-                else _ActArrayActuatorGeometryListCodec_layout.read_big
-            )
-            (read_2,) = (
-                _ActArrayActuatorGeometryListCodec_layout_2.read_little
-                if little_endian
-                else _ActArrayActuatorGeometryListCodec_layout_2.read_big
-            )
-            (n_value,) = read_1(data)
-            offset = 4
-            if n_value * 93 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            value = []
-            for _ in range(n_value):
-                unpack, size = read_2[offset & 7]
-                (
-                    type_,
-                    length,
-                    orientation_r,
-                    orientation_p,
-                    orientation_y,
-                    axis_x,
-                    axis_y,
-                    axis_z,
-                    minRange,
-                    centre,
-                    maxRange,
-                    homePosition,
-                    hasBrakes,
-                ) = unpack(data, offset)
-                offset += size
-                value.append(
-                    ActArrayActuatorGeometry(
-                        _ActArrayActuatorType_members[type_],
-                        length,
-                        Orientation3D(orientation_r, orientation_p, orientation_y),
-                        Vector3D(axis_x, axis_y, axis_z),
-                        minRange,
-                        centre,
-                        maxRange,
-                        homePosition,
-                        BOOLEAN[hasBrakes],
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: ActArrayActuatorGeometryList = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                ActArrayActuatorGeometryListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(
-        value: ActArrayActuatorGeometryList,
-        little_endian: bool = True,
-    ) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(ActArrayActuatorGeometryListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(
-        data: Buffer,
-        little_endian: bool = True,
-    ) -> ActArrayActuatorGeometryList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: ActArrayActuatorGeometryList = from_xcdr2(
-            ActArrayActuatorGeometryListCodec,
-            data,
-            little_endian,
-        )
-        return value
+    _descriptor_: ClassVar = _ActArrayActuatorGeometryList_alias
 
 
-_ActArrayGeometry_layout = Settled("=dddddddddI")
-_ActArrayGeometry_layout_2 = PhasedLayout("I d d d d d d d d d d d B")
-
-
-@dataclass(slots=True)
 class ActArrayGeometry(Aggregated):
     """The build of an array of actuators."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/ActArrayGeometry:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::ActArrayGeometry",
-        (
-            MemberDescriptor("arrayGeometry", Geometry3D._descriptor_),
-            MemberDescriptor("actuatorGeometry", _ActArrayActuatorGeometryList_alias),
-        ),
+        arrayGeometry=Geometry3D,
+        actuatorGeometry=_ActArrayActuatorGeometryList_alias,
     )
 
     arrayGeometry: Geometry3D = field(default_factory=Geometry3D)
     actuatorGeometry: ActArrayActuatorGeometryList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _ActArrayGeometry_layout.pack_little
-                if little_endian
-                else _ActArrayGeometry_layout.pack_big
-            )
-            pack_2 = (
-                _ActArrayGeometry_layout_2.pack_little
-                if little_endian
-                else _ActArrayGeometry_layout_2.pack_big
-            )
-            arrayGeometry = self.arrayGeometry
-            arrayGeometry_pose = arrayGeometry.pose
-            arrayGeometry_pose_position = arrayGeometry_pose.position
-            arrayGeometry_pose_orientation = arrayGeometry_pose.orientation
-            arrayGeometry_size = arrayGeometry.size
-            actuatorGeometry = self.actuatorGeometry
-            n_actuatorGeometry = len(actuatorGeometry)
-            out += pack_1(
-                arrayGeometry_pose_position.x,
-                arrayGeometry_pose_position.y,
-                arrayGeometry_pose_position.z,
-                arrayGeometry_pose_orientation.r,
-                arrayGeometry_pose_orientation.p,
-                arrayGeometry_pose_orientation.y,
-                arrayGeometry_size.l,
-                arrayGeometry_size.w,
-                arrayGeometry_size.h,
-                n_actuatorGeometry,
-            )
-            for item_actuatorGeometry in actuatorGeometry:
-                actuatorGeometry_orientation = item_actuatorGeometry.orientation
-                actuatorGeometry_axis = item_actuatorGeometry.axis
-                out += pack_2[len(out) & 7](
-                    _ActArrayActuatorType_members[item_actuatorGeometry.type],
-                    item_actuatorGeometry.length,
-                    actuatorGeometry_orientation.r,
-                    actuatorGeometry_orientation.p,
-                    actuatorGeometry_orientation.y,
-                    actuatorGeometry_axis.x,
-                    actuatorGeometry_axis.y,
-                    actuatorGeometry_axis.z,
-                    item_actuatorGeometry.minRange,
-                    item_actuatorGeometry.centre,
-                    item_actuatorGeometry.maxRange,
-                    item_actuatorGeometry.homePosition,
-                    BOOLEAN[item_actuatorGeometry.hasBrakes],
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(ActArrayGeometry, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _ActArrayGeometry_layout.read_little
-                if little_endian
-                else _ActArrayGeometry_layout.read_big
-            )
-            (read_2,) = (
-                _ActArrayGeometry_layout_2.read_little
-                if little_endian
-                else _ActArrayGeometry_layout_2.read_big
-            )
-            (
-                arrayGeometry_pose_position_x,
-                arrayGeometry_pose_position_y,
-                arrayGeometry_pose_position_z,
-                arrayGeometry_pose_orientation_r,
-                arrayGeometry_pose_orientation_p,
-                arrayGeometry_pose_orientation_y,
-                arrayGeometry_size_l,
-                arrayGeometry_size_w,
-                arrayGeometry_size_h,
-                n_actuatorGeometry,
-            ) = read_1(data)
-            offset = 76
-            if n_actuatorGeometry * 93 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            actuatorGeometry = []
-            for _ in range(n_actuatorGeometry):
-                unpack, size = read_2[offset & 7]
-                (
-                    actuatorGeometry_type,
-                    actuatorGeometry_length,
-                    actuatorGeometry_orientation_r,
-                    actuatorGeometry_orientation_p,
-                    actuatorGeometry_orientation_y,
-                    actuatorGeometry_axis_x,
-                    actuatorGeometry_axis_y,
-                    actuatorGeometry_axis_z,
-                    actuatorGeometry_minRange,
-                    actuatorGeometry_centre,
-                    actuatorGeometry_maxRange,
-                    actuatorGeometry_homePosition,
-                    actuatorGeometry_hasBrakes,
-                ) = unpack(data, offset)
-                offset += size
-                actuatorGeometry.append(
-                    ActArrayActuatorGeometry(
-                        _ActArrayActuatorType_members[actuatorGeometry_type],
-                        actuatorGeometry_length,
-                        Orientation3D(
-                            actuatorGeometry_orientation_r,
-                            actuatorGeometry_orientation_p,
-                            actuatorGeometry_orientation_y,
-                        ),
-                        Vector3D(
-                            actuatorGeometry_axis_x,
-                            actuatorGeometry_axis_y,
-                            actuatorGeometry_axis_z,
-                        ),
-                        actuatorGeometry_minRange,
-                        actuatorGeometry_centre,
-                        actuatorGeometry_maxRange,
-                        actuatorGeometry_homePosition,
-                        BOOLEAN[actuatorGeometry_hasBrakes],
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Geometry3D(
-                    Pose3D(
-                        Point3D(
-                            arrayGeometry_pose_position_x,
-                            arrayGeometry_pose_position_y,
-                            arrayGeometry_pose_position_z,
-                        ),
-                        Orientation3D(
-                            arrayGeometry_pose_orientation_r,
-                            arrayGeometry_pose_orientation_p,
-                            arrayGeometry_pose_orientation_y,
-                        ),
-                    ),
-                    Size3D(
-                        arrayGeometry_size_l,
-                        arrayGeometry_size_w,
-                        arrayGeometry_size_h,
-                    ),
-                ),
-                actuatorGeometry,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ActArrayGeometry:
-        arrayGeometry = self.arrayGeometry
-        arrayGeometry_pose = arrayGeometry.pose
-        arrayGeometry_pose_position = arrayGeometry_pose.position
-        arrayGeometry_pose_orientation = arrayGeometry_pose.orientation
-        arrayGeometry_size = arrayGeometry.size
-        return ActArrayGeometry(
-            Geometry3D(
-                Pose3D(
-                    Point3D(
-                        arrayGeometry_pose_position.x,
-                        arrayGeometry_pose_position.y,
-                        arrayGeometry_pose_position.z,
-                    ),
-                    Orientation3D(
-                        arrayGeometry_pose_orientation.r,
-                        arrayGeometry_pose_orientation.p,
-                        arrayGeometry_pose_orientation.y,
-                    ),
-                ),
-                Size3D(
-                    arrayGeometry_size.l,
-                    arrayGeometry_size.w,
-                    arrayGeometry_size.h,
-                ),
-            ),
-            [
-                ActArrayActuatorGeometry(
-                    item.type,
-                    item.length,
-                    Orientation3D(
-                        item.orientation.r,
-                        item.orientation.p,
-                        item.orientation.y,
-                    ),
-                    Vector3D(item.axis.x, item.axis.y, item.axis.z),
-                    item.minRange,
-                    item.centre,
-                    item.maxRange,
-                    item.homePosition,
-                    item.hasBrakes,
-                )
-                for item in self.actuatorGeometry
-            ],
-        )
-
-
-_BumperGeometry_layout = Fixed("dddddddddd")
-
-
-@dataclass(slots=True)
 class BumperGeometry(Aggregated):
     """The build of one bumper."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/BumperGeometry:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::BumperGeometry",
-        (
-            MemberDescriptor("pose", Pose3D._descriptor_),
-            MemberDescriptor("size", Size3D._descriptor_),
-            MemberDescriptor("roc", PrimitiveDescriptor("double")),
-        ),
+        pose=Pose3D,
+        size=Size3D,
+        roc=idl.DOUBLE,
     )
 
     pose: Pose3D = field(default_factory=Pose3D)
@@ -1134,419 +261,46 @@ class BumperGeometry(Aggregated):
     roc: float = 0.0
     """Radius of curvature [m]; 0 is straight."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _BumperGeometry_layout.pack_little
-                if little_endian
-                else _BumperGeometry_layout.pack_big
-            )
-            pose = self.pose
-            pose_position = pose.position
-            pose_orientation = pose.orientation
-            size_ = self.size
-            return pack(
-                pose_position.x,
-                pose_position.y,
-                pose_position.z,
-                pose_orientation.r,
-                pose_orientation.p,
-                pose_orientation.y,
-                size_.l,
-                size_.w,
-                size_.h,
-                self.roc,
-            )
-        except FAILURES as failure:
-            raise encoding_error(BumperGeometry, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _BumperGeometry_layout.unpack_little
-                if little_endian
-                else _BumperGeometry_layout.unpack_big
-            )
-            (
-                pose_position_x,
-                pose_position_y,
-                pose_position_z,
-                pose_orientation_r,
-                pose_orientation_p,
-                pose_orientation_y,
-                size_l,
-                size_w,
-                size_h,
-                roc,
-            ) = unpack(data)
-            return cls(
-                Pose3D(
-                    Point3D(pose_position_x, pose_position_y, pose_position_z),
-                    Orientation3D(
-                        pose_orientation_r,
-                        pose_orientation_p,
-                        pose_orientation_y,
-                    ),
-                ),
-                Size3D(size_l, size_w, size_h),
-                roc,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> BumperGeometry:
-        pose = self.pose
-        pose_position = pose.position
-        pose_orientation = pose.orientation
-        size_ = self.size
-        return BumperGeometry(
-            Pose3D(
-                Point3D(pose_position.x, pose_position.y, pose_position.z),
-                Orientation3D(
-                    pose_orientation.r,
-                    pose_orientation.p,
-                    pose_orientation.y,
-                ),
-            ),
-            Size3D(size_.l, size_.w, size_.h),
-            self.roc,
-        )
-
 
 BumperGeometryList: TypeAlias = list[BumperGeometry]
 """Builds of bumpers."""
-_BumperGeometryList_alias = AliasDescriptor(
-    "IDL:RTC/BumperGeometryList:1.0",
+_BumperGeometryList_alias = idl.alias(
     "RTC::BumperGeometryList",
-    SequenceDescriptor(BumperGeometry._descriptor_),
+    idl.sequence(BumperGeometry),
 )
 
 
-_BumperGeometryListCodec_layout = Fixed("dddddddddd")
-_BumperGeometryListCodec_layout_2 = Layout("=I", "@4 *80s/8")
-
-
-class BumperGeometryListCodec:
+class BumperGeometryListCodec(AliasCodec[BumperGeometryList]):
     """The codec of `RTC::BumperGeometryList`."""
 
-    _descriptor_ = _BumperGeometryList_alias
-
-    @staticmethod
-    def to_cdr(value: BumperGeometryList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _BumperGeometryListCodec_layout.pack_little
-                if little_endian
-                else _BumperGeometryListCodec_layout.pack_big
-            )
-            pack = (
-                _BumperGeometryListCodec_layout_2.pack_little
-                if little_endian
-                else _BumperGeometryListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join(
-                [
-                    pack_1(
-                        item.pose.position.x,
-                        item.pose.position.y,
-                        item.pose.position.z,
-                        item.pose.orientation.r,
-                        item.pose.orientation.p,
-                        item.pose.orientation.y,
-                        item.size.l,
-                        item.size.w,
-                        item.size.h,
-                        item.roc,
-                    )
-                    for item in value
-                ],
-            )
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(BumperGeometryListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> BumperGeometryList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _BumperGeometryListCodec_layout_2.read_little
-                if little_endian
-                else _BumperGeometryListCodec_layout_2.read_big
-            )
-            records_1 = (
-                _BumperGeometryListCodec_layout.records_little
-                if little_endian
-                else _BumperGeometryListCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: BumperGeometryList = [
-                BumperGeometry(
-                    Pose3D(
-                        Point3D(pose_position_x, pose_position_y, pose_position_z),
-                        Orientation3D(
-                            pose_orientation_r,
-                            pose_orientation_p,
-                            pose_orientation_y,
-                        ),
-                    ),
-                    Size3D(size_l, size_w, size_h),
-                    roc,
-                )
-                for pose_position_x, pose_position_y, pose_position_z, pose_orientation_r, pose_orientation_p, pose_orientation_y, size_l, size_w, size_h, roc in records_1(
-                    value,
-                )
-            ]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                BumperGeometryListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: BumperGeometryList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(BumperGeometryListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> BumperGeometryList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: BumperGeometryList = from_xcdr2(
-            BumperGeometryListCodec,
-            data,
-            little_endian,
-        )
-        return value
+    _descriptor_: ClassVar = _BumperGeometryList_alias
 
 
-_BumperArrayGeometry_layout = Fixed("dddddddddd")
-_BumperArrayGeometry_layout_2 = Layout("=dddddddddI", "@4 *80s/8")
-
-
-@dataclass(slots=True)
 class BumperArrayGeometry(Aggregated):
     """The build of an array of bumpers."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/BumperArrayGeometry:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::BumperArrayGeometry",
-        (
-            MemberDescriptor("arrayGeometry", Geometry3D._descriptor_),
-            MemberDescriptor("bumperGeometry", _BumperGeometryList_alias),
-        ),
+        arrayGeometry=Geometry3D,
+        bumperGeometry=_BumperGeometryList_alias,
     )
 
     arrayGeometry: Geometry3D = field(default_factory=Geometry3D)
     bumperGeometry: BumperGeometryList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _BumperArrayGeometry_layout.pack_little
-                if little_endian
-                else _BumperArrayGeometry_layout.pack_big
-            )
-            pack = (
-                _BumperArrayGeometry_layout_2.pack_little
-                if little_endian
-                else _BumperArrayGeometry_layout_2.pack_big
-            )
-            arrayGeometry = self.arrayGeometry
-            arrayGeometry_pose = arrayGeometry.pose
-            arrayGeometry_pose_position = arrayGeometry_pose.position
-            arrayGeometry_pose_orientation = arrayGeometry_pose.orientation
-            arrayGeometry_size = arrayGeometry.size
-            bumperGeometry = self.bumperGeometry
-            n_bumperGeometry = len(bumperGeometry)
-            octets_bumperGeometry = b"".join(
-                [
-                    pack_1(
-                        item.pose.position.x,
-                        item.pose.position.y,
-                        item.pose.position.z,
-                        item.pose.orientation.r,
-                        item.pose.orientation.p,
-                        item.pose.orientation.y,
-                        item.size.l,
-                        item.size.w,
-                        item.size.h,
-                        item.roc,
-                    )
-                    for item in bumperGeometry
-                ],
-            )
-            return pack[n_bumperGeometry](
-                arrayGeometry_pose_position.x,
-                arrayGeometry_pose_position.y,
-                arrayGeometry_pose_position.z,
-                arrayGeometry_pose_orientation.r,
-                arrayGeometry_pose_orientation.p,
-                arrayGeometry_pose_orientation.y,
-                arrayGeometry_size.l,
-                arrayGeometry_size.w,
-                arrayGeometry_size.h,
-                n_bumperGeometry,
-                octets_bumperGeometry,
-            )
-        except FAILURES as failure:
-            raise encoding_error(BumperArrayGeometry, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _BumperArrayGeometry_layout_2.read_little
-                if little_endian
-                else _BumperArrayGeometry_layout_2.read_big
-            )
-            records_1 = (
-                _BumperArrayGeometry_layout.records_little
-                if little_endian
-                else _BumperArrayGeometry_layout.records_big
-            )
-            (
-                arrayGeometry_pose_position_x,
-                arrayGeometry_pose_position_y,
-                arrayGeometry_pose_position_z,
-                arrayGeometry_pose_orientation_r,
-                arrayGeometry_pose_orientation_p,
-                arrayGeometry_pose_orientation_y,
-                arrayGeometry_size_l,
-                arrayGeometry_size_w,
-                arrayGeometry_size_h,
-                n_bumperGeometry,
-            ) = read_1(data)
-            unpack, size = read_2[n_bumperGeometry]
-            (bumperGeometry,) = unpack(data, 76)
-            offset = 76 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Geometry3D(
-                    Pose3D(
-                        Point3D(
-                            arrayGeometry_pose_position_x,
-                            arrayGeometry_pose_position_y,
-                            arrayGeometry_pose_position_z,
-                        ),
-                        Orientation3D(
-                            arrayGeometry_pose_orientation_r,
-                            arrayGeometry_pose_orientation_p,
-                            arrayGeometry_pose_orientation_y,
-                        ),
-                    ),
-                    Size3D(
-                        arrayGeometry_size_l,
-                        arrayGeometry_size_w,
-                        arrayGeometry_size_h,
-                    ),
-                ),
-                [
-                    BumperGeometry(
-                        Pose3D(
-                            Point3D(pose_position_x, pose_position_y, pose_position_z),
-                            Orientation3D(
-                                pose_orientation_r,
-                                pose_orientation_p,
-                                pose_orientation_y,
-                            ),
-                        ),
-                        Size3D(size_l, size_w, size_h),
-                        roc,
-                    )
-                    for pose_position_x, pose_position_y, pose_position_z, pose_orientation_r, pose_orientation_p, pose_orientation_y, size_l, size_w, size_h, roc in records_1(
-                        bumperGeometry,
-                    )
-                ],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> BumperArrayGeometry:
-        arrayGeometry = self.arrayGeometry
-        arrayGeometry_pose = arrayGeometry.pose
-        arrayGeometry_pose_position = arrayGeometry_pose.position
-        arrayGeometry_pose_orientation = arrayGeometry_pose.orientation
-        arrayGeometry_size = arrayGeometry.size
-        return BumperArrayGeometry(
-            Geometry3D(
-                Pose3D(
-                    Point3D(
-                        arrayGeometry_pose_position.x,
-                        arrayGeometry_pose_position.y,
-                        arrayGeometry_pose_position.z,
-                    ),
-                    Orientation3D(
-                        arrayGeometry_pose_orientation.r,
-                        arrayGeometry_pose_orientation.p,
-                        arrayGeometry_pose_orientation.y,
-                    ),
-                ),
-                Size3D(
-                    arrayGeometry_size.l,
-                    arrayGeometry_size.w,
-                    arrayGeometry_size.h,
-                ),
-            ),
-            [
-                BumperGeometry(
-                    Pose3D(
-                        Point3D(
-                            item.pose.position.x,
-                            item.pose.position.y,
-                            item.pose.position.z,
-                        ),
-                        Orientation3D(
-                            item.pose.orientation.r,
-                            item.pose.orientation.p,
-                            item.pose.orientation.y,
-                        ),
-                    ),
-                    Size3D(item.size.l, item.size.w, item.size.h),
-                    item.roc,
-                )
-                for item in self.bumperGeometry
-            ],
-        )
-
-
-_CameraImage_layout = Layout("=IIHHHxxI", "@4 *s d I", "@4 *s")
-
-
-@dataclass(slots=True)
 class CameraImage(Aggregated):
     """One image of a camera."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/CameraImage:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::CameraImage",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("width", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("height", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("bpp", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("format", StringDescriptor()),
-            MemberDescriptor("fDiv", PrimitiveDescriptor("double")),
-            MemberDescriptor(
-                "pixels",
-                SequenceDescriptor(PrimitiveDescriptor("octet")),
-            ),
-        ),
+        tm=Time,
+        width=idl.UNSIGNED_SHORT,
+        height=idl.UNSIGNED_SHORT,
+        bpp=idl.UNSIGNED_SHORT,
+        format=idl.STRING,
+        fDiv=idl.DOUBLE,
+        pixels=idl.sequence(idl.OCTET),
     )
 
     tm: Time = field(default_factory=Time)
@@ -1561,95 +315,18 @@ class CameraImage(Aggregated):
     """Divisor of the pixel values."""
     pixels: bytes = b""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _CameraImage_layout.pack_little
-                if little_endian
-                else _CameraImage_layout.pack_big
-            )
-            tm = self.tm
-            format = text_octets(self.format)
-            n_format = len(format) + 1
-            pixels = self.pixels
-            n_pixels = len(pixels)
-            return pack[n_format, n_pixels](
-                tm.sec,
-                tm.nsec,
-                self.width,
-                self.height,
-                self.bpp,
-                n_format,
-                format,
-                self.fDiv,
-                n_pixels,
-                pixels,
-            )
-        except FAILURES as failure:
-            raise encoding_error(CameraImage, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _CameraImage_layout.read_little
-                if little_endian
-                else _CameraImage_layout.read_big
-            )
-            tm_sec, tm_nsec, width, height, bpp, n_format = read_1(data)
-            unpack, size = read_2[n_format]
-            format, fDiv, n_pixels = unpack(data, 20)
-            offset = 20 + size
-            unpack, size = read_3[n_pixels]
-            (pixels,) = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                width,
-                height,
-                bpp,
-                text_value(format),
-                fDiv,
-                pixels,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> CameraImage:
-        tm = self.tm
-        return CameraImage(
-            Time(tm.sec, tm.nsec),
-            self.width,
-            self.height,
-            self.bpp,
-            self.format,
-            self.fDiv,
-            self.pixels,
-        )
-
-
-_CameraInfo_layout = Fixed("dddddddd")
-
-
-@dataclass(slots=True)
 class CameraInfo(Aggregated):
     """The intrinsic calibration of a camera."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/CameraInfo:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::CameraInfo",
-        (
-            MemberDescriptor("focalLength", Vector2D._descriptor_),
-            MemberDescriptor("principalPoint", Point2D._descriptor_),
-            MemberDescriptor("k1", PrimitiveDescriptor("double")),
-            MemberDescriptor("k2", PrimitiveDescriptor("double")),
-            MemberDescriptor("p1", PrimitiveDescriptor("double")),
-            MemberDescriptor("p2", PrimitiveDescriptor("double")),
-        ),
+        focalLength=Vector2D,
+        principalPoint=Point2D,
+        k1=idl.DOUBLE,
+        k2=idl.DOUBLE,
+        p1=idl.DOUBLE,
+        p2=idl.DOUBLE,
     )
 
     focalLength: Vector2D = field(default_factory=Vector2D)
@@ -1660,89 +337,17 @@ class CameraInfo(Aggregated):
     p1: float = 0.0
     p2: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _CameraInfo_layout.pack_little
-                if little_endian
-                else _CameraInfo_layout.pack_big
-            )
-            focalLength = self.focalLength
-            principalPoint = self.principalPoint
-            return pack(
-                focalLength.x,
-                focalLength.y,
-                principalPoint.x,
-                principalPoint.y,
-                self.k1,
-                self.k2,
-                self.p1,
-                self.p2,
-            )
-        except FAILURES as failure:
-            raise encoding_error(CameraInfo, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _CameraInfo_layout.unpack_little
-                if little_endian
-                else _CameraInfo_layout.unpack_big
-            )
-            (
-                focalLength_x,
-                focalLength_y,
-                principalPoint_x,
-                principalPoint_y,
-                k1,
-                k2,
-                p1,
-                p2,
-            ) = unpack(data)
-            return cls(
-                Vector2D(focalLength_x, focalLength_y),
-                Point2D(principalPoint_x, principalPoint_y),
-                k1,
-                k2,
-                p1,
-                p2,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> CameraInfo:
-        focalLength = self.focalLength
-        principalPoint = self.principalPoint
-        return CameraInfo(
-            Vector2D(focalLength.x, focalLength.y),
-            Point2D(principalPoint.x, principalPoint.y),
-            self.k1,
-            self.k2,
-            self.p1,
-            self.p2,
-        )
-
-
-_FiducialInfo_layout = Fixed("I4xdddddddddddddddddd")
-
-
-@dataclass(slots=True)
 class FiducialInfo(Aggregated):
     """One detected fiducial mark."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/FiducialInfo:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::FiducialInfo",
-        (
-            MemberDescriptor("id", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("pose", Pose3D._descriptor_),
-            MemberDescriptor("poseUncertainty", Pose3D._descriptor_),
-            MemberDescriptor("size", Size3D._descriptor_),
-            MemberDescriptor("sizeUncertainty", Size3D._descriptor_),
-        ),
+        id=idl.UNSIGNED_LONG,
+        pose=Pose3D,
+        poseUncertainty=Pose3D,
+        size=Size3D,
+        sizeUncertainty=Size3D,
     )
 
     id: int = 0
@@ -1751,521 +356,39 @@ class FiducialInfo(Aggregated):
     size: Size3D = field(default_factory=Size3D)
     sizeUncertainty: Size3D = field(default_factory=Size3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _FiducialInfo_layout.pack_little
-                if little_endian
-                else _FiducialInfo_layout.pack_big
-            )
-            pose = self.pose
-            pose_position = pose.position
-            pose_orientation = pose.orientation
-            poseUncertainty = self.poseUncertainty
-            poseUncertainty_position = poseUncertainty.position
-            poseUncertainty_orientation = poseUncertainty.orientation
-            size_ = self.size
-            sizeUncertainty = self.sizeUncertainty
-            return pack(
-                self.id,
-                pose_position.x,
-                pose_position.y,
-                pose_position.z,
-                pose_orientation.r,
-                pose_orientation.p,
-                pose_orientation.y,
-                poseUncertainty_position.x,
-                poseUncertainty_position.y,
-                poseUncertainty_position.z,
-                poseUncertainty_orientation.r,
-                poseUncertainty_orientation.p,
-                poseUncertainty_orientation.y,
-                size_.l,
-                size_.w,
-                size_.h,
-                sizeUncertainty.l,
-                sizeUncertainty.w,
-                sizeUncertainty.h,
-            )
-        except FAILURES as failure:
-            raise encoding_error(FiducialInfo, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _FiducialInfo_layout.unpack_little
-                if little_endian
-                else _FiducialInfo_layout.unpack_big
-            )
-            (
-                id,
-                pose_position_x,
-                pose_position_y,
-                pose_position_z,
-                pose_orientation_r,
-                pose_orientation_p,
-                pose_orientation_y,
-                poseUncertainty_position_x,
-                poseUncertainty_position_y,
-                poseUncertainty_position_z,
-                poseUncertainty_orientation_r,
-                poseUncertainty_orientation_p,
-                poseUncertainty_orientation_y,
-                size_l,
-                size_w,
-                size_h,
-                sizeUncertainty_l,
-                sizeUncertainty_w,
-                sizeUncertainty_h,
-            ) = unpack(data)
-            return cls(
-                id,
-                Pose3D(
-                    Point3D(pose_position_x, pose_position_y, pose_position_z),
-                    Orientation3D(
-                        pose_orientation_r,
-                        pose_orientation_p,
-                        pose_orientation_y,
-                    ),
-                ),
-                Pose3D(
-                    Point3D(
-                        poseUncertainty_position_x,
-                        poseUncertainty_position_y,
-                        poseUncertainty_position_z,
-                    ),
-                    Orientation3D(
-                        poseUncertainty_orientation_r,
-                        poseUncertainty_orientation_p,
-                        poseUncertainty_orientation_y,
-                    ),
-                ),
-                Size3D(size_l, size_w, size_h),
-                Size3D(sizeUncertainty_l, sizeUncertainty_w, sizeUncertainty_h),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> FiducialInfo:
-        pose = self.pose
-        pose_position = pose.position
-        pose_orientation = pose.orientation
-        poseUncertainty = self.poseUncertainty
-        poseUncertainty_position = poseUncertainty.position
-        poseUncertainty_orientation = poseUncertainty.orientation
-        size_ = self.size
-        sizeUncertainty = self.sizeUncertainty
-        return FiducialInfo(
-            self.id,
-            Pose3D(
-                Point3D(pose_position.x, pose_position.y, pose_position.z),
-                Orientation3D(
-                    pose_orientation.r,
-                    pose_orientation.p,
-                    pose_orientation.y,
-                ),
-            ),
-            Pose3D(
-                Point3D(
-                    poseUncertainty_position.x,
-                    poseUncertainty_position.y,
-                    poseUncertainty_position.z,
-                ),
-                Orientation3D(
-                    poseUncertainty_orientation.r,
-                    poseUncertainty_orientation.p,
-                    poseUncertainty_orientation.y,
-                ),
-            ),
-            Size3D(size_.l, size_.w, size_.h),
-            Size3D(sizeUncertainty.l, sizeUncertainty.w, sizeUncertainty.h),
-        )
-
 
 FiducialInfoList: TypeAlias = list[FiducialInfo]
 """Detected fiducial marks."""
-_FiducialInfoList_alias = AliasDescriptor(
-    "IDL:RTC/FiducialInfoList:1.0",
-    "RTC::FiducialInfoList",
-    SequenceDescriptor(FiducialInfo._descriptor_),
-)
+_FiducialInfoList_alias = idl.alias("RTC::FiducialInfoList", idl.sequence(FiducialInfo))
 
 
-_FiducialInfoListCodec_layout = Settled("=I")
-_FiducialInfoListCodec_layout_2 = PhasedLayout("I d d d d d d d d d d d d d d d d d d")
-
-
-class FiducialInfoListCodec:
+class FiducialInfoListCodec(AliasCodec[FiducialInfoList]):
     """The codec of `RTC::FiducialInfoList`."""
 
-    _descriptor_ = _FiducialInfoList_alias
-
-    @staticmethod
-    def to_cdr(value: FiducialInfoList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _FiducialInfoListCodec_layout.pack_little
-                if little_endian
-                else _FiducialInfoListCodec_layout.pack_big
-            )
-            pack_2 = (
-                _FiducialInfoListCodec_layout_2.pack_little
-                if little_endian
-                else _FiducialInfoListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            out += pack_1(n_value)
-            for item_value in value:
-                pose = item_value.pose
-                pose_position = pose.position
-                pose_orientation = pose.orientation
-                poseUncertainty = item_value.poseUncertainty
-                poseUncertainty_position = poseUncertainty.position
-                poseUncertainty_orientation = poseUncertainty.orientation
-                size_ = item_value.size
-                sizeUncertainty = item_value.sizeUncertainty
-                out += pack_2[len(out) & 7](
-                    item_value.id,
-                    pose_position.x,
-                    pose_position.y,
-                    pose_position.z,
-                    pose_orientation.r,
-                    pose_orientation.p,
-                    pose_orientation.y,
-                    poseUncertainty_position.x,
-                    poseUncertainty_position.y,
-                    poseUncertainty_position.z,
-                    poseUncertainty_orientation.r,
-                    poseUncertainty_orientation.p,
-                    poseUncertainty_orientation.y,
-                    size_.l,
-                    size_.w,
-                    size_.h,
-                    sizeUncertainty.l,
-                    sizeUncertainty.w,
-                    sizeUncertainty.h,
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(FiducialInfoListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> FiducialInfoList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _FiducialInfoListCodec_layout.read_little
-                if little_endian
-                else _FiducialInfoListCodec_layout.read_big
-            )
-            (read_2,) = (
-                _FiducialInfoListCodec_layout_2.read_little
-                if little_endian
-                else _FiducialInfoListCodec_layout_2.read_big
-            )
-            (n_value,) = read_1(data)
-            offset = 4
-            if n_value * 148 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            value = []
-            for _ in range(n_value):
-                unpack, size = read_2[offset & 7]
-                (
-                    id,
-                    pose_position_x,
-                    pose_position_y,
-                    pose_position_z,
-                    pose_orientation_r,
-                    pose_orientation_p,
-                    pose_orientation_y,
-                    poseUncertainty_position_x,
-                    poseUncertainty_position_y,
-                    poseUncertainty_position_z,
-                    poseUncertainty_orientation_r,
-                    poseUncertainty_orientation_p,
-                    poseUncertainty_orientation_y,
-                    size_l,
-                    size_w,
-                    size_h,
-                    sizeUncertainty_l,
-                    sizeUncertainty_w,
-                    sizeUncertainty_h,
-                ) = unpack(data, offset)
-                offset += size
-                value.append(
-                    FiducialInfo(
-                        id,
-                        Pose3D(
-                            Point3D(pose_position_x, pose_position_y, pose_position_z),
-                            Orientation3D(
-                                pose_orientation_r,
-                                pose_orientation_p,
-                                pose_orientation_y,
-                            ),
-                        ),
-                        Pose3D(
-                            Point3D(
-                                poseUncertainty_position_x,
-                                poseUncertainty_position_y,
-                                poseUncertainty_position_z,
-                            ),
-                            Orientation3D(
-                                poseUncertainty_orientation_r,
-                                poseUncertainty_orientation_p,
-                                poseUncertainty_orientation_y,
-                            ),
-                        ),
-                        Size3D(size_l, size_w, size_h),
-                        Size3D(sizeUncertainty_l, sizeUncertainty_w, sizeUncertainty_h),
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: FiducialInfoList = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                FiducialInfoListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: FiducialInfoList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(FiducialInfoListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> FiducialInfoList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: FiducialInfoList = from_xcdr2(FiducialInfoListCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _FiducialInfoList_alias
 
 
-_Fiducials_layout = Settled("=III")
-_Fiducials_layout_2 = PhasedLayout("I d d d d d d d d d d d d d d d d d d")
-
-
-@dataclass(slots=True)
 class Fiducials(Aggregated):
     """All fiducial marks of one observation."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Fiducials:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Fiducials",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("fiducialsList", _FiducialInfoList_alias),
-        ),
+        tm=Time,
+        fiducialsList=_FiducialInfoList_alias,
     )
 
     tm: Time = field(default_factory=Time)
     fiducialsList: FiducialInfoList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _Fiducials_layout.pack_little
-                if little_endian
-                else _Fiducials_layout.pack_big
-            )
-            pack_2 = (
-                _Fiducials_layout_2.pack_little
-                if little_endian
-                else _Fiducials_layout_2.pack_big
-            )
-            tm = self.tm
-            fiducialsList = self.fiducialsList
-            n_fiducialsList = len(fiducialsList)
-            out += pack_1(tm.sec, tm.nsec, n_fiducialsList)
-            for item_fiducialsList in fiducialsList:
-                fiducialsList_pose = item_fiducialsList.pose
-                fiducialsList_pose_position = fiducialsList_pose.position
-                fiducialsList_pose_orientation = fiducialsList_pose.orientation
-                fiducialsList_poseUncertainty = item_fiducialsList.poseUncertainty
-                fiducialsList_poseUncertainty_po = fiducialsList_poseUncertainty.position  # fmt: skip
-                fiducialsList_poseUncertainty_or = fiducialsList_poseUncertainty.orientation  # fmt: skip
-                fiducialsList_size = item_fiducialsList.size
-                fiducialsList_sizeUncertainty = item_fiducialsList.sizeUncertainty
-                out += pack_2[len(out) & 7](
-                    item_fiducialsList.id,
-                    fiducialsList_pose_position.x,
-                    fiducialsList_pose_position.y,
-                    fiducialsList_pose_position.z,
-                    fiducialsList_pose_orientation.r,
-                    fiducialsList_pose_orientation.p,
-                    fiducialsList_pose_orientation.y,
-                    fiducialsList_poseUncertainty_po.x,
-                    fiducialsList_poseUncertainty_po.y,
-                    fiducialsList_poseUncertainty_po.z,
-                    fiducialsList_poseUncertainty_or.r,
-                    fiducialsList_poseUncertainty_or.p,
-                    fiducialsList_poseUncertainty_or.y,
-                    fiducialsList_size.l,
-                    fiducialsList_size.w,
-                    fiducialsList_size.h,
-                    fiducialsList_sizeUncertainty.l,
-                    fiducialsList_sizeUncertainty.w,
-                    fiducialsList_sizeUncertainty.h,
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(Fiducials, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _Fiducials_layout.read_little
-                if little_endian
-                else _Fiducials_layout.read_big
-            )
-            (read_2,) = (
-                _Fiducials_layout_2.read_little
-                if little_endian
-                else _Fiducials_layout_2.read_big
-            )
-            tm_sec, tm_nsec, n_fiducialsList = read_1(data)
-            offset = 12
-            if n_fiducialsList * 148 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            fiducialsList = []
-            for _ in range(n_fiducialsList):
-                unpack, size = read_2[offset & 7]
-                (
-                    fiducialsList_id,
-                    fiducialsList_pose_position_x,
-                    fiducialsList_pose_position_y,
-                    fiducialsList_pose_position_z,
-                    fiducialsList_pose_orientation_r,
-                    fiducialsList_pose_orientation_p,
-                    fiducialsList_pose_orientation_y,
-                    fiducialsList_poseUncertainty_po,
-                    fiducialsList_poseUncertainty_po_,
-                    fiducialsList_poseUncertainty_po__,
-                    fiducialsList_poseUncertainty_or,
-                    fiducialsList_poseUncertainty_or_,
-                    fiducialsList_poseUncertainty_or__,
-                    fiducialsList_size_l,
-                    fiducialsList_size_w,
-                    fiducialsList_size_h,
-                    fiducialsList_sizeUncertainty_l,
-                    fiducialsList_sizeUncertainty_w,
-                    fiducialsList_sizeUncertainty_h,
-                ) = unpack(data, offset)
-                offset += size
-                fiducialsList.append(
-                    FiducialInfo(
-                        fiducialsList_id,
-                        Pose3D(
-                            Point3D(
-                                fiducialsList_pose_position_x,
-                                fiducialsList_pose_position_y,
-                                fiducialsList_pose_position_z,
-                            ),
-                            Orientation3D(
-                                fiducialsList_pose_orientation_r,
-                                fiducialsList_pose_orientation_p,
-                                fiducialsList_pose_orientation_y,
-                            ),
-                        ),
-                        Pose3D(
-                            Point3D(
-                                fiducialsList_poseUncertainty_po,
-                                fiducialsList_poseUncertainty_po_,
-                                fiducialsList_poseUncertainty_po__,
-                            ),
-                            Orientation3D(
-                                fiducialsList_poseUncertainty_or,
-                                fiducialsList_poseUncertainty_or_,
-                                fiducialsList_poseUncertainty_or__,
-                            ),
-                        ),
-                        Size3D(
-                            fiducialsList_size_l,
-                            fiducialsList_size_w,
-                            fiducialsList_size_h,
-                        ),
-                        Size3D(
-                            fiducialsList_sizeUncertainty_l,
-                            fiducialsList_sizeUncertainty_w,
-                            fiducialsList_sizeUncertainty_h,
-                        ),
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), fiducialsList)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Fiducials:
-        tm = self.tm
-        return Fiducials(
-            Time(tm.sec, tm.nsec),
-            [
-                FiducialInfo(
-                    item.id,
-                    Pose3D(
-                        Point3D(
-                            item.pose.position.x,
-                            item.pose.position.y,
-                            item.pose.position.z,
-                        ),
-                        Orientation3D(
-                            item.pose.orientation.r,
-                            item.pose.orientation.p,
-                            item.pose.orientation.y,
-                        ),
-                    ),
-                    Pose3D(
-                        Point3D(
-                            item.poseUncertainty.position.x,
-                            item.poseUncertainty.position.y,
-                            item.poseUncertainty.position.z,
-                        ),
-                        Orientation3D(
-                            item.poseUncertainty.orientation.r,
-                            item.poseUncertainty.orientation.p,
-                            item.poseUncertainty.orientation.y,
-                        ),
-                    ),
-                    Size3D(item.size.l, item.size.w, item.size.h),
-                    Size3D(
-                        item.sizeUncertainty.l,
-                        item.sizeUncertainty.w,
-                        item.sizeUncertainty.h,
-                    ),
-                )
-                for item in self.fiducialsList
-            ],
-        )
-
-
-_FiducialFOV_layout = Fixed("ddd")
-
-
-@dataclass(slots=True)
 class FiducialFOV(Aggregated):
     """The field in which a sensor sees fiducial marks."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/FiducialFOV:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::FiducialFOV",
-        (
-            MemberDescriptor("minRange", PrimitiveDescriptor("double")),
-            MemberDescriptor("maxRange", PrimitiveDescriptor("double")),
-            MemberDescriptor("viewAngle", PrimitiveDescriptor("double")),
-        ),
+        minRange=idl.DOUBLE,
+        maxRange=idl.DOUBLE,
+        viewAngle=idl.DOUBLE,
     )
 
     minRange: float = 0.0
@@ -2275,50 +398,14 @@ class FiducialFOV(Aggregated):
     viewAngle: float = 0.0
     """Opening angle [rad]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _FiducialFOV_layout.pack_little
-                if little_endian
-                else _FiducialFOV_layout.pack_big
-            )
-            return pack(self.minRange, self.maxRange, self.viewAngle)
-        except FAILURES as failure:
-            raise encoding_error(FiducialFOV, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _FiducialFOV_layout.unpack_little
-                if little_endian
-                else _FiducialFOV_layout.unpack_big
-            )
-            minRange, maxRange, viewAngle = unpack(data)
-            return cls(minRange, maxRange, viewAngle)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> FiducialFOV:
-        return FiducialFOV(self.minRange, self.maxRange, self.viewAngle)
-
-
-_GPSTime_layout = Fixed("II")
-
-
-@dataclass(slots=True)
 class GPSTime(Aggregated):
     """The time that a GPS receiver tells."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/GPSTime:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::GPSTime",
-        (
-            MemberDescriptor("sec", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("msec", PrimitiveDescriptor("unsigned long")),
-        ),
+        sec=idl.UNSIGNED_LONG,
+        msec=idl.UNSIGNED_LONG,
     )
 
     sec: int = 0
@@ -2326,61 +413,24 @@ class GPSTime(Aggregated):
     msec: int = 0
     """Microseconds, despite the name."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _GPSTime_layout.pack_little
-                if little_endian
-                else _GPSTime_layout.pack_big
-            )
-            return pack(self.sec, self.msec)
-        except FAILURES as failure:
-            raise encoding_error(GPSTime, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _GPSTime_layout.unpack_little
-                if little_endian
-                else _GPSTime_layout.unpack_big
-            )
-            sec, msec = unpack(data)
-            return cls(sec, msec)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> GPSTime:
-        return GPSTime(self.sec, self.msec)
-
-
-_GPSFixType_members = members(GPSFixType)
-_GPSData_layout = Fixed("IIIIddddddddHxxI")
-
-
-@dataclass(slots=True)
 class GPSData(Aggregated):
     """One fix of a GPS receiver."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/GPSData:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::GPSData",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("timeFromGPS", GPSTime._descriptor_),
-            MemberDescriptor("latitude", PrimitiveDescriptor("double")),
-            MemberDescriptor("longitude", PrimitiveDescriptor("double")),
-            MemberDescriptor("altitude", PrimitiveDescriptor("double")),
-            MemberDescriptor("horizontalError", PrimitiveDescriptor("double")),
-            MemberDescriptor("verticalError", PrimitiveDescriptor("double")),
-            MemberDescriptor("heading", PrimitiveDescriptor("double")),
-            MemberDescriptor("horizontalSpeed", PrimitiveDescriptor("double")),
-            MemberDescriptor("verticalSpeed", PrimitiveDescriptor("double")),
-            MemberDescriptor("numSatellites", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("fixType", GPSFixType._descriptor_),
-        ),
+        tm=Time,
+        timeFromGPS=GPSTime,
+        latitude=idl.DOUBLE,
+        longitude=idl.DOUBLE,
+        altitude=idl.DOUBLE,
+        horizontalError=idl.DOUBLE,
+        verticalError=idl.DOUBLE,
+        heading=idl.DOUBLE,
+        horizontalSpeed=idl.DOUBLE,
+        verticalSpeed=idl.DOUBLE,
+        numSatellites=idl.UNSIGNED_SHORT,
+        fixType=GPSFixType,
     )
 
     tm: Time = field(default_factory=Time)
@@ -2404,336 +454,45 @@ class GPSData(Aggregated):
     numSatellites: int = 0
     fixType: GPSFixType = GPSFixType.GPS_FIX_NONE
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _GPSData_layout.pack_little
-                if little_endian
-                else _GPSData_layout.pack_big
-            )
-            tm = self.tm
-            timeFromGPS = self.timeFromGPS
-            return pack(
-                tm.sec,
-                tm.nsec,
-                timeFromGPS.sec,
-                timeFromGPS.msec,
-                self.latitude,
-                self.longitude,
-                self.altitude,
-                self.horizontalError,
-                self.verticalError,
-                self.heading,
-                self.horizontalSpeed,
-                self.verticalSpeed,
-                self.numSatellites,
-                _GPSFixType_members[self.fixType],
-            )
-        except FAILURES as failure:
-            raise encoding_error(GPSData, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _GPSData_layout.unpack_little
-                if little_endian
-                else _GPSData_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                timeFromGPS_sec,
-                timeFromGPS_msec,
-                latitude,
-                longitude,
-                altitude,
-                horizontalError,
-                verticalError,
-                heading,
-                horizontalSpeed,
-                verticalSpeed,
-                numSatellites,
-                fixType,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                GPSTime(timeFromGPS_sec, timeFromGPS_msec),
-                latitude,
-                longitude,
-                altitude,
-                horizontalError,
-                verticalError,
-                heading,
-                horizontalSpeed,
-                verticalSpeed,
-                numSatellites,
-                _GPSFixType_members[fixType],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> GPSData:
-        tm = self.tm
-        timeFromGPS = self.timeFromGPS
-        return GPSData(
-            Time(tm.sec, tm.nsec),
-            GPSTime(timeFromGPS.sec, timeFromGPS.msec),
-            self.latitude,
-            self.longitude,
-            self.altitude,
-            self.horizontalError,
-            self.verticalError,
-            self.heading,
-            self.horizontalSpeed,
-            self.verticalSpeed,
-            self.numSatellites,
-            self.fixType,
-        )
-
-
-_GripperStatus_members = members(GripperStatus)
-_GripperState_layout = Fixed("III")
-
-
-@dataclass(slots=True)
 class GripperState(Aggregated):
     """What a gripper is doing."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/GripperState:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::GripperState",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("status", GripperStatus._descriptor_),
-        ),
+        tm=Time,
+        status=GripperStatus,
     )
 
     tm: Time = field(default_factory=Time)
     status: GripperStatus = GripperStatus.GRIPPER_STATE_OPEN
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _GripperState_layout.pack_little
-                if little_endian
-                else _GripperState_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, _GripperStatus_members[self.status])
-        except FAILURES as failure:
-            raise encoding_error(GripperState, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _GripperState_layout.unpack_little
-                if little_endian
-                else _GripperState_layout.unpack_big
-            )
-            tm_sec, tm_nsec, status = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), _GripperStatus_members[status])
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> GripperState:
-        tm = self.tm
-        return GripperState(Time(tm.sec, tm.nsec), self.status)
-
-
-_GripperGeometry_layout = Fixed("dddddddddddddddddd")
-
-
-@dataclass(slots=True)
 class GripperGeometry(Aggregated):
     """The outer and inner size of a gripper."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/GripperGeometry:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::GripperGeometry",
-        (
-            MemberDescriptor("exterior", Geometry3D._descriptor_),
-            MemberDescriptor("interior", Geometry3D._descriptor_),
-        ),
+        exterior=Geometry3D,
+        interior=Geometry3D,
     )
 
     exterior: Geometry3D = field(default_factory=Geometry3D)
     interior: Geometry3D = field(default_factory=Geometry3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _GripperGeometry_layout.pack_little
-                if little_endian
-                else _GripperGeometry_layout.pack_big
-            )
-            exterior = self.exterior
-            exterior_pose = exterior.pose
-            exterior_pose_position = exterior_pose.position
-            exterior_pose_orientation = exterior_pose.orientation
-            exterior_size = exterior.size
-            interior = self.interior
-            interior_pose = interior.pose
-            interior_pose_position = interior_pose.position
-            interior_pose_orientation = interior_pose.orientation
-            interior_size = interior.size
-            return pack(
-                exterior_pose_position.x,
-                exterior_pose_position.y,
-                exterior_pose_position.z,
-                exterior_pose_orientation.r,
-                exterior_pose_orientation.p,
-                exterior_pose_orientation.y,
-                exterior_size.l,
-                exterior_size.w,
-                exterior_size.h,
-                interior_pose_position.x,
-                interior_pose_position.y,
-                interior_pose_position.z,
-                interior_pose_orientation.r,
-                interior_pose_orientation.p,
-                interior_pose_orientation.y,
-                interior_size.l,
-                interior_size.w,
-                interior_size.h,
-            )
-        except FAILURES as failure:
-            raise encoding_error(GripperGeometry, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _GripperGeometry_layout.unpack_little
-                if little_endian
-                else _GripperGeometry_layout.unpack_big
-            )
-            (
-                exterior_pose_position_x,
-                exterior_pose_position_y,
-                exterior_pose_position_z,
-                exterior_pose_orientation_r,
-                exterior_pose_orientation_p,
-                exterior_pose_orientation_y,
-                exterior_size_l,
-                exterior_size_w,
-                exterior_size_h,
-                interior_pose_position_x,
-                interior_pose_position_y,
-                interior_pose_position_z,
-                interior_pose_orientation_r,
-                interior_pose_orientation_p,
-                interior_pose_orientation_y,
-                interior_size_l,
-                interior_size_w,
-                interior_size_h,
-            ) = unpack(data)
-            return cls(
-                Geometry3D(
-                    Pose3D(
-                        Point3D(
-                            exterior_pose_position_x,
-                            exterior_pose_position_y,
-                            exterior_pose_position_z,
-                        ),
-                        Orientation3D(
-                            exterior_pose_orientation_r,
-                            exterior_pose_orientation_p,
-                            exterior_pose_orientation_y,
-                        ),
-                    ),
-                    Size3D(exterior_size_l, exterior_size_w, exterior_size_h),
-                ),
-                Geometry3D(
-                    Pose3D(
-                        Point3D(
-                            interior_pose_position_x,
-                            interior_pose_position_y,
-                            interior_pose_position_z,
-                        ),
-                        Orientation3D(
-                            interior_pose_orientation_r,
-                            interior_pose_orientation_p,
-                            interior_pose_orientation_y,
-                        ),
-                    ),
-                    Size3D(interior_size_l, interior_size_w, interior_size_h),
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> GripperGeometry:
-        exterior = self.exterior
-        exterior_pose = exterior.pose
-        exterior_pose_position = exterior_pose.position
-        exterior_pose_orientation = exterior_pose.orientation
-        exterior_size = exterior.size
-        interior = self.interior
-        interior_pose = interior.pose
-        interior_pose_position = interior_pose.position
-        interior_pose_orientation = interior_pose.orientation
-        interior_size = interior.size
-        return GripperGeometry(
-            Geometry3D(
-                Pose3D(
-                    Point3D(
-                        exterior_pose_position.x,
-                        exterior_pose_position.y,
-                        exterior_pose_position.z,
-                    ),
-                    Orientation3D(
-                        exterior_pose_orientation.r,
-                        exterior_pose_orientation.p,
-                        exterior_pose_orientation.y,
-                    ),
-                ),
-                Size3D(exterior_size.l, exterior_size.w, exterior_size.h),
-            ),
-            Geometry3D(
-                Pose3D(
-                    Point3D(
-                        interior_pose_position.x,
-                        interior_pose_position.y,
-                        interior_pose_position.z,
-                    ),
-                    Orientation3D(
-                        interior_pose_orientation.r,
-                        interior_pose_orientation.p,
-                        interior_pose_orientation.y,
-                    ),
-                ),
-                Size3D(interior_size.l, interior_size.w, interior_size.h),
-            ),
-        )
-
-
-_INSData_layout = Fixed("IIddddddddddddd")
-
-
-@dataclass(slots=True)
 class INSData(Aggregated):
     """One solution of an inertial navigation system."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/INSData:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::INSData",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("latitude", PrimitiveDescriptor("double")),
-            MemberDescriptor("longitude", PrimitiveDescriptor("double")),
-            MemberDescriptor("altitude", PrimitiveDescriptor("double")),
-            MemberDescriptor("heightAMSL", PrimitiveDescriptor("double")),
-            MemberDescriptor("velocityENU", Velocity3D._descriptor_),
-            MemberDescriptor("orientation", Orientation3D._descriptor_),
-        ),
+        tm=Time,
+        latitude=idl.DOUBLE,
+        longitude=idl.DOUBLE,
+        altitude=idl.DOUBLE,
+        heightAMSL=idl.DOUBLE,
+        velocityENU=Velocity3D,
+        orientation=Orientation3D,
     )
 
     tm: Time = field(default_factory=Time)
@@ -2750,1110 +509,110 @@ class INSData(Aggregated):
     orientation: Orientation3D = field(default_factory=Orientation3D)
     """Orientation; yaw 0 looks east."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _INSData_layout.pack_little
-                if little_endian
-                else _INSData_layout.pack_big
-            )
-            tm = self.tm
-            velocityENU = self.velocityENU
-            orientation = self.orientation
-            return pack(
-                tm.sec,
-                tm.nsec,
-                self.latitude,
-                self.longitude,
-                self.altitude,
-                self.heightAMSL,
-                velocityENU.vx,
-                velocityENU.vy,
-                velocityENU.vz,
-                velocityENU.vr,
-                velocityENU.vp,
-                velocityENU.va,
-                orientation.r,
-                orientation.p,
-                orientation.y,
-            )
-        except FAILURES as failure:
-            raise encoding_error(INSData, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _INSData_layout.unpack_little
-                if little_endian
-                else _INSData_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                latitude,
-                longitude,
-                altitude,
-                heightAMSL,
-                velocityENU_vx,
-                velocityENU_vy,
-                velocityENU_vz,
-                velocityENU_vr,
-                velocityENU_vp,
-                velocityENU_va,
-                orientation_r,
-                orientation_p,
-                orientation_y,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                latitude,
-                longitude,
-                altitude,
-                heightAMSL,
-                Velocity3D(
-                    velocityENU_vx,
-                    velocityENU_vy,
-                    velocityENU_vz,
-                    velocityENU_vr,
-                    velocityENU_vp,
-                    velocityENU_va,
-                ),
-                Orientation3D(orientation_r, orientation_p, orientation_y),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> INSData:
-        tm = self.tm
-        velocityENU = self.velocityENU
-        orientation = self.orientation
-        return INSData(
-            Time(tm.sec, tm.nsec),
-            self.latitude,
-            self.longitude,
-            self.altitude,
-            self.heightAMSL,
-            Velocity3D(
-                velocityENU.vx,
-                velocityENU.vy,
-                velocityENU.vz,
-                velocityENU.vr,
-                velocityENU.vp,
-                velocityENU.va,
-            ),
-            Orientation3D(orientation.r, orientation.p, orientation.y),
-        )
-
-
-_LimbStatus_members = members(LimbStatus)
-_LimbState_layout = Fixed("IIdddddddddI")
-
-
-@dataclass(slots=True)
 class LimbState(Aggregated):
     """Where the end of a limb is, and what the limb is doing."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/LimbState:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::LimbState",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("oapMatrix", OAP._descriptor_),
-            MemberDescriptor("status", LimbStatus._descriptor_),
-        ),
+        tm=Time,
+        oapMatrix=OAP,
+        status=LimbStatus,
     )
 
     tm: Time = field(default_factory=Time)
     oapMatrix: OAP = field(default_factory=OAP)
     status: LimbStatus = LimbStatus.LIMB_STATUS_IDLE
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _LimbState_layout.pack_little
-                if little_endian
-                else _LimbState_layout.pack_big
-            )
-            tm = self.tm
-            oapMatrix = self.oapMatrix
-            oapMatrix_orientation = oapMatrix.orientation
-            oapMatrix_approach = oapMatrix.approach
-            oapMatrix_position = oapMatrix.position
-            return pack(
-                tm.sec,
-                tm.nsec,
-                oapMatrix_orientation.x,
-                oapMatrix_orientation.y,
-                oapMatrix_orientation.z,
-                oapMatrix_approach.x,
-                oapMatrix_approach.y,
-                oapMatrix_approach.z,
-                oapMatrix_position.x,
-                oapMatrix_position.y,
-                oapMatrix_position.z,
-                _LimbStatus_members[self.status],
-            )
-        except FAILURES as failure:
-            raise encoding_error(LimbState, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _LimbState_layout.unpack_little
-                if little_endian
-                else _LimbState_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                oapMatrix_orientation_x,
-                oapMatrix_orientation_y,
-                oapMatrix_orientation_z,
-                oapMatrix_approach_x,
-                oapMatrix_approach_y,
-                oapMatrix_approach_z,
-                oapMatrix_position_x,
-                oapMatrix_position_y,
-                oapMatrix_position_z,
-                status,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                OAP(
-                    Vector3D(
-                        oapMatrix_orientation_x,
-                        oapMatrix_orientation_y,
-                        oapMatrix_orientation_z,
-                    ),
-                    Vector3D(
-                        oapMatrix_approach_x,
-                        oapMatrix_approach_y,
-                        oapMatrix_approach_z,
-                    ),
-                    Vector3D(
-                        oapMatrix_position_x,
-                        oapMatrix_position_y,
-                        oapMatrix_position_z,
-                    ),
-                ),
-                _LimbStatus_members[status],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> LimbState:
-        tm = self.tm
-        oapMatrix = self.oapMatrix
-        oapMatrix_orientation = oapMatrix.orientation
-        oapMatrix_approach = oapMatrix.approach
-        oapMatrix_position = oapMatrix.position
-        return LimbState(
-            Time(tm.sec, tm.nsec),
-            OAP(
-                Vector3D(
-                    oapMatrix_orientation.x,
-                    oapMatrix_orientation.y,
-                    oapMatrix_orientation.z,
-                ),
-                Vector3D(
-                    oapMatrix_approach.x,
-                    oapMatrix_approach.y,
-                    oapMatrix_approach.z,
-                ),
-                Vector3D(
-                    oapMatrix_position.x,
-                    oapMatrix_position.y,
-                    oapMatrix_position.z,
-                ),
-            ),
-            self.status,
-        )
-
-
-_Hypothesis2D_layout = Fixed("dddddddddd")
-
-
-@dataclass(slots=True)
 class Hypothesis2D(Aggregated):
     """One guess at a planar pose."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Hypothesis2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Hypothesis2D",
-        (
-            MemberDescriptor("mean", Pose2D._descriptor_),
-            MemberDescriptor("covariance", Covariance2D._descriptor_),
-            MemberDescriptor("weight", PrimitiveDescriptor("double")),
-        ),
+        mean=Pose2D,
+        covariance=Covariance2D,
+        weight=idl.DOUBLE,
     )
 
     mean: Pose2D = field(default_factory=Pose2D)
     covariance: Covariance2D = field(default_factory=Covariance2D)
     weight: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Hypothesis2D_layout.pack_little
-                if little_endian
-                else _Hypothesis2D_layout.pack_big
-            )
-            mean = self.mean
-            mean_position = mean.position
-            covariance = self.covariance
-            return pack(
-                mean_position.x,
-                mean_position.y,
-                mean.heading,
-                covariance.xx,
-                covariance.xy,
-                covariance.xt,
-                covariance.yy,
-                covariance.yt,
-                covariance.tt,
-                self.weight,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Hypothesis2D, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Hypothesis2D_layout.unpack_little
-                if little_endian
-                else _Hypothesis2D_layout.unpack_big
-            )
-            (
-                mean_position_x,
-                mean_position_y,
-                mean_heading,
-                covariance_xx,
-                covariance_xy,
-                covariance_xt,
-                covariance_yy,
-                covariance_yt,
-                covariance_tt,
-                weight,
-            ) = unpack(data)
-            return cls(
-                Pose2D(Point2D(mean_position_x, mean_position_y), mean_heading),
-                Covariance2D(
-                    covariance_xx,
-                    covariance_xy,
-                    covariance_xt,
-                    covariance_yy,
-                    covariance_yt,
-                    covariance_tt,
-                ),
-                weight,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Hypothesis2D:
-        mean = self.mean
-        mean_position = mean.position
-        covariance = self.covariance
-        return Hypothesis2D(
-            Pose2D(Point2D(mean_position.x, mean_position.y), mean.heading),
-            Covariance2D(
-                covariance.xx,
-                covariance.xy,
-                covariance.xt,
-                covariance.yy,
-                covariance.yt,
-                covariance.tt,
-            ),
-            self.weight,
-        )
-
 
 Hypothesis2DList: TypeAlias = list[Hypothesis2D]
 """Guesses at a planar pose."""
-_Hypothesis2DList_alias = AliasDescriptor(
-    "IDL:RTC/Hypothesis2DList:1.0",
-    "RTC::Hypothesis2DList",
-    SequenceDescriptor(Hypothesis2D._descriptor_),
-)
+_Hypothesis2DList_alias = idl.alias("RTC::Hypothesis2DList", idl.sequence(Hypothesis2D))
 
 
-_Hypothesis2DListCodec_layout = Fixed("dddddddddd")
-_Hypothesis2DListCodec_layout_2 = Layout("=I", "@4 *80s/8")
-
-
-class Hypothesis2DListCodec:
+class Hypothesis2DListCodec(AliasCodec[Hypothesis2DList]):
     """The codec of `RTC::Hypothesis2DList`."""
 
-    _descriptor_ = _Hypothesis2DList_alias
-
-    @staticmethod
-    def to_cdr(value: Hypothesis2DList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _Hypothesis2DListCodec_layout.pack_little
-                if little_endian
-                else _Hypothesis2DListCodec_layout.pack_big
-            )
-            pack = (
-                _Hypothesis2DListCodec_layout_2.pack_little
-                if little_endian
-                else _Hypothesis2DListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join(
-                [
-                    pack_1(
-                        item.mean.position.x,
-                        item.mean.position.y,
-                        item.mean.heading,
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.xt,
-                        item.covariance.yy,
-                        item.covariance.yt,
-                        item.covariance.tt,
-                        item.weight,
-                    )
-                    for item in value
-                ],
-            )
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(Hypothesis2DListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> Hypothesis2DList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Hypothesis2DListCodec_layout_2.read_little
-                if little_endian
-                else _Hypothesis2DListCodec_layout_2.read_big
-            )
-            records_1 = (
-                _Hypothesis2DListCodec_layout.records_little
-                if little_endian
-                else _Hypothesis2DListCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: Hypothesis2DList = [
-                Hypothesis2D(
-                    Pose2D(Point2D(mean_position_x, mean_position_y), mean_heading),
-                    Covariance2D(
-                        covariance_xx,
-                        covariance_xy,
-                        covariance_xt,
-                        covariance_yy,
-                        covariance_yt,
-                        covariance_tt,
-                    ),
-                    weight,
-                )
-                for mean_position_x, mean_position_y, mean_heading, covariance_xx, covariance_xy, covariance_xt, covariance_yy, covariance_yt, covariance_tt, weight in records_1(
-                    value,
-                )
-            ]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                Hypothesis2DListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: Hypothesis2DList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(Hypothesis2DListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Hypothesis2DList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Hypothesis2DList = from_xcdr2(Hypothesis2DListCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _Hypothesis2DList_alias
 
 
-_Hypotheses2D_layout = Fixed("dddddddddd")
-_Hypotheses2D_layout_2 = Layout("=III", "@4 *80s/8")
-
-
-@dataclass(slots=True)
 class Hypotheses2D(Aggregated):
     """All guesses at a planar pose."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Hypotheses2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Hypotheses2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("hypotheses", _Hypothesis2DList_alias),
-        ),
+        tm=Time,
+        hypotheses=_Hypothesis2DList_alias,
     )
 
     tm: Time = field(default_factory=Time)
     hypotheses: Hypothesis2DList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _Hypotheses2D_layout.pack_little
-                if little_endian
-                else _Hypotheses2D_layout.pack_big
-            )
-            pack = (
-                _Hypotheses2D_layout_2.pack_little
-                if little_endian
-                else _Hypotheses2D_layout_2.pack_big
-            )
-            tm = self.tm
-            hypotheses = self.hypotheses
-            n_hypotheses = len(hypotheses)
-            octets_hypotheses = b"".join(
-                [
-                    pack_1(
-                        item.mean.position.x,
-                        item.mean.position.y,
-                        item.mean.heading,
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.xt,
-                        item.covariance.yy,
-                        item.covariance.yt,
-                        item.covariance.tt,
-                        item.weight,
-                    )
-                    for item in hypotheses
-                ],
-            )
-            return pack[n_hypotheses](tm.sec, tm.nsec, n_hypotheses, octets_hypotheses)
-        except FAILURES as failure:
-            raise encoding_error(Hypotheses2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Hypotheses2D_layout_2.read_little
-                if little_endian
-                else _Hypotheses2D_layout_2.read_big
-            )
-            records_1 = (
-                _Hypotheses2D_layout.records_little
-                if little_endian
-                else _Hypotheses2D_layout.records_big
-            )
-            tm_sec, tm_nsec, n_hypotheses = read_1(data)
-            unpack, size = read_2[n_hypotheses]
-            (hypotheses,) = unpack(data, 12)
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                [
-                    Hypothesis2D(
-                        Pose2D(Point2D(mean_position_x, mean_position_y), mean_heading),
-                        Covariance2D(
-                            covariance_xx,
-                            covariance_xy,
-                            covariance_xt,
-                            covariance_yy,
-                            covariance_yt,
-                            covariance_tt,
-                        ),
-                        weight,
-                    )
-                    for mean_position_x, mean_position_y, mean_heading, covariance_xx, covariance_xy, covariance_xt, covariance_yy, covariance_yt, covariance_tt, weight in records_1(
-                        hypotheses,
-                    )
-                ],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Hypotheses2D:
-        tm = self.tm
-        return Hypotheses2D(
-            Time(tm.sec, tm.nsec),
-            [
-                Hypothesis2D(
-                    Pose2D(
-                        Point2D(item.mean.position.x, item.mean.position.y),
-                        item.mean.heading,
-                    ),
-                    Covariance2D(
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.xt,
-                        item.covariance.yy,
-                        item.covariance.yt,
-                        item.covariance.tt,
-                    ),
-                    item.weight,
-                )
-                for item in self.hypotheses
-            ],
-        )
-
-
-_Hypothesis3D_layout = Fixed("dddddddddddddddddddddddddddd")
-
-
-@dataclass(slots=True)
 class Hypothesis3D(Aggregated):
     """One guess at a pose in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Hypothesis3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Hypothesis3D",
-        (
-            MemberDescriptor("mean", Pose3D._descriptor_),
-            MemberDescriptor("covariance", Covariance3D._descriptor_),
-            MemberDescriptor("weight", PrimitiveDescriptor("double")),
-        ),
+        mean=Pose3D,
+        covariance=Covariance3D,
+        weight=idl.DOUBLE,
     )
 
     mean: Pose3D = field(default_factory=Pose3D)
     covariance: Covariance3D = field(default_factory=Covariance3D)
     weight: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Hypothesis3D_layout.pack_little
-                if little_endian
-                else _Hypothesis3D_layout.pack_big
-            )
-            mean = self.mean
-            mean_position = mean.position
-            mean_orientation = mean.orientation
-            covariance = self.covariance
-            return pack(
-                mean_position.x,
-                mean_position.y,
-                mean_position.z,
-                mean_orientation.r,
-                mean_orientation.p,
-                mean_orientation.y,
-                covariance.xx,
-                covariance.xy,
-                covariance.xz,
-                covariance.xr,
-                covariance.xp,
-                covariance.xa,
-                covariance.yy,
-                covariance.yz,
-                covariance.yr,
-                covariance.yp,
-                covariance.ya,
-                covariance.zz,
-                covariance.zr,
-                covariance.zp,
-                covariance.za,
-                covariance.rr,
-                covariance.rp,
-                covariance.ra,
-                covariance.pp,
-                covariance.pa,
-                covariance.aa,
-                self.weight,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Hypothesis3D, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Hypothesis3D_layout.unpack_little
-                if little_endian
-                else _Hypothesis3D_layout.unpack_big
-            )
-            (
-                mean_position_x,
-                mean_position_y,
-                mean_position_z,
-                mean_orientation_r,
-                mean_orientation_p,
-                mean_orientation_y,
-                covariance_xx,
-                covariance_xy,
-                covariance_xz,
-                covariance_xr,
-                covariance_xp,
-                covariance_xa,
-                covariance_yy,
-                covariance_yz,
-                covariance_yr,
-                covariance_yp,
-                covariance_ya,
-                covariance_zz,
-                covariance_zr,
-                covariance_zp,
-                covariance_za,
-                covariance_rr,
-                covariance_rp,
-                covariance_ra,
-                covariance_pp,
-                covariance_pa,
-                covariance_aa,
-                weight,
-            ) = unpack(data)
-            return cls(
-                Pose3D(
-                    Point3D(mean_position_x, mean_position_y, mean_position_z),
-                    Orientation3D(
-                        mean_orientation_r,
-                        mean_orientation_p,
-                        mean_orientation_y,
-                    ),
-                ),
-                Covariance3D(
-                    covariance_xx,
-                    covariance_xy,
-                    covariance_xz,
-                    covariance_xr,
-                    covariance_xp,
-                    covariance_xa,
-                    covariance_yy,
-                    covariance_yz,
-                    covariance_yr,
-                    covariance_yp,
-                    covariance_ya,
-                    covariance_zz,
-                    covariance_zr,
-                    covariance_zp,
-                    covariance_za,
-                    covariance_rr,
-                    covariance_rp,
-                    covariance_ra,
-                    covariance_pp,
-                    covariance_pa,
-                    covariance_aa,
-                ),
-                weight,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Hypothesis3D:
-        mean = self.mean
-        mean_position = mean.position
-        mean_orientation = mean.orientation
-        covariance = self.covariance
-        return Hypothesis3D(
-            Pose3D(
-                Point3D(mean_position.x, mean_position.y, mean_position.z),
-                Orientation3D(
-                    mean_orientation.r,
-                    mean_orientation.p,
-                    mean_orientation.y,
-                ),
-            ),
-            Covariance3D(
-                covariance.xx,
-                covariance.xy,
-                covariance.xz,
-                covariance.xr,
-                covariance.xp,
-                covariance.xa,
-                covariance.yy,
-                covariance.yz,
-                covariance.yr,
-                covariance.yp,
-                covariance.ya,
-                covariance.zz,
-                covariance.zr,
-                covariance.zp,
-                covariance.za,
-                covariance.rr,
-                covariance.rp,
-                covariance.ra,
-                covariance.pp,
-                covariance.pa,
-                covariance.aa,
-            ),
-            self.weight,
-        )
-
 
 Hypothesis3DList: TypeAlias = list[Hypothesis3D]
 """Guesses at a pose in space."""
-_Hypothesis3DList_alias = AliasDescriptor(
-    "IDL:RTC/Hypothesis3DList:1.0",
-    "RTC::Hypothesis3DList",
-    SequenceDescriptor(Hypothesis3D._descriptor_),
-)
+_Hypothesis3DList_alias = idl.alias("RTC::Hypothesis3DList", idl.sequence(Hypothesis3D))
 
 
-_Hypothesis3DListCodec_layout = Fixed("dddddddddddddddddddddddddddd")
-_Hypothesis3DListCodec_layout_2 = Layout("=I", "@4 *224s/8")
-
-
-class Hypothesis3DListCodec:
+class Hypothesis3DListCodec(AliasCodec[Hypothesis3DList]):
     """The codec of `RTC::Hypothesis3DList`."""
 
-    _descriptor_ = _Hypothesis3DList_alias
-
-    @staticmethod
-    def to_cdr(value: Hypothesis3DList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _Hypothesis3DListCodec_layout.pack_little
-                if little_endian
-                else _Hypothesis3DListCodec_layout.pack_big
-            )
-            pack = (
-                _Hypothesis3DListCodec_layout_2.pack_little
-                if little_endian
-                else _Hypothesis3DListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join(
-                [
-                    pack_1(
-                        item.mean.position.x,
-                        item.mean.position.y,
-                        item.mean.position.z,
-                        item.mean.orientation.r,
-                        item.mean.orientation.p,
-                        item.mean.orientation.y,
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.xz,
-                        item.covariance.xr,
-                        item.covariance.xp,
-                        item.covariance.xa,
-                        item.covariance.yy,
-                        item.covariance.yz,
-                        item.covariance.yr,
-                        item.covariance.yp,
-                        item.covariance.ya,
-                        item.covariance.zz,
-                        item.covariance.zr,
-                        item.covariance.zp,
-                        item.covariance.za,
-                        item.covariance.rr,
-                        item.covariance.rp,
-                        item.covariance.ra,
-                        item.covariance.pp,
-                        item.covariance.pa,
-                        item.covariance.aa,
-                        item.weight,
-                    )
-                    for item in value
-                ],
-            )
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(Hypothesis3DListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> Hypothesis3DList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Hypothesis3DListCodec_layout_2.read_little
-                if little_endian
-                else _Hypothesis3DListCodec_layout_2.read_big
-            )
-            records_1 = (
-                _Hypothesis3DListCodec_layout.records_little
-                if little_endian
-                else _Hypothesis3DListCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: Hypothesis3DList = [
-                Hypothesis3D(
-                    Pose3D(
-                        Point3D(mean_position_x, mean_position_y, mean_position_z),
-                        Orientation3D(
-                            mean_orientation_r,
-                            mean_orientation_p,
-                            mean_orientation_y,
-                        ),
-                    ),
-                    Covariance3D(
-                        covariance_xx,
-                        covariance_xy,
-                        covariance_xz,
-                        covariance_xr,
-                        covariance_xp,
-                        covariance_xa,
-                        covariance_yy,
-                        covariance_yz,
-                        covariance_yr,
-                        covariance_yp,
-                        covariance_ya,
-                        covariance_zz,
-                        covariance_zr,
-                        covariance_zp,
-                        covariance_za,
-                        covariance_rr,
-                        covariance_rp,
-                        covariance_ra,
-                        covariance_pp,
-                        covariance_pa,
-                        covariance_aa,
-                    ),
-                    weight,
-                )
-                for mean_position_x, mean_position_y, mean_position_z, mean_orientation_r, mean_orientation_p, mean_orientation_y, covariance_xx, covariance_xy, covariance_xz, covariance_xr, covariance_xp, covariance_xa, covariance_yy, covariance_yz, covariance_yr, covariance_yp, covariance_ya, covariance_zz, covariance_zr, covariance_zp, covariance_za, covariance_rr, covariance_rp, covariance_ra, covariance_pp, covariance_pa, covariance_aa, weight in records_1(
-                    value,
-                )
-            ]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                Hypothesis3DListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: Hypothesis3DList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(Hypothesis3DListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Hypothesis3DList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Hypothesis3DList = from_xcdr2(Hypothesis3DListCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _Hypothesis3DList_alias
 
 
-_Hypotheses3D_layout = Fixed("dddddddddddddddddddddddddddd")
-_Hypotheses3D_layout_2 = Layout("=III", "@4 *224s/8")
-
-
-@dataclass(slots=True)
 class Hypotheses3D(Aggregated):
     """All guesses at a pose in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Hypotheses3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Hypotheses3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("hypotheses", _Hypothesis3DList_alias),
-        ),
+        tm=Time,
+        hypotheses=_Hypothesis3DList_alias,
     )
 
     tm: Time = field(default_factory=Time)
     hypotheses: Hypothesis3DList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _Hypotheses3D_layout.pack_little
-                if little_endian
-                else _Hypotheses3D_layout.pack_big
-            )
-            pack = (
-                _Hypotheses3D_layout_2.pack_little
-                if little_endian
-                else _Hypotheses3D_layout_2.pack_big
-            )
-            tm = self.tm
-            hypotheses = self.hypotheses
-            n_hypotheses = len(hypotheses)
-            octets_hypotheses = b"".join(
-                [
-                    pack_1(
-                        item.mean.position.x,
-                        item.mean.position.y,
-                        item.mean.position.z,
-                        item.mean.orientation.r,
-                        item.mean.orientation.p,
-                        item.mean.orientation.y,
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.xz,
-                        item.covariance.xr,
-                        item.covariance.xp,
-                        item.covariance.xa,
-                        item.covariance.yy,
-                        item.covariance.yz,
-                        item.covariance.yr,
-                        item.covariance.yp,
-                        item.covariance.ya,
-                        item.covariance.zz,
-                        item.covariance.zr,
-                        item.covariance.zp,
-                        item.covariance.za,
-                        item.covariance.rr,
-                        item.covariance.rp,
-                        item.covariance.ra,
-                        item.covariance.pp,
-                        item.covariance.pa,
-                        item.covariance.aa,
-                        item.weight,
-                    )
-                    for item in hypotheses
-                ],
-            )
-            return pack[n_hypotheses](tm.sec, tm.nsec, n_hypotheses, octets_hypotheses)
-        except FAILURES as failure:
-            raise encoding_error(Hypotheses3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Hypotheses3D_layout_2.read_little
-                if little_endian
-                else _Hypotheses3D_layout_2.read_big
-            )
-            records_1 = (
-                _Hypotheses3D_layout.records_little
-                if little_endian
-                else _Hypotheses3D_layout.records_big
-            )
-            tm_sec, tm_nsec, n_hypotheses = read_1(data)
-            unpack, size = read_2[n_hypotheses]
-            (hypotheses,) = unpack(data, 12)
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                [
-                    Hypothesis3D(
-                        Pose3D(
-                            Point3D(mean_position_x, mean_position_y, mean_position_z),
-                            Orientation3D(
-                                mean_orientation_r,
-                                mean_orientation_p,
-                                mean_orientation_y,
-                            ),
-                        ),
-                        Covariance3D(
-                            covariance_xx,
-                            covariance_xy,
-                            covariance_xz,
-                            covariance_xr,
-                            covariance_xp,
-                            covariance_xa,
-                            covariance_yy,
-                            covariance_yz,
-                            covariance_yr,
-                            covariance_yp,
-                            covariance_ya,
-                            covariance_zz,
-                            covariance_zr,
-                            covariance_zp,
-                            covariance_za,
-                            covariance_rr,
-                            covariance_rp,
-                            covariance_ra,
-                            covariance_pp,
-                            covariance_pa,
-                            covariance_aa,
-                        ),
-                        weight,
-                    )
-                    for mean_position_x, mean_position_y, mean_position_z, mean_orientation_r, mean_orientation_p, mean_orientation_y, covariance_xx, covariance_xy, covariance_xz, covariance_xr, covariance_xp, covariance_xa, covariance_yy, covariance_yz, covariance_yr, covariance_yp, covariance_ya, covariance_zz, covariance_zr, covariance_zp, covariance_za, covariance_rr, covariance_rp, covariance_ra, covariance_pp, covariance_pa, covariance_aa, weight in records_1(
-                        hypotheses,
-                    )
-                ],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Hypotheses3D:
-        tm = self.tm
-        return Hypotheses3D(
-            Time(tm.sec, tm.nsec),
-            [
-                Hypothesis3D(
-                    Pose3D(
-                        Point3D(
-                            item.mean.position.x,
-                            item.mean.position.y,
-                            item.mean.position.z,
-                        ),
-                        Orientation3D(
-                            item.mean.orientation.r,
-                            item.mean.orientation.p,
-                            item.mean.orientation.y,
-                        ),
-                    ),
-                    Covariance3D(
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.xz,
-                        item.covariance.xr,
-                        item.covariance.xp,
-                        item.covariance.xa,
-                        item.covariance.yy,
-                        item.covariance.yz,
-                        item.covariance.yr,
-                        item.covariance.yp,
-                        item.covariance.ya,
-                        item.covariance.zz,
-                        item.covariance.zr,
-                        item.covariance.zp,
-                        item.covariance.za,
-                        item.covariance.rr,
-                        item.covariance.rp,
-                        item.covariance.ra,
-                        item.covariance.pp,
-                        item.covariance.pa,
-                        item.covariance.aa,
-                    ),
-                    item.weight,
-                )
-                for item in self.hypotheses
-            ],
-        )
-
-
-_OGMapConfig_layout = Fixed("ddIIddd")
-
-
-@dataclass(slots=True)
 class OGMapConfig(Aggregated):
     """Scale, size and place of an occupancy grid map."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/OGMapConfig:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::OGMapConfig",
-        (
-            MemberDescriptor("xScale", PrimitiveDescriptor("double")),
-            MemberDescriptor("yScale", PrimitiveDescriptor("double")),
-            MemberDescriptor("width", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("height", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("origin", Pose2D._descriptor_),
-        ),
+        xScale=idl.DOUBLE,
+        yScale=idl.DOUBLE,
+        width=idl.UNSIGNED_LONG,
+        height=idl.UNSIGNED_LONG,
+        origin=Pose2D,
     )
 
     xScale: float = 0.0
@@ -3867,153 +626,28 @@ class OGMapConfig(Aggregated):
     origin: Pose2D = field(default_factory=Pose2D)
     """Pose of cell (0, 0)."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _OGMapConfig_layout.pack_little
-                if little_endian
-                else _OGMapConfig_layout.pack_big
-            )
-            origin = self.origin
-            origin_position = origin.position
-            return pack(
-                self.xScale,
-                self.yScale,
-                self.width,
-                self.height,
-                origin_position.x,
-                origin_position.y,
-                origin.heading,
-            )
-        except FAILURES as failure:
-            raise encoding_error(OGMapConfig, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _OGMapConfig_layout.unpack_little
-                if little_endian
-                else _OGMapConfig_layout.unpack_big
-            )
-            (
-                xScale,
-                yScale,
-                width,
-                height,
-                origin_position_x,
-                origin_position_y,
-                origin_heading,
-            ) = unpack(data)
-            return cls(
-                xScale,
-                yScale,
-                width,
-                height,
-                Pose2D(Point2D(origin_position_x, origin_position_y), origin_heading),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> OGMapConfig:
-        origin = self.origin
-        origin_position = origin.position
-        return OGMapConfig(
-            self.xScale,
-            self.yScale,
-            self.width,
-            self.height,
-            Pose2D(Point2D(origin_position.x, origin_position.y), origin.heading),
-        )
-
 
 OGMapCells: TypeAlias = bytes
 """Cells of an occupancy grid map."""
-_OGMapCells_alias = AliasDescriptor(
-    "IDL:RTC/OGMapCells:1.0",
-    "RTC::OGMapCells",
-    SequenceDescriptor(PrimitiveDescriptor("octet")),
-)
+_OGMapCells_alias = idl.alias("RTC::OGMapCells", idl.sequence(idl.OCTET))
 
 
-_OGMapCellsCodec_layout = Layout("=I", "@4 *s")
-
-
-class OGMapCellsCodec:
+class OGMapCellsCodec(AliasCodec[OGMapCells]):
     """The codec of `RTC::OGMapCells`."""
 
-    _descriptor_ = _OGMapCells_alias
-
-    @staticmethod
-    def to_cdr(value: OGMapCells, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _OGMapCellsCodec_layout.pack_little
-                if little_endian
-                else _OGMapCellsCodec_layout.pack_big
-            )
-            n_value = len(value)
-            return pack[n_value](n_value, value)
-        except FAILURES as failure:
-            raise encoding_error(OGMapCellsCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> OGMapCells:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _OGMapCellsCodec_layout.read_little
-                if little_endian
-                else _OGMapCellsCodec_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: OGMapCells = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                OGMapCellsCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: OGMapCells, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(OGMapCellsCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> OGMapCells:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: OGMapCells = from_xcdr2(OGMapCellsCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _OGMapCells_alias
 
 
-_OGMapTile_layout = Layout("=IIIII", "@4 *s")
-
-
-@dataclass(slots=True)
 class OGMapTile(Aggregated):
     """A rectangular part of an occupancy grid map."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/OGMapTile:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::OGMapTile",
-        (
-            MemberDescriptor("column", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("row", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("width", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("height", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("cells", _OGMapCells_alias),
-        ),
+        column=idl.UNSIGNED_LONG,
+        row=idl.UNSIGNED_LONG,
+        width=idl.UNSIGNED_LONG,
+        height=idl.UNSIGNED_LONG,
+        cells=_OGMapCells_alias,
     )
 
     column: int = 0
@@ -4027,251 +661,50 @@ class OGMapTile(Aggregated):
     cells: OGMapCells = b""
     """The cells, row by row."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _OGMapTile_layout.pack_little
-                if little_endian
-                else _OGMapTile_layout.pack_big
-            )
-            cells = self.cells
-            n_cells = len(cells)
-            return pack[n_cells](
-                self.column,
-                self.row,
-                self.width,
-                self.height,
-                n_cells,
-                cells,
-            )
-        except FAILURES as failure:
-            raise encoding_error(OGMapTile, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _OGMapTile_layout.read_little
-                if little_endian
-                else _OGMapTile_layout.read_big
-            )
-            column, row, width, height, n_cells = read_1(data)
-            unpack, size = read_2[n_cells]
-            (cells,) = unpack(data, 20)
-            offset = 20 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(column, row, width, height, cells)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> OGMapTile:
-        return OGMapTile(self.column, self.row, self.width, self.height, self.cells)
-
-
-_PointFeature_layout = Fixed("dddddd")
-
-
-@dataclass(slots=True)
 class PointFeature(Aggregated):
     """A point-like feature of the surroundings."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/PointFeature:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::PointFeature",
-        (
-            MemberDescriptor("probability", PrimitiveDescriptor("double")),
-            MemberDescriptor("position", Point2D._descriptor_),
-            MemberDescriptor("covariance", PointCovariance2D._descriptor_),
-        ),
+        probability=idl.DOUBLE,
+        position=Point2D,
+        covariance=PointCovariance2D,
     )
 
     probability: float = 0.0
     position: Point2D = field(default_factory=Point2D)
     covariance: PointCovariance2D = field(default_factory=PointCovariance2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _PointFeature_layout.pack_little
-                if little_endian
-                else _PointFeature_layout.pack_big
-            )
-            position = self.position
-            covariance = self.covariance
-            return pack(
-                self.probability,
-                position.x,
-                position.y,
-                covariance.xx,
-                covariance.xy,
-                covariance.yy,
-            )
-        except FAILURES as failure:
-            raise encoding_error(PointFeature, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _PointFeature_layout.unpack_little
-                if little_endian
-                else _PointFeature_layout.unpack_big
-            )
-            (
-                probability,
-                position_x,
-                position_y,
-                covariance_xx,
-                covariance_xy,
-                covariance_yy,
-            ) = unpack(data)
-            return cls(
-                probability,
-                Point2D(position_x, position_y),
-                PointCovariance2D(covariance_xx, covariance_xy, covariance_yy),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> PointFeature:
-        position = self.position
-        covariance = self.covariance
-        return PointFeature(
-            self.probability,
-            Point2D(position.x, position.y),
-            PointCovariance2D(covariance.xx, covariance.xy, covariance.yy),
-        )
-
-
-_PoseFeature_layout = Fixed("dddddddddd")
-
-
-@dataclass(slots=True)
 class PoseFeature(Aggregated):
     """A feature of the surroundings that has a direction."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/PoseFeature:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::PoseFeature",
-        (
-            MemberDescriptor("probability", PrimitiveDescriptor("double")),
-            MemberDescriptor("position", Pose2D._descriptor_),
-            MemberDescriptor("covariance", Covariance2D._descriptor_),
-        ),
+        probability=idl.DOUBLE,
+        position=Pose2D,
+        covariance=Covariance2D,
     )
 
     probability: float = 0.0
     position: Pose2D = field(default_factory=Pose2D)
     covariance: Covariance2D = field(default_factory=Covariance2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _PoseFeature_layout.pack_little
-                if little_endian
-                else _PoseFeature_layout.pack_big
-            )
-            position = self.position
-            position_position = position.position
-            covariance = self.covariance
-            return pack(
-                self.probability,
-                position_position.x,
-                position_position.y,
-                position.heading,
-                covariance.xx,
-                covariance.xy,
-                covariance.xt,
-                covariance.yy,
-                covariance.yt,
-                covariance.tt,
-            )
-        except FAILURES as failure:
-            raise encoding_error(PoseFeature, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _PoseFeature_layout.unpack_little
-                if little_endian
-                else _PoseFeature_layout.unpack_big
-            )
-            (
-                probability,
-                position_position_x,
-                position_position_y,
-                position_heading,
-                covariance_xx,
-                covariance_xy,
-                covariance_xt,
-                covariance_yy,
-                covariance_yt,
-                covariance_tt,
-            ) = unpack(data)
-            return cls(
-                probability,
-                Pose2D(
-                    Point2D(position_position_x, position_position_y),
-                    position_heading,
-                ),
-                Covariance2D(
-                    covariance_xx,
-                    covariance_xy,
-                    covariance_xt,
-                    covariance_yy,
-                    covariance_yt,
-                    covariance_tt,
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> PoseFeature:
-        position = self.position
-        position_position = position.position
-        covariance = self.covariance
-        return PoseFeature(
-            self.probability,
-            Pose2D(Point2D(position_position.x, position_position.y), position.heading),
-            Covariance2D(
-                covariance.xx,
-                covariance.xy,
-                covariance.xt,
-                covariance.yy,
-                covariance.yt,
-                covariance.tt,
-            ),
-        )
-
-
-_LineFeature_layout = Fixed("ddddddddddBB")
-
-
-@dataclass(slots=True)
 class LineFeature(Aggregated):
     """A straight feature of the surroundings."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/LineFeature:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::LineFeature",
-        (
-            MemberDescriptor("probability", PrimitiveDescriptor("double")),
-            MemberDescriptor("rho", PrimitiveDescriptor("double")),
-            MemberDescriptor("alpha", PrimitiveDescriptor("double")),
-            MemberDescriptor("covariance", PointCovariance2D._descriptor_),
-            MemberDescriptor("start", Point2D._descriptor_),
-            MemberDescriptor("end", Point2D._descriptor_),
-            MemberDescriptor("startSighted", PrimitiveDescriptor("boolean")),
-            MemberDescriptor("endSighted", PrimitiveDescriptor("boolean")),
-        ),
+        probability=idl.DOUBLE,
+        rho=idl.DOUBLE,
+        alpha=idl.DOUBLE,
+        covariance=PointCovariance2D,
+        start=Point2D,
+        end=Point2D,
+        startSighted=idl.BOOLEAN,
+        endSighted=idl.BOOLEAN,
     )
 
     probability: float = 0.0
@@ -4285,450 +718,49 @@ class LineFeature(Aggregated):
     startSighted: bool = False
     endSighted: bool = False
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _LineFeature_layout.pack_little
-                if little_endian
-                else _LineFeature_layout.pack_big
-            )
-            covariance = self.covariance
-            start = self.start
-            end = self.end
-            return pack(
-                self.probability,
-                self.rho,
-                self.alpha,
-                covariance.xx,
-                covariance.xy,
-                covariance.yy,
-                start.x,
-                start.y,
-                end.x,
-                end.y,
-                BOOLEAN[self.startSighted],
-                BOOLEAN[self.endSighted],
-            )
-        except FAILURES as failure:
-            raise encoding_error(LineFeature, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _LineFeature_layout.unpack_little
-                if little_endian
-                else _LineFeature_layout.unpack_big
-            )
-            (
-                probability,
-                rho,
-                alpha,
-                covariance_xx,
-                covariance_xy,
-                covariance_yy,
-                start_x,
-                start_y,
-                end_x,
-                end_y,
-                startSighted,
-                endSighted,
-            ) = unpack(data)
-            return cls(
-                probability,
-                rho,
-                alpha,
-                PointCovariance2D(covariance_xx, covariance_xy, covariance_yy),
-                Point2D(start_x, start_y),
-                Point2D(end_x, end_y),
-                BOOLEAN[startSighted],
-                BOOLEAN[endSighted],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> LineFeature:
-        covariance = self.covariance
-        start = self.start
-        end = self.end
-        return LineFeature(
-            self.probability,
-            self.rho,
-            self.alpha,
-            PointCovariance2D(covariance.xx, covariance.xy, covariance.yy),
-            Point2D(start.x, start.y),
-            Point2D(end.x, end.y),
-            self.startSighted,
-            self.endSighted,
-        )
-
 
 PointFeatureList: TypeAlias = list[PointFeature]
 """Point-like features."""
-_PointFeatureList_alias = AliasDescriptor(
-    "IDL:RTC/PointFeatureList:1.0",
-    "RTC::PointFeatureList",
-    SequenceDescriptor(PointFeature._descriptor_),
-)
+_PointFeatureList_alias = idl.alias("RTC::PointFeatureList", idl.sequence(PointFeature))
 
 
-_PointFeatureListCodec_layout = Fixed("dddddd")
-_PointFeatureListCodec_layout_2 = Layout("=I", "@4 *48s/8")
-
-
-class PointFeatureListCodec:
+class PointFeatureListCodec(AliasCodec[PointFeatureList]):
     """The codec of `RTC::PointFeatureList`."""
 
-    _descriptor_ = _PointFeatureList_alias
-
-    @staticmethod
-    def to_cdr(value: PointFeatureList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _PointFeatureListCodec_layout.pack_little
-                if little_endian
-                else _PointFeatureListCodec_layout.pack_big
-            )
-            pack = (
-                _PointFeatureListCodec_layout_2.pack_little
-                if little_endian
-                else _PointFeatureListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join(
-                [
-                    pack_1(
-                        item.probability,
-                        item.position.x,
-                        item.position.y,
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.yy,
-                    )
-                    for item in value
-                ],
-            )
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(PointFeatureListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> PointFeatureList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _PointFeatureListCodec_layout_2.read_little
-                if little_endian
-                else _PointFeatureListCodec_layout_2.read_big
-            )
-            records_1 = (
-                _PointFeatureListCodec_layout.records_little
-                if little_endian
-                else _PointFeatureListCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: PointFeatureList = [
-                PointFeature(
-                    probability,
-                    Point2D(position_x, position_y),
-                    PointCovariance2D(covariance_xx, covariance_xy, covariance_yy),
-                )
-                for probability, position_x, position_y, covariance_xx, covariance_xy, covariance_yy in records_1(
-                    value,
-                )
-            ]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                PointFeatureListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: PointFeatureList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(PointFeatureListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> PointFeatureList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: PointFeatureList = from_xcdr2(PointFeatureListCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _PointFeatureList_alias
 
 
 PoseFeatureList: TypeAlias = list[PoseFeature]
 """Features with a direction."""
-_PoseFeatureList_alias = AliasDescriptor(
-    "IDL:RTC/PoseFeatureList:1.0",
-    "RTC::PoseFeatureList",
-    SequenceDescriptor(PoseFeature._descriptor_),
-)
+_PoseFeatureList_alias = idl.alias("RTC::PoseFeatureList", idl.sequence(PoseFeature))
 
 
-_PoseFeatureListCodec_layout = Fixed("dddddddddd")
-_PoseFeatureListCodec_layout_2 = Layout("=I", "@4 *80s/8")
-
-
-class PoseFeatureListCodec:
+class PoseFeatureListCodec(AliasCodec[PoseFeatureList]):
     """The codec of `RTC::PoseFeatureList`."""
 
-    _descriptor_ = _PoseFeatureList_alias
-
-    @staticmethod
-    def to_cdr(value: PoseFeatureList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _PoseFeatureListCodec_layout.pack_little
-                if little_endian
-                else _PoseFeatureListCodec_layout.pack_big
-            )
-            pack = (
-                _PoseFeatureListCodec_layout_2.pack_little
-                if little_endian
-                else _PoseFeatureListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join(
-                [
-                    pack_1(
-                        item.probability,
-                        item.position.position.x,
-                        item.position.position.y,
-                        item.position.heading,
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.xt,
-                        item.covariance.yy,
-                        item.covariance.yt,
-                        item.covariance.tt,
-                    )
-                    for item in value
-                ],
-            )
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(PoseFeatureListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> PoseFeatureList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _PoseFeatureListCodec_layout_2.read_little
-                if little_endian
-                else _PoseFeatureListCodec_layout_2.read_big
-            )
-            records_1 = (
-                _PoseFeatureListCodec_layout.records_little
-                if little_endian
-                else _PoseFeatureListCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: PoseFeatureList = [
-                PoseFeature(
-                    probability,
-                    Pose2D(
-                        Point2D(position_position_x, position_position_y),
-                        position_heading,
-                    ),
-                    Covariance2D(
-                        covariance_xx,
-                        covariance_xy,
-                        covariance_xt,
-                        covariance_yy,
-                        covariance_yt,
-                        covariance_tt,
-                    ),
-                )
-                for probability, position_position_x, position_position_y, position_heading, covariance_xx, covariance_xy, covariance_xt, covariance_yy, covariance_yt, covariance_tt in records_1(
-                    value,
-                )
-            ]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                PoseFeatureListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: PoseFeatureList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(PoseFeatureListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> PoseFeatureList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: PoseFeatureList = from_xcdr2(PoseFeatureListCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _PoseFeatureList_alias
 
 
 LineFeatureList: TypeAlias = list[LineFeature]
 """Straight features."""
-_LineFeatureList_alias = AliasDescriptor(
-    "IDL:RTC/LineFeatureList:1.0",
-    "RTC::LineFeatureList",
-    SequenceDescriptor(LineFeature._descriptor_),
-)
+_LineFeatureList_alias = idl.alias("RTC::LineFeatureList", idl.sequence(LineFeature))
 
 
-_LineFeatureListCodec_layout = Settled("=I")
-_LineFeatureListCodec_layout_2 = PhasedLayout("d d d d d d d d d d B B")
-
-
-class LineFeatureListCodec:
+class LineFeatureListCodec(AliasCodec[LineFeatureList]):
     """The codec of `RTC::LineFeatureList`."""
 
-    _descriptor_ = _LineFeatureList_alias
-
-    @staticmethod
-    def to_cdr(value: LineFeatureList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _LineFeatureListCodec_layout.pack_little
-                if little_endian
-                else _LineFeatureListCodec_layout.pack_big
-            )
-            pack_2 = (
-                _LineFeatureListCodec_layout_2.pack_little
-                if little_endian
-                else _LineFeatureListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            out += pack_1(n_value)
-            for item_value in value:
-                covariance = item_value.covariance
-                start = item_value.start
-                end = item_value.end
-                out += pack_2[len(out) & 7](
-                    item_value.probability,
-                    item_value.rho,
-                    item_value.alpha,
-                    covariance.xx,
-                    covariance.xy,
-                    covariance.yy,
-                    start.x,
-                    start.y,
-                    end.x,
-                    end.y,
-                    BOOLEAN[item_value.startSighted],
-                    BOOLEAN[item_value.endSighted],
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(LineFeatureListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> LineFeatureList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _LineFeatureListCodec_layout.read_little
-                if little_endian
-                else _LineFeatureListCodec_layout.read_big
-            )
-            (read_2,) = (
-                _LineFeatureListCodec_layout_2.read_little
-                if little_endian
-                else _LineFeatureListCodec_layout_2.read_big
-            )
-            (n_value,) = read_1(data)
-            offset = 4
-            if n_value * 82 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            value = []
-            for _ in range(n_value):
-                unpack, size = read_2[offset & 7]
-                (
-                    probability,
-                    rho,
-                    alpha,
-                    covariance_xx,
-                    covariance_xy,
-                    covariance_yy,
-                    start_x,
-                    start_y,
-                    end_x,
-                    end_y,
-                    startSighted,
-                    endSighted,
-                ) = unpack(data, offset)
-                offset += size
-                value.append(
-                    LineFeature(
-                        probability,
-                        rho,
-                        alpha,
-                        PointCovariance2D(covariance_xx, covariance_xy, covariance_yy),
-                        Point2D(start_x, start_y),
-                        Point2D(end_x, end_y),
-                        BOOLEAN[startSighted],
-                        BOOLEAN[endSighted],
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: LineFeatureList = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                LineFeatureListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: LineFeatureList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(LineFeatureListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> LineFeatureList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: LineFeatureList = from_xcdr2(LineFeatureListCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _LineFeatureList_alias
 
 
-_Features_layout = Fixed("dddddd")
-_Features_layout_2 = Fixed("dddddddddd")
-_Features_layout_3 = Layout("=III", "@4 *48s/8 I", "*80s/8 I")
-_Features_layout_4 = PhasedLayout("d d d d d d d d d d B B")
-
-
-@dataclass(slots=True)
 class Features(Aggregated):
     """All features of one observation."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Features:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Features",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("pointFeatures", _PointFeatureList_alias),
-            MemberDescriptor("poseFeatures", _PoseFeatureList_alias),
-            MemberDescriptor("lineFeatures", _LineFeatureList_alias),
-        ),
+        tm=Time,
+        pointFeatures=_PointFeatureList_alias,
+        poseFeatures=_PoseFeatureList_alias,
+        lineFeatures=_LineFeatureList_alias,
     )
 
     tm: Time = field(default_factory=Time)
@@ -4736,832 +768,71 @@ class Features(Aggregated):
     poseFeatures: PoseFeatureList = field(default_factory=list)
     lineFeatures: LineFeatureList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _Features_layout.pack_little
-                if little_endian
-                else _Features_layout.pack_big
-            )
-            pack_2 = (
-                _Features_layout_2.pack_little
-                if little_endian
-                else _Features_layout_2.pack_big
-            )
-            pack_3 = (
-                _Features_layout_3.pack_little
-                if little_endian
-                else _Features_layout_3.pack_big
-            )
-            pack_4 = (
-                _Features_layout_4.pack_little
-                if little_endian
-                else _Features_layout_4.pack_big
-            )
-            tm = self.tm
-            pointFeatures = self.pointFeatures
-            n_pointFeatures = len(pointFeatures)
-            octets_pointFeatures = b"".join(
-                [
-                    pack_1(
-                        item.probability,
-                        item.position.x,
-                        item.position.y,
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.yy,
-                    )
-                    for item in pointFeatures
-                ],
-            )
-            poseFeatures = self.poseFeatures
-            n_poseFeatures = len(poseFeatures)
-            octets_poseFeatures = b"".join(
-                [
-                    pack_2(
-                        item.probability,
-                        item.position.position.x,
-                        item.position.position.y,
-                        item.position.heading,
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.xt,
-                        item.covariance.yy,
-                        item.covariance.yt,
-                        item.covariance.tt,
-                    )
-                    for item in poseFeatures
-                ],
-            )
-            lineFeatures = self.lineFeatures
-            n_lineFeatures = len(lineFeatures)
-            out += pack_3[n_pointFeatures, n_poseFeatures](
-                tm.sec,
-                tm.nsec,
-                n_pointFeatures,
-                octets_pointFeatures,
-                n_poseFeatures,
-                octets_poseFeatures,
-                n_lineFeatures,
-            )
-            for item_lineFeatures in lineFeatures:
-                lineFeatures_covariance = item_lineFeatures.covariance
-                lineFeatures_start = item_lineFeatures.start
-                lineFeatures_end = item_lineFeatures.end
-                out += pack_4[len(out) & 7](
-                    item_lineFeatures.probability,
-                    item_lineFeatures.rho,
-                    item_lineFeatures.alpha,
-                    lineFeatures_covariance.xx,
-                    lineFeatures_covariance.xy,
-                    lineFeatures_covariance.yy,
-                    lineFeatures_start.x,
-                    lineFeatures_start.y,
-                    lineFeatures_end.x,
-                    lineFeatures_end.y,
-                    BOOLEAN[item_lineFeatures.startSighted],
-                    BOOLEAN[item_lineFeatures.endSighted],
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(Features, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _Features_layout_3.read_little
-                if little_endian
-                else _Features_layout_3.read_big
-            )
-            (read_4,) = (
-                _Features_layout_4.read_little
-                if little_endian
-                else _Features_layout_4.read_big
-            )
-            records_1 = (
-                _Features_layout.records_little
-                if little_endian
-                else _Features_layout.records_big
-            )
-            records_2 = (
-                _Features_layout_2.records_little
-                if little_endian
-                else _Features_layout_2.records_big
-            )
-            tm_sec, tm_nsec, n_pointFeatures = read_1(data)
-            unpack, size = read_2[n_pointFeatures]
-            pointFeatures, n_poseFeatures = unpack(data, 12)
-            offset = 12 + size
-            unpack, size = read_3[n_poseFeatures << 3 | offset & 7]
-            poseFeatures, n_lineFeatures = unpack(data, offset)
-            offset += size
-            if n_lineFeatures * 82 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            lineFeatures = []
-            for _ in range(n_lineFeatures):
-                unpack, size = read_4[offset & 7]
-                (
-                    lineFeatures_probability,
-                    lineFeatures_rho,
-                    lineFeatures_alpha,
-                    lineFeatures_covariance_xx,
-                    lineFeatures_covariance_xy,
-                    lineFeatures_covariance_yy,
-                    lineFeatures_start_x,
-                    lineFeatures_start_y,
-                    lineFeatures_end_x,
-                    lineFeatures_end_y,
-                    lineFeatures_startSighted,
-                    lineFeatures_endSighted,
-                ) = unpack(data, offset)
-                offset += size
-                lineFeatures.append(
-                    LineFeature(
-                        lineFeatures_probability,
-                        lineFeatures_rho,
-                        lineFeatures_alpha,
-                        PointCovariance2D(
-                            lineFeatures_covariance_xx,
-                            lineFeatures_covariance_xy,
-                            lineFeatures_covariance_yy,
-                        ),
-                        Point2D(lineFeatures_start_x, lineFeatures_start_y),
-                        Point2D(lineFeatures_end_x, lineFeatures_end_y),
-                        BOOLEAN[lineFeatures_startSighted],
-                        BOOLEAN[lineFeatures_endSighted],
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                [
-                    PointFeature(
-                        probability,
-                        Point2D(position_x, position_y),
-                        PointCovariance2D(covariance_xx, covariance_xy, covariance_yy),
-                    )
-                    for probability, position_x, position_y, covariance_xx, covariance_xy, covariance_yy in records_1(
-                        pointFeatures,
-                    )
-                ],
-                [
-                    PoseFeature(
-                        probability,
-                        Pose2D(
-                            Point2D(position_position_x, position_position_y),
-                            position_heading,
-                        ),
-                        Covariance2D(
-                            covariance_xx,
-                            covariance_xy,
-                            covariance_xt,
-                            covariance_yy,
-                            covariance_yt,
-                            covariance_tt,
-                        ),
-                    )
-                    for probability, position_position_x, position_position_y, position_heading, covariance_xx, covariance_xy, covariance_xt, covariance_yy, covariance_yt, covariance_tt in records_2(
-                        poseFeatures,
-                    )
-                ],
-                lineFeatures,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Features:
-        tm = self.tm
-        return Features(
-            Time(tm.sec, tm.nsec),
-            [
-                PointFeature(
-                    item.probability,
-                    Point2D(item.position.x, item.position.y),
-                    PointCovariance2D(
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.yy,
-                    ),
-                )
-                for item in self.pointFeatures
-            ],
-            [
-                PoseFeature(
-                    item.probability,
-                    Pose2D(
-                        Point2D(item.position.position.x, item.position.position.y),
-                        item.position.heading,
-                    ),
-                    Covariance2D(
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.xt,
-                        item.covariance.yy,
-                        item.covariance.yt,
-                        item.covariance.tt,
-                    ),
-                )
-                for item in self.poseFeatures
-            ],
-            [
-                LineFeature(
-                    item.probability,
-                    item.rho,
-                    item.alpha,
-                    PointCovariance2D(
-                        item.covariance.xx,
-                        item.covariance.xy,
-                        item.covariance.yy,
-                    ),
-                    Point2D(item.start.x, item.start.y),
-                    Point2D(item.end.x, item.end.y),
-                    item.startSighted,
-                    item.endSighted,
-                )
-                for item in self.lineFeatures
-            ],
-        )
-
 
 MulticameraImageList: TypeAlias = list[CameraImage]
 """Images, one for each camera."""
-_MulticameraImageList_alias = AliasDescriptor(
-    "IDL:RTC/MulticameraImageList:1.0",
+_MulticameraImageList_alias = idl.alias(
     "RTC::MulticameraImageList",
-    SequenceDescriptor(CameraImage._descriptor_),
+    idl.sequence(CameraImage),
 )
 
 
-_MulticameraImageListCodec_layout = Settled("=I")
-_MulticameraImageListCodec_layout_2 = PhasedLayout("I I H H H I", "*s d I", "@4 *s")
-
-
-class MulticameraImageListCodec:
+class MulticameraImageListCodec(AliasCodec[MulticameraImageList]):
     """The codec of `RTC::MulticameraImageList`."""
 
-    _descriptor_ = _MulticameraImageList_alias
-
-    @staticmethod
-    def to_cdr(value: MulticameraImageList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _MulticameraImageListCodec_layout.pack_little
-                if little_endian
-                else _MulticameraImageListCodec_layout.pack_big
-            )
-            pack_2 = (
-                _MulticameraImageListCodec_layout_2.pack_little
-                if little_endian
-                else _MulticameraImageListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            out += pack_1(n_value)
-            for item_value in value:
-                tm = item_value.tm
-                format = text_octets(item_value.format)
-                n_format = len(format) + 1
-                pixels = item_value.pixels
-                n_pixels = len(pixels)
-                out += pack_2[len(out) & 7, n_format, n_pixels](
-                    tm.sec,
-                    tm.nsec,
-                    item_value.width,
-                    item_value.height,
-                    item_value.bpp,
-                    n_format,
-                    format,
-                    item_value.fDiv,
-                    n_pixels,
-                    pixels,
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(MulticameraImageListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> MulticameraImageList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _MulticameraImageListCodec_layout.read_little
-                if little_endian
-                else _MulticameraImageListCodec_layout.read_big
-            )
-            read_2, read_3, read_4 = (
-                _MulticameraImageListCodec_layout_2.read_little
-                if little_endian
-                else _MulticameraImageListCodec_layout_2.read_big
-            )
-            (n_value,) = read_1(data)
-            offset = 4
-            if n_value * 30 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            value = []
-            for _ in range(n_value):
-                unpack, size = read_2[offset & 7]
-                tm_sec, tm_nsec, width, height, bpp, n_format = unpack(data, offset)
-                offset += size
-                unpack, size = read_3[n_format << 3 | offset & 7]
-                format, fDiv, n_pixels = unpack(data, offset)
-                offset += size
-                unpack, size = read_4[n_pixels]
-                (pixels,) = unpack(data, offset)
-                offset += size
-                value.append(
-                    CameraImage(
-                        Time(tm_sec, tm_nsec),
-                        width,
-                        height,
-                        bpp,
-                        text_value(format),
-                        fDiv,
-                        pixels,
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: MulticameraImageList = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                MulticameraImageListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: MulticameraImageList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(MulticameraImageListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> MulticameraImageList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: MulticameraImageList = from_xcdr2(
-            MulticameraImageListCodec,
-            data,
-            little_endian,
-        )
-        return value
+    _descriptor_: ClassVar = _MulticameraImageList_alias
 
 
-_MultiCameraImages_layout = Settled("=III")
-_MultiCameraImages_layout_2 = PhasedLayout("I I H H H I", "*s d I", "@4 *s")
-
-
-@dataclass(slots=True)
 class MultiCameraImages(Aggregated):
     """Images that several cameras took together."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/MultiCameraImages:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::MultiCameraImages",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("images", _MulticameraImageList_alias),
-        ),
+        tm=Time,
+        images=_MulticameraImageList_alias,
     )
 
     tm: Time = field(default_factory=Time)
     images: MulticameraImageList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _MultiCameraImages_layout.pack_little
-                if little_endian
-                else _MultiCameraImages_layout.pack_big
-            )
-            pack_2 = (
-                _MultiCameraImages_layout_2.pack_little
-                if little_endian
-                else _MultiCameraImages_layout_2.pack_big
-            )
-            tm = self.tm
-            images = self.images
-            n_images = len(images)
-            out += pack_1(tm.sec, tm.nsec, n_images)
-            for item_images in images:
-                images_tm = item_images.tm
-                images_format = text_octets(item_images.format)
-                n_images_format = len(images_format) + 1
-                images_pixels = item_images.pixels
-                n_images_pixels = len(images_pixels)
-                out += pack_2[len(out) & 7, n_images_format, n_images_pixels](
-                    images_tm.sec,
-                    images_tm.nsec,
-                    item_images.width,
-                    item_images.height,
-                    item_images.bpp,
-                    n_images_format,
-                    images_format,
-                    item_images.fDiv,
-                    n_images_pixels,
-                    images_pixels,
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(MultiCameraImages, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _MultiCameraImages_layout.read_little
-                if little_endian
-                else _MultiCameraImages_layout.read_big
-            )
-            read_2, read_3, read_4 = (
-                _MultiCameraImages_layout_2.read_little
-                if little_endian
-                else _MultiCameraImages_layout_2.read_big
-            )
-            tm_sec, tm_nsec, n_images = read_1(data)
-            offset = 12
-            if n_images * 30 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            images = []
-            for _ in range(n_images):
-                unpack, size = read_2[offset & 7]
-                (
-                    images_tm_sec,
-                    images_tm_nsec,
-                    images_width,
-                    images_height,
-                    images_bpp,
-                    n_images_format,
-                ) = unpack(data, offset)
-                offset += size
-                unpack, size = read_3[n_images_format << 3 | offset & 7]
-                images_format, images_fDiv, n_images_pixels = unpack(data, offset)
-                offset += size
-                unpack, size = read_4[n_images_pixels]
-                (images_pixels,) = unpack(data, offset)
-                offset += size
-                images.append(
-                    CameraImage(
-                        Time(images_tm_sec, images_tm_nsec),
-                        images_width,
-                        images_height,
-                        images_bpp,
-                        text_value(images_format),
-                        images_fDiv,
-                        images_pixels,
-                    ),
-                )
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), images)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> MultiCameraImages:
-        tm = self.tm
-        return MultiCameraImages(
-            Time(tm.sec, tm.nsec),
-            [
-                CameraImage(
-                    Time(item.tm.sec, item.tm.nsec),
-                    item.width,
-                    item.height,
-                    item.bpp,
-                    item.format,
-                    item.fDiv,
-                    item.pixels,
-                )
-                for item in self.images
-            ],
-        )
-
 
 MulticameraGeometryList: TypeAlias = list[Geometry3D]
 """Mountings, one for each camera."""
-_MulticameraGeometryList_alias = AliasDescriptor(
-    "IDL:RTC/MulticameraGeometryList:1.0",
+_MulticameraGeometryList_alias = idl.alias(
     "RTC::MulticameraGeometryList",
-    SequenceDescriptor(Geometry3D._descriptor_),
+    idl.sequence(Geometry3D),
 )
 
 
-_MulticameraGeometryListCodec_layout = Fixed("ddddddddd")
-_MulticameraGeometryListCodec_layout_2 = Layout("=I", "@4 *72s/8")
-
-
-class MulticameraGeometryListCodec:
+class MulticameraGeometryListCodec(AliasCodec[MulticameraGeometryList]):
     """The codec of `RTC::MulticameraGeometryList`."""
 
-    _descriptor_ = _MulticameraGeometryList_alias
-
-    @staticmethod
-    def to_cdr(value: MulticameraGeometryList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _MulticameraGeometryListCodec_layout.pack_little
-                if little_endian
-                else _MulticameraGeometryListCodec_layout.pack_big
-            )
-            pack = (
-                _MulticameraGeometryListCodec_layout_2.pack_little
-                if little_endian
-                else _MulticameraGeometryListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join(
-                [
-                    pack_1(
-                        item.pose.position.x,
-                        item.pose.position.y,
-                        item.pose.position.z,
-                        item.pose.orientation.r,
-                        item.pose.orientation.p,
-                        item.pose.orientation.y,
-                        item.size.l,
-                        item.size.w,
-                        item.size.h,
-                    )
-                    for item in value
-                ],
-            )
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(
-                MulticameraGeometryListCodec,
-                value,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> MulticameraGeometryList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _MulticameraGeometryListCodec_layout_2.read_little
-                if little_endian
-                else _MulticameraGeometryListCodec_layout_2.read_big
-            )
-            records_1 = (
-                _MulticameraGeometryListCodec_layout.records_little
-                if little_endian
-                else _MulticameraGeometryListCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: MulticameraGeometryList = [
-                Geometry3D(
-                    Pose3D(
-                        Point3D(pose_position_x, pose_position_y, pose_position_z),
-                        Orientation3D(
-                            pose_orientation_r,
-                            pose_orientation_p,
-                            pose_orientation_y,
-                        ),
-                    ),
-                    Size3D(size_l, size_w, size_h),
-                )
-                for pose_position_x, pose_position_y, pose_position_z, pose_orientation_r, pose_orientation_p, pose_orientation_y, size_l, size_w, size_h in records_1(
-                    value,
-                )
-            ]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                MulticameraGeometryListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: MulticameraGeometryList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(MulticameraGeometryListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> MulticameraGeometryList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: MulticameraGeometryList = from_xcdr2(
-            MulticameraGeometryListCodec,
-            data,
-            little_endian,
-        )
-        return value
+    _descriptor_: ClassVar = _MulticameraGeometryList_alias
 
 
-_MulticameraGeometry_layout = Fixed("ddddddddd")
-_MulticameraGeometry_layout_2 = Layout("=dddddddddI", "@4 *72s/8")
-
-
-@dataclass(slots=True)
 class MulticameraGeometry(Aggregated):
     """Where the cameras of a set are mounted."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/MulticameraGeometry:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::MulticameraGeometry",
-        (
-            MemberDescriptor("geometry", Geometry3D._descriptor_),
-            MemberDescriptor("cameraGeometries", _MulticameraGeometryList_alias),
-        ),
+        geometry=Geometry3D,
+        cameraGeometries=_MulticameraGeometryList_alias,
     )
 
     geometry: Geometry3D = field(default_factory=Geometry3D)
     cameraGeometries: MulticameraGeometryList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _MulticameraGeometry_layout.pack_little
-                if little_endian
-                else _MulticameraGeometry_layout.pack_big
-            )
-            pack = (
-                _MulticameraGeometry_layout_2.pack_little
-                if little_endian
-                else _MulticameraGeometry_layout_2.pack_big
-            )
-            geometry = self.geometry
-            geometry_pose = geometry.pose
-            geometry_pose_position = geometry_pose.position
-            geometry_pose_orientation = geometry_pose.orientation
-            geometry_size = geometry.size
-            cameraGeometries = self.cameraGeometries
-            n_cameraGeometries = len(cameraGeometries)
-            octets_cameraGeometries = b"".join(
-                [
-                    pack_1(
-                        item.pose.position.x,
-                        item.pose.position.y,
-                        item.pose.position.z,
-                        item.pose.orientation.r,
-                        item.pose.orientation.p,
-                        item.pose.orientation.y,
-                        item.size.l,
-                        item.size.w,
-                        item.size.h,
-                    )
-                    for item in cameraGeometries
-                ],
-            )
-            return pack[n_cameraGeometries](
-                geometry_pose_position.x,
-                geometry_pose_position.y,
-                geometry_pose_position.z,
-                geometry_pose_orientation.r,
-                geometry_pose_orientation.p,
-                geometry_pose_orientation.y,
-                geometry_size.l,
-                geometry_size.w,
-                geometry_size.h,
-                n_cameraGeometries,
-                octets_cameraGeometries,
-            )
-        except FAILURES as failure:
-            raise encoding_error(MulticameraGeometry, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _MulticameraGeometry_layout_2.read_little
-                if little_endian
-                else _MulticameraGeometry_layout_2.read_big
-            )
-            records_1 = (
-                _MulticameraGeometry_layout.records_little
-                if little_endian
-                else _MulticameraGeometry_layout.records_big
-            )
-            (
-                geometry_pose_position_x,
-                geometry_pose_position_y,
-                geometry_pose_position_z,
-                geometry_pose_orientation_r,
-                geometry_pose_orientation_p,
-                geometry_pose_orientation_y,
-                geometry_size_l,
-                geometry_size_w,
-                geometry_size_h,
-                n_cameraGeometries,
-            ) = read_1(data)
-            unpack, size = read_2[n_cameraGeometries]
-            (cameraGeometries,) = unpack(data, 76)
-            offset = 76 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Geometry3D(
-                    Pose3D(
-                        Point3D(
-                            geometry_pose_position_x,
-                            geometry_pose_position_y,
-                            geometry_pose_position_z,
-                        ),
-                        Orientation3D(
-                            geometry_pose_orientation_r,
-                            geometry_pose_orientation_p,
-                            geometry_pose_orientation_y,
-                        ),
-                    ),
-                    Size3D(geometry_size_l, geometry_size_w, geometry_size_h),
-                ),
-                [
-                    Geometry3D(
-                        Pose3D(
-                            Point3D(pose_position_x, pose_position_y, pose_position_z),
-                            Orientation3D(
-                                pose_orientation_r,
-                                pose_orientation_p,
-                                pose_orientation_y,
-                            ),
-                        ),
-                        Size3D(size_l, size_w, size_h),
-                    )
-                    for pose_position_x, pose_position_y, pose_position_z, pose_orientation_r, pose_orientation_p, pose_orientation_y, size_l, size_w, size_h in records_1(
-                        cameraGeometries,
-                    )
-                ],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> MulticameraGeometry:
-        geometry = self.geometry
-        geometry_pose = geometry.pose
-        geometry_pose_position = geometry_pose.position
-        geometry_pose_orientation = geometry_pose.orientation
-        geometry_size = geometry.size
-        return MulticameraGeometry(
-            Geometry3D(
-                Pose3D(
-                    Point3D(
-                        geometry_pose_position.x,
-                        geometry_pose_position.y,
-                        geometry_pose_position.z,
-                    ),
-                    Orientation3D(
-                        geometry_pose_orientation.r,
-                        geometry_pose_orientation.p,
-                        geometry_pose_orientation.y,
-                    ),
-                ),
-                Size3D(geometry_size.l, geometry_size.w, geometry_size.h),
-            ),
-            [
-                Geometry3D(
-                    Pose3D(
-                        Point3D(
-                            item.pose.position.x,
-                            item.pose.position.y,
-                            item.pose.position.z,
-                        ),
-                        Orientation3D(
-                            item.pose.orientation.r,
-                            item.pose.orientation.p,
-                            item.pose.orientation.y,
-                        ),
-                    ),
-                    Size3D(item.size.l, item.size.w, item.size.h),
-                )
-                for item in self.cameraGeometries
-            ],
-        )
-
-
-_Waypoint2D_layout = Fixed("dddddIIddd")
-
-
-@dataclass(slots=True)
 class Waypoint2D(Aggregated):
     """One point of a planar path, with its tolerances."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Waypoint2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Waypoint2D",
-        (
-            MemberDescriptor("target", Pose2D._descriptor_),
-            MemberDescriptor("distanceTolerance", PrimitiveDescriptor("double")),
-            MemberDescriptor("headingTolerance", PrimitiveDescriptor("double")),
-            MemberDescriptor("timeLimit", Time._descriptor_),
-            MemberDescriptor("maxSpeed", Velocity2D._descriptor_),
-        ),
+        target=Pose2D,
+        distanceTolerance=idl.DOUBLE,
+        headingTolerance=idl.DOUBLE,
+        timeLimit=Time,
+        maxSpeed=Velocity2D,
     )
 
     target: Pose2D = field(default_factory=Pose2D)
@@ -5573,321 +844,41 @@ class Waypoint2D(Aggregated):
     """When to have arrived."""
     maxSpeed: Velocity2D = field(default_factory=Velocity2D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Waypoint2D_layout.pack_little
-                if little_endian
-                else _Waypoint2D_layout.pack_big
-            )
-            target = self.target
-            target_position = target.position
-            timeLimit = self.timeLimit
-            maxSpeed = self.maxSpeed
-            return pack(
-                target_position.x,
-                target_position.y,
-                target.heading,
-                self.distanceTolerance,
-                self.headingTolerance,
-                timeLimit.sec,
-                timeLimit.nsec,
-                maxSpeed.vx,
-                maxSpeed.vy,
-                maxSpeed.va,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Waypoint2D, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Waypoint2D_layout.unpack_little
-                if little_endian
-                else _Waypoint2D_layout.unpack_big
-            )
-            (
-                target_position_x,
-                target_position_y,
-                target_heading,
-                distanceTolerance,
-                headingTolerance,
-                timeLimit_sec,
-                timeLimit_nsec,
-                maxSpeed_vx,
-                maxSpeed_vy,
-                maxSpeed_va,
-            ) = unpack(data)
-            return cls(
-                Pose2D(Point2D(target_position_x, target_position_y), target_heading),
-                distanceTolerance,
-                headingTolerance,
-                Time(timeLimit_sec, timeLimit_nsec),
-                Velocity2D(maxSpeed_vx, maxSpeed_vy, maxSpeed_va),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Waypoint2D:
-        target = self.target
-        target_position = target.position
-        timeLimit = self.timeLimit
-        maxSpeed = self.maxSpeed
-        return Waypoint2D(
-            Pose2D(Point2D(target_position.x, target_position.y), target.heading),
-            self.distanceTolerance,
-            self.headingTolerance,
-            Time(timeLimit.sec, timeLimit.nsec),
-            Velocity2D(maxSpeed.vx, maxSpeed.vy, maxSpeed.va),
-        )
-
 
 Waypoint2DList: TypeAlias = list[Waypoint2D]
 """Points of a planar path."""
-_Waypoint2DList_alias = AliasDescriptor(
-    "IDL:RTC/Waypoint2DList:1.0",
-    "RTC::Waypoint2DList",
-    SequenceDescriptor(Waypoint2D._descriptor_),
-)
+_Waypoint2DList_alias = idl.alias("RTC::Waypoint2DList", idl.sequence(Waypoint2D))
 
 
-_Waypoint2DListCodec_layout = Fixed("dddddIIddd")
-_Waypoint2DListCodec_layout_2 = Layout("=I", "@4 *72s/8")
-
-
-class Waypoint2DListCodec:
+class Waypoint2DListCodec(AliasCodec[Waypoint2DList]):
     """The codec of `RTC::Waypoint2DList`."""
 
-    _descriptor_ = _Waypoint2DList_alias
-
-    @staticmethod
-    def to_cdr(value: Waypoint2DList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _Waypoint2DListCodec_layout.pack_little
-                if little_endian
-                else _Waypoint2DListCodec_layout.pack_big
-            )
-            pack = (
-                _Waypoint2DListCodec_layout_2.pack_little
-                if little_endian
-                else _Waypoint2DListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join(
-                [
-                    pack_1(
-                        item.target.position.x,
-                        item.target.position.y,
-                        item.target.heading,
-                        item.distanceTolerance,
-                        item.headingTolerance,
-                        item.timeLimit.sec,
-                        item.timeLimit.nsec,
-                        item.maxSpeed.vx,
-                        item.maxSpeed.vy,
-                        item.maxSpeed.va,
-                    )
-                    for item in value
-                ],
-            )
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(Waypoint2DListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> Waypoint2DList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Waypoint2DListCodec_layout_2.read_little
-                if little_endian
-                else _Waypoint2DListCodec_layout_2.read_big
-            )
-            records_1 = (
-                _Waypoint2DListCodec_layout.records_little
-                if little_endian
-                else _Waypoint2DListCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: Waypoint2DList = [
-                Waypoint2D(
-                    Pose2D(
-                        Point2D(target_position_x, target_position_y),
-                        target_heading,
-                    ),
-                    distanceTolerance,
-                    headingTolerance,
-                    Time(timeLimit_sec, timeLimit_nsec),
-                    Velocity2D(maxSpeed_vx, maxSpeed_vy, maxSpeed_va),
-                )
-                for target_position_x, target_position_y, target_heading, distanceTolerance, headingTolerance, timeLimit_sec, timeLimit_nsec, maxSpeed_vx, maxSpeed_vy, maxSpeed_va in records_1(
-                    value,
-                )
-            ]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                Waypoint2DListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: Waypoint2DList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(Waypoint2DListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Waypoint2DList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Waypoint2DList = from_xcdr2(Waypoint2DListCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _Waypoint2DList_alias
 
 
-_Path2D_layout = Fixed("dddddIIddd")
-_Path2D_layout_2 = Layout("=III", "@4 *72s/8")
-
-
-@dataclass(slots=True)
 class Path2D(Aggregated):
     """A planar path."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Path2D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Path2D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("waypoints", _Waypoint2DList_alias),
-        ),
+        tm=Time,
+        waypoints=_Waypoint2DList_alias,
     )
 
     tm: Time = field(default_factory=Time)
     waypoints: Waypoint2DList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _Path2D_layout.pack_little if little_endian else _Path2D_layout.pack_big
-            )
-            pack = (
-                _Path2D_layout_2.pack_little
-                if little_endian
-                else _Path2D_layout_2.pack_big
-            )
-            tm = self.tm
-            waypoints = self.waypoints
-            n_waypoints = len(waypoints)
-            octets_waypoints = b"".join(
-                [
-                    pack_1(
-                        item.target.position.x,
-                        item.target.position.y,
-                        item.target.heading,
-                        item.distanceTolerance,
-                        item.headingTolerance,
-                        item.timeLimit.sec,
-                        item.timeLimit.nsec,
-                        item.maxSpeed.vx,
-                        item.maxSpeed.vy,
-                        item.maxSpeed.va,
-                    )
-                    for item in waypoints
-                ],
-            )
-            return pack[n_waypoints](tm.sec, tm.nsec, n_waypoints, octets_waypoints)
-        except FAILURES as failure:
-            raise encoding_error(Path2D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Path2D_layout_2.read_little
-                if little_endian
-                else _Path2D_layout_2.read_big
-            )
-            records_1 = (
-                _Path2D_layout.records_little
-                if little_endian
-                else _Path2D_layout.records_big
-            )
-            tm_sec, tm_nsec, n_waypoints = read_1(data)
-            unpack, size = read_2[n_waypoints]
-            (waypoints,) = unpack(data, 12)
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                [
-                    Waypoint2D(
-                        Pose2D(
-                            Point2D(target_position_x, target_position_y),
-                            target_heading,
-                        ),
-                        distanceTolerance,
-                        headingTolerance,
-                        Time(timeLimit_sec, timeLimit_nsec),
-                        Velocity2D(maxSpeed_vx, maxSpeed_vy, maxSpeed_va),
-                    )
-                    for target_position_x, target_position_y, target_heading, distanceTolerance, headingTolerance, timeLimit_sec, timeLimit_nsec, maxSpeed_vx, maxSpeed_vy, maxSpeed_va in records_1(
-                        waypoints,
-                    )
-                ],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Path2D:
-        tm = self.tm
-        return Path2D(
-            Time(tm.sec, tm.nsec),
-            [
-                Waypoint2D(
-                    Pose2D(
-                        Point2D(item.target.position.x, item.target.position.y),
-                        item.target.heading,
-                    ),
-                    item.distanceTolerance,
-                    item.headingTolerance,
-                    Time(item.timeLimit.sec, item.timeLimit.nsec),
-                    Velocity2D(item.maxSpeed.vx, item.maxSpeed.vy, item.maxSpeed.va),
-                )
-                for item in self.waypoints
-            ],
-        )
-
-
-_Waypoint3D_layout = Fixed("ddddddddIIdddddd")
-
-
-@dataclass(slots=True)
 class Waypoint3D(Aggregated):
     """One point of a path in space, with its tolerances."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Waypoint3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Waypoint3D",
-        (
-            MemberDescriptor("target", Pose3D._descriptor_),
-            MemberDescriptor("distanceTolerance", PrimitiveDescriptor("double")),
-            MemberDescriptor("headingTolerance", PrimitiveDescriptor("double")),
-            MemberDescriptor("timeLimit", Time._descriptor_),
-            MemberDescriptor("maxSpeed", Velocity3D._descriptor_),
-        ),
+        target=Pose3D,
+        distanceTolerance=idl.DOUBLE,
+        headingTolerance=idl.DOUBLE,
+        timeLimit=Time,
+        maxSpeed=Velocity3D,
     )
 
     target: Pose3D = field(default_factory=Pose3D)
@@ -5899,683 +890,79 @@ class Waypoint3D(Aggregated):
     """When to have arrived."""
     maxSpeed: Velocity3D = field(default_factory=Velocity3D)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Waypoint3D_layout.pack_little
-                if little_endian
-                else _Waypoint3D_layout.pack_big
-            )
-            target = self.target
-            target_position = target.position
-            target_orientation = target.orientation
-            timeLimit = self.timeLimit
-            maxSpeed = self.maxSpeed
-            return pack(
-                target_position.x,
-                target_position.y,
-                target_position.z,
-                target_orientation.r,
-                target_orientation.p,
-                target_orientation.y,
-                self.distanceTolerance,
-                self.headingTolerance,
-                timeLimit.sec,
-                timeLimit.nsec,
-                maxSpeed.vx,
-                maxSpeed.vy,
-                maxSpeed.vz,
-                maxSpeed.vr,
-                maxSpeed.vp,
-                maxSpeed.va,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Waypoint3D, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Waypoint3D_layout.unpack_little
-                if little_endian
-                else _Waypoint3D_layout.unpack_big
-            )
-            (
-                target_position_x,
-                target_position_y,
-                target_position_z,
-                target_orientation_r,
-                target_orientation_p,
-                target_orientation_y,
-                distanceTolerance,
-                headingTolerance,
-                timeLimit_sec,
-                timeLimit_nsec,
-                maxSpeed_vx,
-                maxSpeed_vy,
-                maxSpeed_vz,
-                maxSpeed_vr,
-                maxSpeed_vp,
-                maxSpeed_va,
-            ) = unpack(data)
-            return cls(
-                Pose3D(
-                    Point3D(target_position_x, target_position_y, target_position_z),
-                    Orientation3D(
-                        target_orientation_r,
-                        target_orientation_p,
-                        target_orientation_y,
-                    ),
-                ),
-                distanceTolerance,
-                headingTolerance,
-                Time(timeLimit_sec, timeLimit_nsec),
-                Velocity3D(
-                    maxSpeed_vx,
-                    maxSpeed_vy,
-                    maxSpeed_vz,
-                    maxSpeed_vr,
-                    maxSpeed_vp,
-                    maxSpeed_va,
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Waypoint3D:
-        target = self.target
-        target_position = target.position
-        target_orientation = target.orientation
-        timeLimit = self.timeLimit
-        maxSpeed = self.maxSpeed
-        return Waypoint3D(
-            Pose3D(
-                Point3D(target_position.x, target_position.y, target_position.z),
-                Orientation3D(
-                    target_orientation.r,
-                    target_orientation.p,
-                    target_orientation.y,
-                ),
-            ),
-            self.distanceTolerance,
-            self.headingTolerance,
-            Time(timeLimit.sec, timeLimit.nsec),
-            Velocity3D(
-                maxSpeed.vx,
-                maxSpeed.vy,
-                maxSpeed.vz,
-                maxSpeed.vr,
-                maxSpeed.vp,
-                maxSpeed.va,
-            ),
-        )
-
 
 Waypoint3DList: TypeAlias = list[Waypoint3D]
 """Points of a path in space."""
-_Waypoint3DList_alias = AliasDescriptor(
-    "IDL:RTC/Waypoint3DList:1.0",
-    "RTC::Waypoint3DList",
-    SequenceDescriptor(Waypoint3D._descriptor_),
-)
+_Waypoint3DList_alias = idl.alias("RTC::Waypoint3DList", idl.sequence(Waypoint3D))
 
 
-_Waypoint3DListCodec_layout = Fixed("ddddddddIIdddddd")
-_Waypoint3DListCodec_layout_2 = Layout("=I", "@4 *120s/8")
-
-
-class Waypoint3DListCodec:
+class Waypoint3DListCodec(AliasCodec[Waypoint3DList]):
     """The codec of `RTC::Waypoint3DList`."""
 
-    _descriptor_ = _Waypoint3DList_alias
-
-    @staticmethod
-    def to_cdr(value: Waypoint3DList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _Waypoint3DListCodec_layout.pack_little
-                if little_endian
-                else _Waypoint3DListCodec_layout.pack_big
-            )
-            pack = (
-                _Waypoint3DListCodec_layout_2.pack_little
-                if little_endian
-                else _Waypoint3DListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join(
-                [
-                    pack_1(
-                        item.target.position.x,
-                        item.target.position.y,
-                        item.target.position.z,
-                        item.target.orientation.r,
-                        item.target.orientation.p,
-                        item.target.orientation.y,
-                        item.distanceTolerance,
-                        item.headingTolerance,
-                        item.timeLimit.sec,
-                        item.timeLimit.nsec,
-                        item.maxSpeed.vx,
-                        item.maxSpeed.vy,
-                        item.maxSpeed.vz,
-                        item.maxSpeed.vr,
-                        item.maxSpeed.vp,
-                        item.maxSpeed.va,
-                    )
-                    for item in value
-                ],
-            )
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(Waypoint3DListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> Waypoint3DList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Waypoint3DListCodec_layout_2.read_little
-                if little_endian
-                else _Waypoint3DListCodec_layout_2.read_big
-            )
-            records_1 = (
-                _Waypoint3DListCodec_layout.records_little
-                if little_endian
-                else _Waypoint3DListCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: Waypoint3DList = [
-                Waypoint3D(
-                    Pose3D(
-                        Point3D(
-                            target_position_x,
-                            target_position_y,
-                            target_position_z,
-                        ),
-                        Orientation3D(
-                            target_orientation_r,
-                            target_orientation_p,
-                            target_orientation_y,
-                        ),
-                    ),
-                    distanceTolerance,
-                    headingTolerance,
-                    Time(timeLimit_sec, timeLimit_nsec),
-                    Velocity3D(
-                        maxSpeed_vx,
-                        maxSpeed_vy,
-                        maxSpeed_vz,
-                        maxSpeed_vr,
-                        maxSpeed_vp,
-                        maxSpeed_va,
-                    ),
-                )
-                for target_position_x, target_position_y, target_position_z, target_orientation_r, target_orientation_p, target_orientation_y, distanceTolerance, headingTolerance, timeLimit_sec, timeLimit_nsec, maxSpeed_vx, maxSpeed_vy, maxSpeed_vz, maxSpeed_vr, maxSpeed_vp, maxSpeed_va in records_1(
-                    value,
-                )
-            ]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                Waypoint3DListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: Waypoint3DList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(Waypoint3DListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Waypoint3DList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Waypoint3DList = from_xcdr2(Waypoint3DListCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _Waypoint3DList_alias
 
 
-_Path3D_layout = Fixed("ddddddddIIdddddd")
-_Path3D_layout_2 = Layout("=III", "@4 *120s/8")
-
-
-@dataclass(slots=True)
 class Path3D(Aggregated):
     """A path in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Path3D:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Path3D",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("waypoints", _Waypoint3DList_alias),
-        ),
+        tm=Time,
+        waypoints=_Waypoint3DList_alias,
     )
 
     tm: Time = field(default_factory=Time)
     waypoints: Waypoint3DList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _Path3D_layout.pack_little if little_endian else _Path3D_layout.pack_big
-            )
-            pack = (
-                _Path3D_layout_2.pack_little
-                if little_endian
-                else _Path3D_layout_2.pack_big
-            )
-            tm = self.tm
-            waypoints = self.waypoints
-            n_waypoints = len(waypoints)
-            octets_waypoints = b"".join(
-                [
-                    pack_1(
-                        item.target.position.x,
-                        item.target.position.y,
-                        item.target.position.z,
-                        item.target.orientation.r,
-                        item.target.orientation.p,
-                        item.target.orientation.y,
-                        item.distanceTolerance,
-                        item.headingTolerance,
-                        item.timeLimit.sec,
-                        item.timeLimit.nsec,
-                        item.maxSpeed.vx,
-                        item.maxSpeed.vy,
-                        item.maxSpeed.vz,
-                        item.maxSpeed.vr,
-                        item.maxSpeed.vp,
-                        item.maxSpeed.va,
-                    )
-                    for item in waypoints
-                ],
-            )
-            return pack[n_waypoints](tm.sec, tm.nsec, n_waypoints, octets_waypoints)
-        except FAILURES as failure:
-            raise encoding_error(Path3D, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Path3D_layout_2.read_little
-                if little_endian
-                else _Path3D_layout_2.read_big
-            )
-            records_1 = (
-                _Path3D_layout.records_little
-                if little_endian
-                else _Path3D_layout.records_big
-            )
-            tm_sec, tm_nsec, n_waypoints = read_1(data)
-            unpack, size = read_2[n_waypoints]
-            (waypoints,) = unpack(data, 12)
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                [
-                    Waypoint3D(
-                        Pose3D(
-                            Point3D(
-                                target_position_x,
-                                target_position_y,
-                                target_position_z,
-                            ),
-                            Orientation3D(
-                                target_orientation_r,
-                                target_orientation_p,
-                                target_orientation_y,
-                            ),
-                        ),
-                        distanceTolerance,
-                        headingTolerance,
-                        Time(timeLimit_sec, timeLimit_nsec),
-                        Velocity3D(
-                            maxSpeed_vx,
-                            maxSpeed_vy,
-                            maxSpeed_vz,
-                            maxSpeed_vr,
-                            maxSpeed_vp,
-                            maxSpeed_va,
-                        ),
-                    )
-                    for target_position_x, target_position_y, target_position_z, target_orientation_r, target_orientation_p, target_orientation_y, distanceTolerance, headingTolerance, timeLimit_sec, timeLimit_nsec, maxSpeed_vx, maxSpeed_vy, maxSpeed_vz, maxSpeed_vr, maxSpeed_vp, maxSpeed_va in records_1(
-                        waypoints,
-                    )
-                ],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Path3D:
-        tm = self.tm
-        return Path3D(
-            Time(tm.sec, tm.nsec),
-            [
-                Waypoint3D(
-                    Pose3D(
-                        Point3D(
-                            item.target.position.x,
-                            item.target.position.y,
-                            item.target.position.z,
-                        ),
-                        Orientation3D(
-                            item.target.orientation.r,
-                            item.target.orientation.p,
-                            item.target.orientation.y,
-                        ),
-                    ),
-                    item.distanceTolerance,
-                    item.headingTolerance,
-                    Time(item.timeLimit.sec, item.timeLimit.nsec),
-                    Velocity3D(
-                        item.maxSpeed.vx,
-                        item.maxSpeed.vy,
-                        item.maxSpeed.vz,
-                        item.maxSpeed.vr,
-                        item.maxSpeed.vp,
-                        item.maxSpeed.va,
-                    ),
-                )
-                for item in self.waypoints
-            ],
-        )
-
-
-_PointCloudPoint_layout = Fixed("dddddd")
-
-
-@dataclass(slots=True)
 class PointCloudPoint(Aggregated):
     """A coloured point in space."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/PointCloudPoint:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::PointCloudPoint",
-        (
-            MemberDescriptor("point", Point3D._descriptor_),
-            MemberDescriptor("colour", RGBColour._descriptor_),
-        ),
+        point=Point3D,
+        colour=RGBColour,
     )
 
     point: Point3D = field(default_factory=Point3D)
     colour: RGBColour = field(default_factory=RGBColour)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _PointCloudPoint_layout.pack_little
-                if little_endian
-                else _PointCloudPoint_layout.pack_big
-            )
-            point = self.point
-            colour = self.colour
-            return pack(point.x, point.y, point.z, colour.r, colour.g, colour.b)
-        except FAILURES as failure:
-            raise encoding_error(PointCloudPoint, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _PointCloudPoint_layout.unpack_little
-                if little_endian
-                else _PointCloudPoint_layout.unpack_big
-            )
-            point_x, point_y, point_z, colour_r, colour_g, colour_b = unpack(data)
-            return cls(
-                Point3D(point_x, point_y, point_z),
-                RGBColour(colour_r, colour_g, colour_b),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> PointCloudPoint:
-        point = self.point
-        colour = self.colour
-        return PointCloudPoint(
-            Point3D(point.x, point.y, point.z),
-            RGBColour(colour.r, colour.g, colour.b),
-        )
-
 
 PointCloudPointList: TypeAlias = list[PointCloudPoint]
 """Points of a cloud."""
-_PointCloudPointList_alias = AliasDescriptor(
-    "IDL:RTC/PointCloudPointList:1.0",
+_PointCloudPointList_alias = idl.alias(
     "RTC::PointCloudPointList",
-    SequenceDescriptor(PointCloudPoint._descriptor_),
+    idl.sequence(PointCloudPoint),
 )
 
 
-_PointCloudPointListCodec_layout = Fixed("dddddd")
-_PointCloudPointListCodec_layout_2 = Layout("=I", "@4 *48s/8")
-
-
-class PointCloudPointListCodec:
+class PointCloudPointListCodec(AliasCodec[PointCloudPointList]):
     """The codec of `RTC::PointCloudPointList`."""
 
-    _descriptor_ = _PointCloudPointList_alias
-
-    @staticmethod
-    def to_cdr(value: PointCloudPointList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _PointCloudPointListCodec_layout.pack_little
-                if little_endian
-                else _PointCloudPointListCodec_layout.pack_big
-            )
-            pack = (
-                _PointCloudPointListCodec_layout_2.pack_little
-                if little_endian
-                else _PointCloudPointListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join(
-                [
-                    pack_1(
-                        item.point.x,
-                        item.point.y,
-                        item.point.z,
-                        item.colour.r,
-                        item.colour.g,
-                        item.colour.b,
-                    )
-                    for item in value
-                ],
-            )
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(PointCloudPointListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> PointCloudPointList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _PointCloudPointListCodec_layout_2.read_little
-                if little_endian
-                else _PointCloudPointListCodec_layout_2.read_big
-            )
-            records_1 = (
-                _PointCloudPointListCodec_layout.records_little
-                if little_endian
-                else _PointCloudPointListCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: PointCloudPointList = [
-                PointCloudPoint(
-                    Point3D(point_x, point_y, point_z),
-                    RGBColour(colour_r, colour_g, colour_b),
-                )
-                for point_x, point_y, point_z, colour_r, colour_g, colour_b in records_1(
-                    value,
-                )
-            ]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                PointCloudPointListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: PointCloudPointList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(PointCloudPointListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> PointCloudPointList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: PointCloudPointList = from_xcdr2(
-            PointCloudPointListCodec,
-            data,
-            little_endian,
-        )
-        return value
+    _descriptor_: ClassVar = _PointCloudPointList_alias
 
 
-_PointCloud_layout = Fixed("dddddd")
-_PointCloud_layout_2 = Layout("=III", "@4 *48s/8")
-
-
-@dataclass(slots=True)
 class PointCloud(Aggregated):
     """Points of one observation."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/PointCloud:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::PointCloud",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("points", _PointCloudPointList_alias),
-        ),
+        tm=Time,
+        points=_PointCloudPointList_alias,
     )
 
     tm: Time = field(default_factory=Time)
     points: PointCloudPointList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _PointCloud_layout.pack_little
-                if little_endian
-                else _PointCloud_layout.pack_big
-            )
-            pack = (
-                _PointCloud_layout_2.pack_little
-                if little_endian
-                else _PointCloud_layout_2.pack_big
-            )
-            tm = self.tm
-            points = self.points
-            n_points = len(points)
-            octets_points = b"".join(
-                [
-                    pack_1(
-                        item.point.x,
-                        item.point.y,
-                        item.point.z,
-                        item.colour.r,
-                        item.colour.g,
-                        item.colour.b,
-                    )
-                    for item in points
-                ],
-            )
-            return pack[n_points](tm.sec, tm.nsec, n_points, octets_points)
-        except FAILURES as failure:
-            raise encoding_error(PointCloud, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _PointCloud_layout_2.read_little
-                if little_endian
-                else _PointCloud_layout_2.read_big
-            )
-            records_1 = (
-                _PointCloud_layout.records_little
-                if little_endian
-                else _PointCloud_layout.records_big
-            )
-            tm_sec, tm_nsec, n_points = read_1(data)
-            unpack, size = read_2[n_points]
-            (points,) = unpack(data, 12)
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                [
-                    PointCloudPoint(
-                        Point3D(point_x, point_y, point_z),
-                        RGBColour(colour_r, colour_g, colour_b),
-                    )
-                    for point_x, point_y, point_z, colour_r, colour_g, colour_b in records_1(
-                        points,
-                    )
-                ],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> PointCloud:
-        tm = self.tm
-        return PointCloud(
-            Time(tm.sec, tm.nsec),
-            [
-                PointCloudPoint(
-                    Point3D(item.point.x, item.point.y, item.point.z),
-                    RGBColour(item.colour.r, item.colour.g, item.colour.b),
-                )
-                for item in self.points
-            ],
-        )
-
-
-_PanTiltAngles_layout = Fixed("IIdd")
-
-
-@dataclass(slots=True)
 class PanTiltAngles(Aggregated):
     """The angles of a pan-tilt unit."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/PanTiltAngles:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::PanTiltAngles",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("pan", PrimitiveDescriptor("double")),
-            MemberDescriptor("tilt", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        pan=idl.DOUBLE,
+        tilt=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -6584,54 +971,16 @@ class PanTiltAngles(Aggregated):
     tilt: float = 0.0
     """Tilt [rad]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _PanTiltAngles_layout.pack_little
-                if little_endian
-                else _PanTiltAngles_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.pan, self.tilt)
-        except FAILURES as failure:
-            raise encoding_error(PanTiltAngles, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _PanTiltAngles_layout.unpack_little
-                if little_endian
-                else _PanTiltAngles_layout.unpack_big
-            )
-            tm_sec, tm_nsec, pan, tilt = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), pan, tilt)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> PanTiltAngles:
-        tm = self.tm
-        return PanTiltAngles(Time(tm.sec, tm.nsec), self.pan, self.tilt)
-
-
-_PanTiltState_layout = Fixed("IIIIdddd")
-
-
-@dataclass(slots=True)
 class PanTiltState(Aggregated):
     """Angles and speeds of a pan-tilt unit."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/PanTiltState:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::PanTiltState",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("angles", PanTiltAngles._descriptor_),
-            MemberDescriptor("panSpeed", PrimitiveDescriptor("double")),
-            MemberDescriptor("tiltSpeed", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        angles=PanTiltAngles,
+        panSpeed=idl.DOUBLE,
+        tiltSpeed=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -6641,389 +990,46 @@ class PanTiltState(Aggregated):
     tiltSpeed: float = 0.0
     """Tilt speed [rad/s]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _PanTiltState_layout.pack_little
-                if little_endian
-                else _PanTiltState_layout.pack_big
-            )
-            tm = self.tm
-            angles = self.angles
-            angles_tm = angles.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                angles_tm.sec,
-                angles_tm.nsec,
-                angles.pan,
-                angles.tilt,
-                self.panSpeed,
-                self.tiltSpeed,
-            )
-        except FAILURES as failure:
-            raise encoding_error(PanTiltState, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _PanTiltState_layout.unpack_little
-                if little_endian
-                else _PanTiltState_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                angles_tm_sec,
-                angles_tm_nsec,
-                angles_pan,
-                angles_tilt,
-                panSpeed,
-                tiltSpeed,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                PanTiltAngles(
-                    Time(angles_tm_sec, angles_tm_nsec),
-                    angles_pan,
-                    angles_tilt,
-                ),
-                panSpeed,
-                tiltSpeed,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> PanTiltState:
-        tm = self.tm
-        angles = self.angles
-        angles_tm = angles.tm
-        return PanTiltState(
-            Time(tm.sec, tm.nsec),
-            PanTiltAngles(Time(angles_tm.sec, angles_tm.nsec), angles.pan, angles.tilt),
-            self.panSpeed,
-            self.tiltSpeed,
-        )
-
 
 ElementGeometryList: TypeAlias = list[Geometry3D]
 """Mountings of the elements of a range sensor."""
-_ElementGeometryList_alias = AliasDescriptor(
-    "IDL:RTC/ElementGeometryList:1.0",
+_ElementGeometryList_alias = idl.alias(
     "RTC::ElementGeometryList",
-    SequenceDescriptor(Geometry3D._descriptor_),
+    idl.sequence(Geometry3D),
 )
 
 
-_ElementGeometryListCodec_layout = Fixed("ddddddddd")
-_ElementGeometryListCodec_layout_2 = Layout("=I", "@4 *72s/8")
-
-
-class ElementGeometryListCodec:
+class ElementGeometryListCodec(AliasCodec[ElementGeometryList]):
     """The codec of `RTC::ElementGeometryList`."""
 
-    _descriptor_ = _ElementGeometryList_alias
-
-    @staticmethod
-    def to_cdr(value: ElementGeometryList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _ElementGeometryListCodec_layout.pack_little
-                if little_endian
-                else _ElementGeometryListCodec_layout.pack_big
-            )
-            pack = (
-                _ElementGeometryListCodec_layout_2.pack_little
-                if little_endian
-                else _ElementGeometryListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join(
-                [
-                    pack_1(
-                        item.pose.position.x,
-                        item.pose.position.y,
-                        item.pose.position.z,
-                        item.pose.orientation.r,
-                        item.pose.orientation.p,
-                        item.pose.orientation.y,
-                        item.size.l,
-                        item.size.w,
-                        item.size.h,
-                    )
-                    for item in value
-                ],
-            )
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(ElementGeometryListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> ElementGeometryList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _ElementGeometryListCodec_layout_2.read_little
-                if little_endian
-                else _ElementGeometryListCodec_layout_2.read_big
-            )
-            records_1 = (
-                _ElementGeometryListCodec_layout.records_little
-                if little_endian
-                else _ElementGeometryListCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: ElementGeometryList = [
-                Geometry3D(
-                    Pose3D(
-                        Point3D(pose_position_x, pose_position_y, pose_position_z),
-                        Orientation3D(
-                            pose_orientation_r,
-                            pose_orientation_p,
-                            pose_orientation_y,
-                        ),
-                    ),
-                    Size3D(size_l, size_w, size_h),
-                )
-                for pose_position_x, pose_position_y, pose_position_z, pose_orientation_r, pose_orientation_p, pose_orientation_y, size_l, size_w, size_h in records_1(
-                    value,
-                )
-            ]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                ElementGeometryListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: ElementGeometryList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(ElementGeometryListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> ElementGeometryList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: ElementGeometryList = from_xcdr2(
-            ElementGeometryListCodec,
-            data,
-            little_endian,
-        )
-        return value
+    _descriptor_: ClassVar = _ElementGeometryList_alias
 
 
-_RangerGeometry_layout = Fixed("ddddddddd")
-_RangerGeometry_layout_2 = Layout("=dddddddddI", "@4 *72s/8")
-
-
-@dataclass(slots=True)
 class RangerGeometry(Aggregated):
     """Where a range sensor and its elements are mounted."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/RangerGeometry:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::RangerGeometry",
-        (
-            MemberDescriptor("geometry", Geometry3D._descriptor_),
-            MemberDescriptor("elementGeometries", _ElementGeometryList_alias),
-        ),
+        geometry=Geometry3D,
+        elementGeometries=_ElementGeometryList_alias,
     )
 
     geometry: Geometry3D = field(default_factory=Geometry3D)
     elementGeometries: ElementGeometryList = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _RangerGeometry_layout.pack_little
-                if little_endian
-                else _RangerGeometry_layout.pack_big
-            )
-            pack = (
-                _RangerGeometry_layout_2.pack_little
-                if little_endian
-                else _RangerGeometry_layout_2.pack_big
-            )
-            geometry = self.geometry
-            geometry_pose = geometry.pose
-            geometry_pose_position = geometry_pose.position
-            geometry_pose_orientation = geometry_pose.orientation
-            geometry_size = geometry.size
-            elementGeometries = self.elementGeometries
-            n_elementGeometries = len(elementGeometries)
-            octets_elementGeometries = b"".join(
-                [
-                    pack_1(
-                        item.pose.position.x,
-                        item.pose.position.y,
-                        item.pose.position.z,
-                        item.pose.orientation.r,
-                        item.pose.orientation.p,
-                        item.pose.orientation.y,
-                        item.size.l,
-                        item.size.w,
-                        item.size.h,
-                    )
-                    for item in elementGeometries
-                ],
-            )
-            return pack[n_elementGeometries](
-                geometry_pose_position.x,
-                geometry_pose_position.y,
-                geometry_pose_position.z,
-                geometry_pose_orientation.r,
-                geometry_pose_orientation.p,
-                geometry_pose_orientation.y,
-                geometry_size.l,
-                geometry_size.w,
-                geometry_size.h,
-                n_elementGeometries,
-                octets_elementGeometries,
-            )
-        except FAILURES as failure:
-            raise encoding_error(RangerGeometry, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _RangerGeometry_layout_2.read_little
-                if little_endian
-                else _RangerGeometry_layout_2.read_big
-            )
-            records_1 = (
-                _RangerGeometry_layout.records_little
-                if little_endian
-                else _RangerGeometry_layout.records_big
-            )
-            (
-                geometry_pose_position_x,
-                geometry_pose_position_y,
-                geometry_pose_position_z,
-                geometry_pose_orientation_r,
-                geometry_pose_orientation_p,
-                geometry_pose_orientation_y,
-                geometry_size_l,
-                geometry_size_w,
-                geometry_size_h,
-                n_elementGeometries,
-            ) = read_1(data)
-            unpack, size = read_2[n_elementGeometries]
-            (elementGeometries,) = unpack(data, 76)
-            offset = 76 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Geometry3D(
-                    Pose3D(
-                        Point3D(
-                            geometry_pose_position_x,
-                            geometry_pose_position_y,
-                            geometry_pose_position_z,
-                        ),
-                        Orientation3D(
-                            geometry_pose_orientation_r,
-                            geometry_pose_orientation_p,
-                            geometry_pose_orientation_y,
-                        ),
-                    ),
-                    Size3D(geometry_size_l, geometry_size_w, geometry_size_h),
-                ),
-                [
-                    Geometry3D(
-                        Pose3D(
-                            Point3D(pose_position_x, pose_position_y, pose_position_z),
-                            Orientation3D(
-                                pose_orientation_r,
-                                pose_orientation_p,
-                                pose_orientation_y,
-                            ),
-                        ),
-                        Size3D(size_l, size_w, size_h),
-                    )
-                    for pose_position_x, pose_position_y, pose_position_z, pose_orientation_r, pose_orientation_p, pose_orientation_y, size_l, size_w, size_h in records_1(
-                        elementGeometries,
-                    )
-                ],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> RangerGeometry:
-        geometry = self.geometry
-        geometry_pose = geometry.pose
-        geometry_pose_position = geometry_pose.position
-        geometry_pose_orientation = geometry_pose.orientation
-        geometry_size = geometry.size
-        return RangerGeometry(
-            Geometry3D(
-                Pose3D(
-                    Point3D(
-                        geometry_pose_position.x,
-                        geometry_pose_position.y,
-                        geometry_pose_position.z,
-                    ),
-                    Orientation3D(
-                        geometry_pose_orientation.r,
-                        geometry_pose_orientation.p,
-                        geometry_pose_orientation.y,
-                    ),
-                ),
-                Size3D(geometry_size.l, geometry_size.w, geometry_size.h),
-            ),
-            [
-                Geometry3D(
-                    Pose3D(
-                        Point3D(
-                            item.pose.position.x,
-                            item.pose.position.y,
-                            item.pose.position.z,
-                        ),
-                        Orientation3D(
-                            item.pose.orientation.r,
-                            item.pose.orientation.p,
-                            item.pose.orientation.y,
-                        ),
-                    ),
-                    Size3D(item.size.l, item.size.w, item.size.h),
-                )
-                for item in self.elementGeometries
-            ],
-        )
-
-
-_RangerConfig_layout = Fixed("ddddddd")
-
-
-@dataclass(slots=True)
 class RangerConfig(Aggregated):
     """The settings of a range sensor."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/RangerConfig:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::RangerConfig",
-        (
-            MemberDescriptor("minAngle", PrimitiveDescriptor("double")),
-            MemberDescriptor("maxAngle", PrimitiveDescriptor("double")),
-            MemberDescriptor("angularRes", PrimitiveDescriptor("double")),
-            MemberDescriptor("minRange", PrimitiveDescriptor("double")),
-            MemberDescriptor("maxRange", PrimitiveDescriptor("double")),
-            MemberDescriptor("rangeRes", PrimitiveDescriptor("double")),
-            MemberDescriptor("frequency", PrimitiveDescriptor("double")),
-        ),
+        minAngle=idl.DOUBLE,
+        maxAngle=idl.DOUBLE,
+        angularRes=idl.DOUBLE,
+        minRange=idl.DOUBLE,
+        maxRange=idl.DOUBLE,
+        rangeRes=idl.DOUBLE,
+        frequency=idl.DOUBLE,
     )
 
     minAngle: float = 0.0
@@ -7041,157 +1047,27 @@ class RangerConfig(Aggregated):
     frequency: float = 0.0
     """Scans [Hz]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _RangerConfig_layout.pack_little
-                if little_endian
-                else _RangerConfig_layout.pack_big
-            )
-            return pack(
-                self.minAngle,
-                self.maxAngle,
-                self.angularRes,
-                self.minRange,
-                self.maxRange,
-                self.rangeRes,
-                self.frequency,
-            )
-        except FAILURES as failure:
-            raise encoding_error(RangerConfig, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _RangerConfig_layout.unpack_little
-                if little_endian
-                else _RangerConfig_layout.unpack_big
-            )
-            (
-                minAngle,
-                maxAngle,
-                angularRes,
-                minRange,
-                maxRange,
-                rangeRes,
-                frequency,
-            ) = unpack(data)
-            return cls(
-                minAngle,
-                maxAngle,
-                angularRes,
-                minRange,
-                maxRange,
-                rangeRes,
-                frequency,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> RangerConfig:
-        return RangerConfig(
-            self.minAngle,
-            self.maxAngle,
-            self.angularRes,
-            self.minRange,
-            self.maxRange,
-            self.rangeRes,
-            self.frequency,
-        )
-
 
 RangeList: TypeAlias = list[float]
 """Ranges [m]."""
-_RangeList_alias = AliasDescriptor(
-    "IDL:RTC/RangeList:1.0",
-    "RTC::RangeList",
-    SequenceDescriptor(PrimitiveDescriptor("double")),
-)
+_RangeList_alias = idl.alias("RTC::RangeList", idl.sequence(idl.DOUBLE))
 
 
-_RangeListCodec_layout = Layout("=I", "@4 *d")
-
-
-class RangeListCodec:
+class RangeListCodec(AliasCodec[RangeList]):
     """The codec of `RTC::RangeList`."""
 
-    _descriptor_ = _RangeList_alias
-
-    @staticmethod
-    def to_cdr(value: RangeList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _RangeListCodec_layout.pack_little
-                if little_endian
-                else _RangeListCodec_layout.pack_big
-            )
-            n_value = len(value)
-            return pack[n_value](n_value, *value)
-        except FAILURES as failure:
-            raise encoding_error(RangeListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> RangeList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _RangeListCodec_layout.read_little
-                if little_endian
-                else _RangeListCodec_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            value = list(unpack(data, 4))
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: RangeList = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                RangeListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: RangeList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(RangeListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> RangeList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: RangeList = from_xcdr2(RangeListCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _RangeList_alias
 
 
-_RangeData_layout = Fixed("ddddddddd")
-_RangeData_layout_2 = Layout(
-    "=III",
-    "@4 *d d d d d d d d d d I",
-    "@4 *72s/8 d d d d d d d",
-)
-
-
-@dataclass(slots=True)
 class RangeData(Aggregated):
     """One scan of a range sensor."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/RangeData:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::RangeData",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("ranges", _RangeList_alias),
-            MemberDescriptor("geometry", RangerGeometry._descriptor_),
-            MemberDescriptor("config", RangerConfig._descriptor_),
-        ),
+        tm=Time,
+        ranges=_RangeList_alias,
+        geometry=RangerGeometry,
+        config=RangerConfig,
     )
 
     tm: Time = field(default_factory=Time)
@@ -7200,327 +1076,27 @@ class RangeData(Aggregated):
     geometry: RangerGeometry = field(default_factory=RangerGeometry)
     config: RangerConfig = field(default_factory=RangerConfig)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _RangeData_layout.pack_little
-                if little_endian
-                else _RangeData_layout.pack_big
-            )
-            pack = (
-                _RangeData_layout_2.pack_little
-                if little_endian
-                else _RangeData_layout_2.pack_big
-            )
-            tm = self.tm
-            ranges = self.ranges
-            n_ranges = len(ranges)
-            geometry = self.geometry
-            geometry_geometry = geometry.geometry
-            geometry_geometry_pose = geometry_geometry.pose
-            geometry_geometry_pose_position = geometry_geometry_pose.position
-            geometry_geometry_pose_orientati = geometry_geometry_pose.orientation
-            geometry_geometry_size = geometry_geometry.size
-            geometry_elementGeometries = geometry.elementGeometries
-            n_geometry_elementGeometries = len(geometry_elementGeometries)
-            octets_geometry_elementGeometrie = b"".join(
-                [
-                    pack_1(
-                        item.pose.position.x,
-                        item.pose.position.y,
-                        item.pose.position.z,
-                        item.pose.orientation.r,
-                        item.pose.orientation.p,
-                        item.pose.orientation.y,
-                        item.size.l,
-                        item.size.w,
-                        item.size.h,
-                    )
-                    for item in geometry_elementGeometries
-                ],
-            )
-            config = self.config
-            return pack[n_ranges, n_geometry_elementGeometries](
-                tm.sec,
-                tm.nsec,
-                n_ranges,
-                *ranges,
-                geometry_geometry_pose_position.x,
-                geometry_geometry_pose_position.y,
-                geometry_geometry_pose_position.z,
-                geometry_geometry_pose_orientati.r,
-                geometry_geometry_pose_orientati.p,
-                geometry_geometry_pose_orientati.y,
-                geometry_geometry_size.l,
-                geometry_geometry_size.w,
-                geometry_geometry_size.h,
-                n_geometry_elementGeometries,
-                octets_geometry_elementGeometrie,
-                config.minAngle,
-                config.maxAngle,
-                config.angularRes,
-                config.minRange,
-                config.maxRange,
-                config.rangeRes,
-                config.frequency,
-            )
-        except FAILURES as failure:
-            raise encoding_error(RangeData, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _RangeData_layout_2.read_little
-                if little_endian
-                else _RangeData_layout_2.read_big
-            )
-            records_1 = (
-                _RangeData_layout.records_little
-                if little_endian
-                else _RangeData_layout.records_big
-            )
-            tm_sec, tm_nsec, n_ranges = read_1(data)
-            unpack, size = read_2[n_ranges]
-            (
-                *ranges,
-                geometry_geometry_pose_position_,
-                geometry_geometry_pose_position__,
-                geometry_geometry_pose_position___,
-                geometry_geometry_pose_orientati,
-                geometry_geometry_pose_orientati_,
-                geometry_geometry_pose_orientati__,
-                geometry_geometry_size_l,
-                geometry_geometry_size_w,
-                geometry_geometry_size_h,
-                n_geometry_elementGeometries,
-            ) = unpack(data, 12)
-            offset = 12 + size
-            unpack, size = read_3[n_geometry_elementGeometries]
-            (
-                geometry_elementGeometries,
-                config_minAngle,
-                config_maxAngle,
-                config_angularRes,
-                config_minRange,
-                config_maxRange,
-                config_rangeRes,
-                config_frequency,
-            ) = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                ranges,
-                RangerGeometry(
-                    Geometry3D(
-                        Pose3D(
-                            Point3D(
-                                geometry_geometry_pose_position_,
-                                geometry_geometry_pose_position__,
-                                geometry_geometry_pose_position___,
-                            ),
-                            Orientation3D(
-                                geometry_geometry_pose_orientati,
-                                geometry_geometry_pose_orientati_,
-                                geometry_geometry_pose_orientati__,
-                            ),
-                        ),
-                        Size3D(
-                            geometry_geometry_size_l,
-                            geometry_geometry_size_w,
-                            geometry_geometry_size_h,
-                        ),
-                    ),
-                    [
-                        Geometry3D(
-                            Pose3D(
-                                Point3D(
-                                    pose_position_x,
-                                    pose_position_y,
-                                    pose_position_z,
-                                ),
-                                Orientation3D(
-                                    pose_orientation_r,
-                                    pose_orientation_p,
-                                    pose_orientation_y,
-                                ),
-                            ),
-                            Size3D(size_l, size_w, size_h),
-                        )
-                        for pose_position_x, pose_position_y, pose_position_z, pose_orientation_r, pose_orientation_p, pose_orientation_y, size_l, size_w, size_h in records_1(
-                            geometry_elementGeometries,
-                        )
-                    ],
-                ),
-                RangerConfig(
-                    config_minAngle,
-                    config_maxAngle,
-                    config_angularRes,
-                    config_minRange,
-                    config_maxRange,
-                    config_rangeRes,
-                    config_frequency,
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> RangeData:
-        tm = self.tm
-        geometry = self.geometry
-        geometry_geometry = geometry.geometry
-        geometry_geometry_pose = geometry_geometry.pose
-        geometry_geometry_pose_position = geometry_geometry_pose.position
-        geometry_geometry_pose_orientati = geometry_geometry_pose.orientation
-        geometry_geometry_size = geometry_geometry.size
-        config = self.config
-        return RangeData(
-            Time(tm.sec, tm.nsec),
-            list(self.ranges),
-            RangerGeometry(
-                Geometry3D(
-                    Pose3D(
-                        Point3D(
-                            geometry_geometry_pose_position.x,
-                            geometry_geometry_pose_position.y,
-                            geometry_geometry_pose_position.z,
-                        ),
-                        Orientation3D(
-                            geometry_geometry_pose_orientati.r,
-                            geometry_geometry_pose_orientati.p,
-                            geometry_geometry_pose_orientati.y,
-                        ),
-                    ),
-                    Size3D(
-                        geometry_geometry_size.l,
-                        geometry_geometry_size.w,
-                        geometry_geometry_size.h,
-                    ),
-                ),
-                [
-                    Geometry3D(
-                        Pose3D(
-                            Point3D(
-                                item.pose.position.x,
-                                item.pose.position.y,
-                                item.pose.position.z,
-                            ),
-                            Orientation3D(
-                                item.pose.orientation.r,
-                                item.pose.orientation.p,
-                                item.pose.orientation.y,
-                            ),
-                        ),
-                        Size3D(item.size.l, item.size.w, item.size.h),
-                    )
-                    for item in geometry.elementGeometries
-                ],
-            ),
-            RangerConfig(
-                config.minAngle,
-                config.maxAngle,
-                config.angularRes,
-                config.minRange,
-                config.maxRange,
-                config.rangeRes,
-                config.frequency,
-            ),
-        )
-
 
 IntensityList: TypeAlias = list[float]
 """Intensities, 0 to 1."""
-_IntensityList_alias = AliasDescriptor(
-    "IDL:RTC/IntensityList:1.0",
-    "RTC::IntensityList",
-    SequenceDescriptor(PrimitiveDescriptor("double")),
-)
+_IntensityList_alias = idl.alias("RTC::IntensityList", idl.sequence(idl.DOUBLE))
 
 
-_IntensityListCodec_layout = Layout("=I", "@4 *d")
-
-
-class IntensityListCodec:
+class IntensityListCodec(AliasCodec[IntensityList]):
     """The codec of `RTC::IntensityList`."""
 
-    _descriptor_ = _IntensityList_alias
-
-    @staticmethod
-    def to_cdr(value: IntensityList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _IntensityListCodec_layout.pack_little
-                if little_endian
-                else _IntensityListCodec_layout.pack_big
-            )
-            n_value = len(value)
-            return pack[n_value](n_value, *value)
-        except FAILURES as failure:
-            raise encoding_error(IntensityListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> IntensityList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _IntensityListCodec_layout.read_little
-                if little_endian
-                else _IntensityListCodec_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            value = list(unpack(data, 4))
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: IntensityList = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                IntensityListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: IntensityList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(IntensityListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> IntensityList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: IntensityList = from_xcdr2(IntensityListCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _IntensityList_alias
 
 
-_IntensityData_layout = Fixed("ddddddddd")
-_IntensityData_layout_2 = Layout(
-    "=III",
-    "@4 *d d d d d d d d d d I",
-    "@4 *72s/8 d d d d d d d",
-)
-
-
-@dataclass(slots=True)
 class IntensityData(Aggregated):
     """The intensities of one scan of a range sensor."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/IntensityData:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::IntensityData",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("intensities", _IntensityList_alias),
-            MemberDescriptor("geometry", RangerGeometry._descriptor_),
-            MemberDescriptor("config", RangerConfig._descriptor_),
-        ),
+        tm=Time,
+        intensities=_IntensityList_alias,
+        geometry=RangerGeometry,
+        config=RangerConfig,
     )
 
     tm: Time = field(default_factory=Time)
@@ -7529,411 +1105,27 @@ class IntensityData(Aggregated):
     geometry: RangerGeometry = field(default_factory=RangerGeometry)
     config: RangerConfig = field(default_factory=RangerConfig)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _IntensityData_layout.pack_little
-                if little_endian
-                else _IntensityData_layout.pack_big
-            )
-            pack = (
-                _IntensityData_layout_2.pack_little
-                if little_endian
-                else _IntensityData_layout_2.pack_big
-            )
-            tm = self.tm
-            intensities = self.intensities
-            n_intensities = len(intensities)
-            geometry = self.geometry
-            geometry_geometry = geometry.geometry
-            geometry_geometry_pose = geometry_geometry.pose
-            geometry_geometry_pose_position = geometry_geometry_pose.position
-            geometry_geometry_pose_orientati = geometry_geometry_pose.orientation
-            geometry_geometry_size = geometry_geometry.size
-            geometry_elementGeometries = geometry.elementGeometries
-            n_geometry_elementGeometries = len(geometry_elementGeometries)
-            octets_geometry_elementGeometrie = b"".join(
-                [
-                    pack_1(
-                        item.pose.position.x,
-                        item.pose.position.y,
-                        item.pose.position.z,
-                        item.pose.orientation.r,
-                        item.pose.orientation.p,
-                        item.pose.orientation.y,
-                        item.size.l,
-                        item.size.w,
-                        item.size.h,
-                    )
-                    for item in geometry_elementGeometries
-                ],
-            )
-            config = self.config
-            return pack[n_intensities, n_geometry_elementGeometries](
-                tm.sec,
-                tm.nsec,
-                n_intensities,
-                *intensities,
-                geometry_geometry_pose_position.x,
-                geometry_geometry_pose_position.y,
-                geometry_geometry_pose_position.z,
-                geometry_geometry_pose_orientati.r,
-                geometry_geometry_pose_orientati.p,
-                geometry_geometry_pose_orientati.y,
-                geometry_geometry_size.l,
-                geometry_geometry_size.w,
-                geometry_geometry_size.h,
-                n_geometry_elementGeometries,
-                octets_geometry_elementGeometrie,
-                config.minAngle,
-                config.maxAngle,
-                config.angularRes,
-                config.minRange,
-                config.maxRange,
-                config.rangeRes,
-                config.frequency,
-            )
-        except FAILURES as failure:
-            raise encoding_error(IntensityData, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _IntensityData_layout_2.read_little
-                if little_endian
-                else _IntensityData_layout_2.read_big
-            )
-            records_1 = (
-                _IntensityData_layout.records_little
-                if little_endian
-                else _IntensityData_layout.records_big
-            )
-            tm_sec, tm_nsec, n_intensities = read_1(data)
-            unpack, size = read_2[n_intensities]
-            (
-                *intensities,
-                geometry_geometry_pose_position_,
-                geometry_geometry_pose_position__,
-                geometry_geometry_pose_position___,
-                geometry_geometry_pose_orientati,
-                geometry_geometry_pose_orientati_,
-                geometry_geometry_pose_orientati__,
-                geometry_geometry_size_l,
-                geometry_geometry_size_w,
-                geometry_geometry_size_h,
-                n_geometry_elementGeometries,
-            ) = unpack(data, 12)
-            offset = 12 + size
-            unpack, size = read_3[n_geometry_elementGeometries]
-            (
-                geometry_elementGeometries,
-                config_minAngle,
-                config_maxAngle,
-                config_angularRes,
-                config_minRange,
-                config_maxRange,
-                config_rangeRes,
-                config_frequency,
-            ) = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                intensities,
-                RangerGeometry(
-                    Geometry3D(
-                        Pose3D(
-                            Point3D(
-                                geometry_geometry_pose_position_,
-                                geometry_geometry_pose_position__,
-                                geometry_geometry_pose_position___,
-                            ),
-                            Orientation3D(
-                                geometry_geometry_pose_orientati,
-                                geometry_geometry_pose_orientati_,
-                                geometry_geometry_pose_orientati__,
-                            ),
-                        ),
-                        Size3D(
-                            geometry_geometry_size_l,
-                            geometry_geometry_size_w,
-                            geometry_geometry_size_h,
-                        ),
-                    ),
-                    [
-                        Geometry3D(
-                            Pose3D(
-                                Point3D(
-                                    pose_position_x,
-                                    pose_position_y,
-                                    pose_position_z,
-                                ),
-                                Orientation3D(
-                                    pose_orientation_r,
-                                    pose_orientation_p,
-                                    pose_orientation_y,
-                                ),
-                            ),
-                            Size3D(size_l, size_w, size_h),
-                        )
-                        for pose_position_x, pose_position_y, pose_position_z, pose_orientation_r, pose_orientation_p, pose_orientation_y, size_l, size_w, size_h in records_1(
-                            geometry_elementGeometries,
-                        )
-                    ],
-                ),
-                RangerConfig(
-                    config_minAngle,
-                    config_maxAngle,
-                    config_angularRes,
-                    config_minRange,
-                    config_maxRange,
-                    config_rangeRes,
-                    config_frequency,
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> IntensityData:
-        tm = self.tm
-        geometry = self.geometry
-        geometry_geometry = geometry.geometry
-        geometry_geometry_pose = geometry_geometry.pose
-        geometry_geometry_pose_position = geometry_geometry_pose.position
-        geometry_geometry_pose_orientati = geometry_geometry_pose.orientation
-        geometry_geometry_size = geometry_geometry.size
-        config = self.config
-        return IntensityData(
-            Time(tm.sec, tm.nsec),
-            list(self.intensities),
-            RangerGeometry(
-                Geometry3D(
-                    Pose3D(
-                        Point3D(
-                            geometry_geometry_pose_position.x,
-                            geometry_geometry_pose_position.y,
-                            geometry_geometry_pose_position.z,
-                        ),
-                        Orientation3D(
-                            geometry_geometry_pose_orientati.r,
-                            geometry_geometry_pose_orientati.p,
-                            geometry_geometry_pose_orientati.y,
-                        ),
-                    ),
-                    Size3D(
-                        geometry_geometry_size.l,
-                        geometry_geometry_size.w,
-                        geometry_geometry_size.h,
-                    ),
-                ),
-                [
-                    Geometry3D(
-                        Pose3D(
-                            Point3D(
-                                item.pose.position.x,
-                                item.pose.position.y,
-                                item.pose.position.z,
-                            ),
-                            Orientation3D(
-                                item.pose.orientation.r,
-                                item.pose.orientation.p,
-                                item.pose.orientation.y,
-                            ),
-                        ),
-                        Size3D(item.size.l, item.size.w, item.size.h),
-                    )
-                    for item in geometry.elementGeometries
-                ],
-            ),
-            RangerConfig(
-                config.minAngle,
-                config.maxAngle,
-                config.angularRes,
-                config.minRange,
-                config.maxRange,
-                config.rangeRes,
-                config.frequency,
-            ),
-        )
-
 
 MulticameraInfoList: TypeAlias = list[CameraInfo]
 """Calibrations, one for each camera."""
-_MulticameraInfoList_alias = AliasDescriptor(
-    "IDL:RTC/MulticameraInfoList:1.0",
+_MulticameraInfoList_alias = idl.alias(
     "RTC::MulticameraInfoList",
-    SequenceDescriptor(CameraInfo._descriptor_),
+    idl.sequence(CameraInfo),
 )
 
 
-_MulticameraInfoListCodec_layout = Fixed("dddddddd")
-_MulticameraInfoListCodec_layout_2 = Layout("=I", "@4 *64s/8")
-
-
-class MulticameraInfoListCodec:
+class MulticameraInfoListCodec(AliasCodec[MulticameraInfoList]):
     """The codec of `RTC::MulticameraInfoList`."""
 
-    _descriptor_ = _MulticameraInfoList_alias
-
-    @staticmethod
-    def to_cdr(value: MulticameraInfoList, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _MulticameraInfoListCodec_layout.pack_little
-                if little_endian
-                else _MulticameraInfoListCodec_layout.pack_big
-            )
-            pack = (
-                _MulticameraInfoListCodec_layout_2.pack_little
-                if little_endian
-                else _MulticameraInfoListCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join(
-                [
-                    pack_1(
-                        item.focalLength.x,
-                        item.focalLength.y,
-                        item.principalPoint.x,
-                        item.principalPoint.y,
-                        item.k1,
-                        item.k2,
-                        item.p1,
-                        item.p2,
-                    )
-                    for item in value
-                ],
-            )
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(MulticameraInfoListCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> MulticameraInfoList:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _MulticameraInfoListCodec_layout_2.read_little
-                if little_endian
-                else _MulticameraInfoListCodec_layout_2.read_big
-            )
-            records_1 = (
-                _MulticameraInfoListCodec_layout.records_little
-                if little_endian
-                else _MulticameraInfoListCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: MulticameraInfoList = [
-                CameraInfo(
-                    Vector2D(focalLength_x, focalLength_y),
-                    Point2D(principalPoint_x, principalPoint_y),
-                    k1,
-                    k2,
-                    p1,
-                    p2,
-                )
-                for focalLength_x, focalLength_y, principalPoint_x, principalPoint_y, k1, k2, p1, p2 in records_1(
-                    value,
-                )
-            ]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                MulticameraInfoListCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: MulticameraInfoList, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(MulticameraInfoListCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> MulticameraInfoList:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: MulticameraInfoList = from_xcdr2(
-            MulticameraInfoListCodec,
-            data,
-            little_endian,
-        )
-        return value
+    _descriptor_: ClassVar = _MulticameraInfoList_alias
 
 
 RFIDTagData: TypeAlias = bytes
 """What an RFID tag holds."""
-_RFIDTagData_alias = AliasDescriptor(
-    "IDL:RTC/RFIDTagData:1.0",
-    "RTC::RFIDTagData",
-    SequenceDescriptor(PrimitiveDescriptor("octet")),
-)
+_RFIDTagData_alias = idl.alias("RTC::RFIDTagData", idl.sequence(idl.OCTET))
 
 
-_RFIDTagDataCodec_layout = Layout("=I", "@4 *s")
-
-
-class RFIDTagDataCodec:
+class RFIDTagDataCodec(AliasCodec[RFIDTagData]):
     """The codec of `RTC::RFIDTagData`."""
 
-    _descriptor_ = _RFIDTagData_alias
-
-    @staticmethod
-    def to_cdr(value: RFIDTagData, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _RFIDTagDataCodec_layout.pack_little
-                if little_endian
-                else _RFIDTagDataCodec_layout.pack_big
-            )
-            n_value = len(value)
-            return pack[n_value](n_value, value)
-        except FAILURES as failure:
-            raise encoding_error(RFIDTagDataCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> RFIDTagData:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _RFIDTagDataCodec_layout.read_little
-                if little_endian
-                else _RFIDTagDataCodec_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: RFIDTagData = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                RFIDTagDataCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: RFIDTagData, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(RFIDTagDataCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> RFIDTagData:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: RFIDTagData = from_xcdr2(RFIDTagDataCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _RFIDTagData_alias

@@ -4,48 +4,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
 
 from .basic_data_type import Time
 from .extended_data_types import Point2D
 
-_TimedPoint2DSeq_layout = Fixed("dd")
-_TimedPoint2DSeq_layout_2 = Layout("=III", "@4 *i I", "*16s/8 I", "*d")
 
-
-@dataclass(slots=True)
 class TimedPoint2DSeq(Aggregated):
     """Points where something stands, in the frame of the body (x forward, y to the left)."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:IIS/TimedPoint2DSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "IIS::TimedPoint2DSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            MemberDescriptor("data", SequenceDescriptor(Point2D._descriptor_)),
-            MemberDescriptor(
-                "error",
-                SequenceDescriptor(PrimitiveDescriptor("double")),
-            ),
-        ),
+        tm=Time,
+        id=idl.sequence(idl.LONG),
+        data=idl.sequence(Point2D),
+        error=idl.sequence(idl.DOUBLE),
     )
 
     tm: Time = field(default_factory=Time)
@@ -56,81 +33,3 @@ class TimedPoint2DSeq(Aggregated):
     """The points [m]."""
     error: list[float] = field(default_factory=list)
     """Error information, free for the application."""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _TimedPoint2DSeq_layout.pack_little
-                if little_endian
-                else _TimedPoint2DSeq_layout.pack_big
-            )
-            pack = (
-                _TimedPoint2DSeq_layout_2.pack_little
-                if little_endian
-                else _TimedPoint2DSeq_layout_2.pack_big
-            )
-            tm = self.tm
-            id = self.id
-            n_id = len(id)
-            data_ = self.data
-            n_data = len(data_)
-            octets_data = b"".join([pack_1(item.x, item.y) for item in data_])
-            error = self.error
-            n_error = len(error)
-            return pack[n_id, n_data, n_error](
-                tm.sec,
-                tm.nsec,
-                n_id,
-                *id,
-                n_data,
-                octets_data,
-                n_error,
-                *error,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedPoint2DSeq, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3, read_4 = (
-                _TimedPoint2DSeq_layout_2.read_little
-                if little_endian
-                else _TimedPoint2DSeq_layout_2.read_big
-            )
-            records_1 = (
-                _TimedPoint2DSeq_layout.records_little
-                if little_endian
-                else _TimedPoint2DSeq_layout.records_big
-            )
-            tm_sec, tm_nsec, n_id = read_1(data)
-            unpack, size = read_2[n_id]
-            *id, n_data = unpack(data, 12)
-            offset = 12 + size
-            unpack, size = read_3[n_data << 3 | offset & 7]
-            data_, n_error = unpack(data, offset)
-            offset += size
-            unpack, size = read_4[n_error << 3 | offset & 7]
-            error = list(unpack(data, offset))
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                id,
-                [Point2D(x, y) for x, y in records_1(data_)],
-                error,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPoint2DSeq:
-        tm = self.tm
-        return TimedPoint2DSeq(
-            Time(tm.sec, tm.nsec),
-            list(self.id),
-            [Point2D(item.x, item.y) for item in self.data],
-            list(self.error),
-        )

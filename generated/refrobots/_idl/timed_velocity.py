@@ -4,41 +4,23 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
 
 from .basic_data_type import Time
 
-_TimedVelocity_layout = Fixed("IIdd")
 
-
-@dataclass(slots=True)
 class TimedVelocity(Aggregated):
     """Velocity of a robot that moves forward and turns, in the frame of its body."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedVelocity:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedVelocity",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("v", PrimitiveDescriptor("double")),
-            MemberDescriptor("w", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        v=idl.DOUBLE,
+        w=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -46,34 +28,3 @@ class TimedVelocity(Aggregated):
     """In the direction of travel [m/s]."""
     w: float = 0.0
     """Turning counter-clockwise [rad/s]."""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedVelocity_layout.pack_little
-                if little_endian
-                else _TimedVelocity_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.v, self.w)
-        except FAILURES as failure:
-            raise encoding_error(TimedVelocity, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedVelocity_layout.unpack_little
-                if little_endian
-                else _TimedVelocity_layout.unpack_big
-            )
-            tm_sec, tm_nsec, v, w = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), v, w)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedVelocity:
-        tm = self.tm
-        return TimedVelocity(Time(tm.sec, tm.nsec), self.v, self.w)

@@ -4,114 +4,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self, TypeAlias
+from msgspec import field
+from typing import ClassVar, TypeAlias
 
-from rtgen.runtime.cdr import (
-    BOOLEAN,
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    PhasedLayout,
-    Settled,
-    decoding_error,
-    encoding_error,
-    from_xcdr2,
-    to_xcdr2,
-)
-from rtgen.runtime.cdr_values import exact, text_octets, text_value
-from rtgen.runtime.descriptors import (
-    AliasDescriptor,
-    ArrayDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, AliasCodec
 
 from .basic_data_type import Time
 from .extended_data_types import Point2D
 
 Identifier: TypeAlias = bytes
 """The identifier of a marker: 128 bits, the highest octet first."""
-_Identifier_alias = AliasDescriptor(
-    "IDL:Ucode/Identifier:1.0",
-    "Ucode::Identifier",
-    ArrayDescriptor(PrimitiveDescriptor("octet"), (16,)),
-)
+_Identifier_alias = idl.alias("Ucode::Identifier", idl.array(idl.OCTET, 16))
 
 
-_IdentifierCodec_layout = Fixed("16s")
-
-
-class IdentifierCodec:
+class IdentifierCodec(AliasCodec[Identifier]):
     """The codec of `Ucode::Identifier`."""
 
-    _descriptor_ = _Identifier_alias
-
-    @staticmethod
-    def to_cdr(value: Identifier, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _IdentifierCodec_layout.pack_little
-                if little_endian
-                else _IdentifierCodec_layout.pack_big
-            )
-            return pack(exact(value, 16))
-        except FAILURES as failure:
-            raise encoding_error(IdentifierCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> Identifier:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _IdentifierCodec_layout.unpack_little
-                if little_endian
-                else _IdentifierCodec_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            made: Identifier = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                IdentifierCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: Identifier, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(IdentifierCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Identifier:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Identifier = from_xcdr2(IdentifierCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _Identifier_alias
 
 
-_Sighting_layout = Fixed("16sdd")
-
-
-@dataclass(slots=True)
 class Sighting(Aggregated):
     """A marker in view."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ucode/Sighting:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Ucode::Sighting",
-        (
-            MemberDescriptor("code", _Identifier_alias),
-            MemberDescriptor("distance", PrimitiveDescriptor("double")),
-            MemberDescriptor("bearing", PrimitiveDescriptor("double")),
-        ),
+        code=_Identifier_alias,
+        distance=idl.DOUBLE,
+        bearing=idl.DOUBLE,
     )
 
     code: Identifier = bytes(16)
@@ -121,51 +41,14 @@ class Sighting(Aggregated):
     bearing: float = 0.0
     """In which direction, from straight ahead, to the left [rad]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Sighting_layout.pack_little
-                if little_endian
-                else _Sighting_layout.pack_big
-            )
-            return pack(exact(self.code, 16), self.distance, self.bearing)
-        except FAILURES as failure:
-            raise encoding_error(Sighting, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Sighting_layout.unpack_little
-                if little_endian
-                else _Sighting_layout.unpack_big
-            )
-            code, distance, bearing = unpack(data)
-            return cls(code, distance, bearing)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Sighting:
-        return Sighting(self.code, self.distance, self.bearing)
-
-
-_TimedSightings_layout = Settled("=III")
-_TimedSightings_layout_2 = PhasedLayout("16s d d")
-
-
-@dataclass(slots=True)
 class TimedSightings(Aggregated):
     """The markers in view, the nearest first."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ucode/TimedSightings:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Ucode::TimedSightings",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SequenceDescriptor(Sighting._descriptor_, 8)),
-        ),
+        tm=Time,
+        data=idl.sequence(Sighting, 8),
     )
 
     tm: Time = field(default_factory=Time)
@@ -173,95 +56,19 @@ class TimedSightings(Aggregated):
     data: list[Sighting] = field(default_factory=list)
     """The markers."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _TimedSightings_layout.pack_little
-                if little_endian
-                else _TimedSightings_layout.pack_big
-            )
-            pack_2 = (
-                _TimedSightings_layout_2.pack_little
-                if little_endian
-                else _TimedSightings_layout_2.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            if n_data > 8:
-                raise ValueError("wrong length")
-            out += pack_1(tm.sec, tm.nsec, n_data)
-            for item_data in data_:
-                out += pack_2[len(out) & 7](
-                    exact(item_data.code, 16),
-                    item_data.distance,
-                    item_data.bearing,
-                )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(TimedSightings, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _TimedSightings_layout.read_little
-                if little_endian
-                else _TimedSightings_layout.read_big
-            )
-            (read_2,) = (
-                _TimedSightings_layout_2.read_little
-                if little_endian
-                else _TimedSightings_layout_2.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            if n_data > 8:
-                raise ValueError("wrong length")
-            offset = 12
-            if n_data * 32 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            data_ = []
-            for _ in range(n_data):
-                unpack, size = read_2[offset & 7]
-                data_code, data_distance, data_bearing = unpack(data, offset)
-                offset += size
-                data_.append(Sighting(data_code, data_distance, data_bearing))
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedSightings:
-        tm = self.tm
-        return TimedSightings(
-            Time(tm.sec, tm.nsec),
-            [Sighting(item.code, item.distance, item.bearing) for item in self.data],
-        )
-
-
-_TimedRecord_layout = Layout("=II16sBBxxI", "@0 *s d d")
-
-
-@dataclass(slots=True)
 class TimedRecord(Aggregated):
     """What is on record for a ucode."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ucode/TimedRecord:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Ucode::TimedRecord",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("code", _Identifier_alias),
-            MemberDescriptor("known", PrimitiveDescriptor("boolean")),
-            MemberDescriptor("cached", PrimitiveDescriptor("boolean")),
-            MemberDescriptor("record", StringDescriptor(bound=64)),
-            MemberDescriptor("distance", PrimitiveDescriptor("double")),
-            MemberDescriptor("bearing", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        code=_Identifier_alias,
+        known=idl.BOOLEAN,
+        cached=idl.BOOLEAN,
+        record=idl.string(64),
+        distance=idl.DOUBLE,
+        bearing=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -279,93 +86,18 @@ class TimedRecord(Aggregated):
     bearing: float = 0.0
     """In which direction, from straight ahead, to the left [rad]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedRecord_layout.pack_little
-                if little_endian
-                else _TimedRecord_layout.pack_big
-            )
-            tm = self.tm
-            record = text_octets(self.record)
-            n_record = len(record) + 1
-            if n_record > 65:
-                raise ValueError("wrong length")
-            return pack[n_record](
-                tm.sec,
-                tm.nsec,
-                exact(self.code, 16),
-                BOOLEAN[self.known],
-                BOOLEAN[self.cached],
-                n_record,
-                record,
-                self.distance,
-                self.bearing,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedRecord, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedRecord_layout.read_little
-                if little_endian
-                else _TimedRecord_layout.read_big
-            )
-            tm_sec, tm_nsec, code, known, cached, n_record = read_1(data)
-            if n_record > 65:
-                raise ValueError("wrong length")
-            unpack, size = read_2[n_record]
-            record, distance, bearing = unpack(data, 32)
-            offset = 32 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                code,
-                BOOLEAN[known],
-                BOOLEAN[cached],
-                text_value(record),
-                distance,
-                bearing,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedRecord:
-        tm = self.tm
-        return TimedRecord(
-            Time(tm.sec, tm.nsec),
-            self.code,
-            self.known,
-            self.cached,
-            self.record,
-            self.distance,
-            self.bearing,
-        )
-
-
-_TimedContents_layout = Layout("=II16sddI", "@4 *s I", "*s d")
-
-
-@dataclass(slots=True)
 class TimedContents(Aggregated):
     """What a record means."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Ucode/TimedContents:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Ucode::TimedContents",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("code", _Identifier_alias),
-            MemberDescriptor("position", Point2D._descriptor_),
-            MemberDescriptor("kind", StringDescriptor(bound=32)),
-            MemberDescriptor("name", StringDescriptor(bound=32)),
-            MemberDescriptor("distance", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        code=_Identifier_alias,
+        position=Point2D,
+        kind=idl.string(32),
+        name=idl.string(32),
+        distance=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -380,81 +112,3 @@ class TimedContents(Aggregated):
     """What it is called."""
     distance: float = 0.0
     """How far it is from the reader [m]."""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedContents_layout.pack_little
-                if little_endian
-                else _TimedContents_layout.pack_big
-            )
-            tm = self.tm
-            position = self.position
-            kind = text_octets(self.kind)
-            n_kind = len(kind) + 1
-            if n_kind > 33:
-                raise ValueError("wrong length")
-            name = text_octets(self.name)
-            n_name = len(name) + 1
-            if n_name > 33:
-                raise ValueError("wrong length")
-            return pack[n_kind, n_name](
-                tm.sec,
-                tm.nsec,
-                exact(self.code, 16),
-                position.x,
-                position.y,
-                n_kind,
-                kind,
-                n_name,
-                name,
-                self.distance,
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedContents, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _TimedContents_layout.read_little
-                if little_endian
-                else _TimedContents_layout.read_big
-            )
-            tm_sec, tm_nsec, code, position_x, position_y, n_kind = read_1(data)
-            if n_kind > 33:
-                raise ValueError("wrong length")
-            unpack, size = read_2[n_kind]
-            kind, n_name = unpack(data, 44)
-            offset = 44 + size
-            if n_name > 33:
-                raise ValueError("wrong length")
-            unpack, size = read_3[n_name << 3 | offset & 7]
-            name, distance = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                code,
-                Point2D(position_x, position_y),
-                text_value(kind),
-                text_value(name),
-                distance,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedContents:
-        tm = self.tm
-        position = self.position
-        return TimedContents(
-            Time(tm.sec, tm.nsec),
-            self.code,
-            Point2D(position.x, position.y),
-            self.kind,
-            self.name,
-            self.distance,
-        )

@@ -1,30 +1,14 @@
-"""From the types of the model to the trees that the CDR layout is worked out from."""
+"""What the types of a model are in CDR: which have a codec at all, and what theirs must care for.
+
+The codecs themselves are compiled by the runtime, from the descriptors of the types.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from typing import TypeAlias
+from collections.abc import Sequence
+from math import prod
 
-from rtgen.layouts.cdr import (
-    Atom,
-    AtomArray,
-    AtomSequence,
-    Call,
-    Dynamic,
-    Field,
-    Form,
-    Group,
-    Node,
-    Records,
-    Reference,
-    Repeat,
-    Text,
-    TextArray,
-    TextSequence,
-    fields_of,
-    fixed_format,
-    minimum_size,
-)
+from rtgen.facts.primitives import SCALARS
 from rtgen.layouts.representations import Representations, member_types
 from rtgen.model import (
     ArrayType,
@@ -33,7 +17,6 @@ from rtgen.model import (
     Case,
     Declaration,
     Enum,
-    ExceptionDecl,
     Extensibility,
     FixedType,
     Interface,
@@ -54,39 +37,7 @@ from rtgen.model import (
 )
 from rtgen.model.graphs import in_circles, leading_to
 
-ATOMS: dict[Primitive, Atom] = {
-    Primitive.SHORT: Atom("h", 2, 2),
-    Primitive.UNSIGNED_SHORT: Atom("H", 2, 2),
-    Primitive.LONG: Atom("i", 4, 4),
-    Primitive.UNSIGNED_LONG: Atom("I", 4, 4),
-    Primitive.LONG_LONG: Atom("q", 8, 8),
-    Primitive.UNSIGNED_LONG_LONG: Atom("Q", 8, 8),
-    Primitive.INT8: Atom("b", 1, 1),
-    Primitive.UINT8: Atom("B", 1, 1),
-    Primitive.OCTET: Atom("B", 1, 1),
-    Primitive.FLOAT: Atom("f", 4, 4),
-    Primitive.DOUBLE: Atom("d", 8, 8),
-    Primitive.LONG_DOUBLE: Atom("16s", 16, 8, Form.QUAD),
-    Primitive.CHAR: Atom("c", 1, 1, Form.CHARACTER),
-    Primitive.WCHAR: Atom("3s", 3, 1, Form.WIDE_CHARACTER),
-    Primitive.BOOLEAN: Atom("B", 1, 1, Form.BOOLEAN),
-}
-"""The basic types: CORBA 3.3 part 2, table 9.1; wchar as GIOP 1.2 has it (9.3.1.6)."""
-
 _DYNAMIC = frozenset((Primitive.ANY, Primitive.TYPE_CODE, Primitive.VALUE_BASE))
-
-_TEXTS = {
-    Primitive.OCTET: Text.OCTETS,
-    Primitive.UINT8: Text.OCTETS,
-    Primitive.CHAR: Text.CHARACTERS,
-}
-
-
-MOST_IN_PLACE = 128
-"""A struct of more values has a codec of its own, which those of its holders call."""
-
-MOST_LOOPS_IN_PLACE = 6
-"""The same for one with loops in loops: Python nests 20 blocks at most in a function."""
 
 MOST_LOOPS = 12
 """So deep can sequences be nested in each other without a struct or union between."""
@@ -96,20 +47,13 @@ class NotMarshalledError(Exception):
     """A type that has no layout in classic CDR, or none here; the message says which and why."""
 
 
-Rename: TypeAlias = Callable[[Struct | ExceptionDecl], Mapping[str, str]]
-"""What the members of a struct are called in the tree, by their names in the definition."""
-
-
 class CdrTypes:
-    """The trees of a model's types. Unions and some structs are calls of their own codecs."""
+    """What is known of the types of a model."""
 
-    def __init__(
-        self, model: Model, rename: Rename, representations: Representations
-    ) -> None:
+    def __init__(self, model: Model, representations: Representations) -> None:
         self._model = model
         self._representations = representations
-        self._rename = rename
-        self._nodes: dict[ScopedName, Node] = {}
+        self._least: dict[ScopedName, int] = {}
         uses = _uses(model)
         self._recursive = frozenset(in_circles(uses))
         self._places = {d.name: i for i, d in enumerate(model.declarations)}
@@ -122,13 +66,6 @@ class CdrTypes:
     def is_recursive(self, name: ScopedName) -> bool:
         """Whether values of the struct or union can contain values of the same type."""
         return name in self._recursive
-
-    def has_own_codec(self, name: ScopedName) -> bool:
-        """Whether other codecs call that of the struct: it is recursive, or large.
-
-        Raises NotMarshalledError.
-        """
-        return name in self._recursive or isinstance(self._named(name), Call)
 
     def is_unset(self, holder: Declaration, entry: Member | Case) -> bool:
         """Whether a member is None until it is set.
@@ -187,178 +124,112 @@ class CdrTypes:
             return declaration.abstract
         return isinstance(declaration, Valuetype | ValueBox)
 
-    def body(self, declaration: Struct | ExceptionDecl) -> Group:
-        """The members of a struct or exception in place, those of its bases first.
-
-        Raises NotMarshalledError.
-        """
-        inherited: tuple[tuple[str, Node], ...] = ()
-        if isinstance(declaration, Struct) and declaration.base is not None:
-            base = self._model.find(declaration.base)
-            assert isinstance(base, Struct)
-            inherited = self.body(base).members
-        names = self._rename(declaration)
-        own = tuple((names[m.name], self.node(m.type)) for m in declaration.members)
-        return Group(declaration.name, inherited + own)
-
-    def node(self, type_: Type) -> Node:
-        """The tree of a type. Raises NotMarshalledError."""
+    def check(self, type_: Type) -> int:
+        """The least number of octets that a value takes. Raises NotMarshalledError."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(Primitive.OBJECT):
-                return Reference()
+                return 8
+            case PrimitiveType(Primitive.WCHAR):
+                return 3
             case PrimitiveType(kind) if kind in _DYNAMIC:
-                return Dynamic(type_)
+                return 4
             case PrimitiveType(kind):
-                if kind not in ATOMS:
+                if kind not in SCALARS:
+                    raise NotMarshalledError(f"`{kind}` has no representation in CDR")
+                return SCALARS[kind].size
+            case StringType():
+                return 4
+            case FixedType(digits):
+                return digits // 2 + 1
+            case SequenceType(element):
+                self._check_loops(type_)
+                if self.check(element) == 0:
                     raise NotMarshalledError(
-                        f"`{kind}` is not marshalled by classic CDR codecs here"
+                        "a sequence of empty elements: its count cannot be checked"
                     )
-                return ATOMS[kind]
-            case StringType(wide, bound):
-                return TextSequence(Text.WIDE_STRING if wide else Text.STRING, bound)
-            case FixedType(digits, scale):
-                size = digits // 2 + 1
-                return Atom(f"{size}s", size, 1, Form.FIXED, None, digits, scale)
-            case SequenceType(element, bound):
-                text = self._text(element)
-                if text is not None:
-                    return TextSequence(text, bound)
-                return self._sequence(self.node(element), bound, None)
+                return 4
             case ArrayType(element, dimensions):
-                return self._array(element, dimensions)
-            case MapType(key, value, bound):
-                keys, values = self.node(key), self.node(value)
-                least = minimum_size(keys) + minimum_size(values)
-                return _checked(Repeat(values, max(least, 1), bound, key=keys))
+                self._check_loops(type_)
+                return prod(dimensions) * self.check(element)
+            case MapType(key, value):
+                self._check_loops(type_)
+                self.check(key)
+                self.check(value)
+                return 4
             case NamedType(name):
-                return self._named(name)
+                return self._check_named(name)
 
-    def _named(self, name: ScopedName) -> Node:
+    def _check_named(self, name: ScopedName) -> int:
         declaration = self._model.find(name)
         match declaration:
             case Enum():
-                return enum_atom(declaration)
-            case Bitmask(bound=bound):
-                return _bits(bound, Form.FLAGS, name)
-            case Bitset():
-                return _bits(bit_count(self._model, declaration), Form.BITS, name)
+                return 4
+            case Bitmask() | Bitset():
+                return 1
             case Valuetype(custom=True):
                 raise NotMarshalledError(
                     f"`{declaration.scoped}` is custom: its user marshals its state"
                 )
             case Valuetype() | ValueBox():
-                return Dynamic(NamedType(name))
-            case Interface(abstract=True):
-                return Dynamic(NamedType(name), 5)
+                return 4
             case Interface(local=True):
                 raise NotMarshalledError(
                     f"`{declaration.scoped}` is local: it does not leave its process"
                 )
-            case Interface():
-                return Reference()
+            case Interface(abstract=abstract):
+                return 5 if abstract else 8
             case Union():
-                return Call(name, self._switch_size(declaration))
+                return self.check(declaration.switch)
             case Struct() if name in self._recursive:
-                return Call(name, 1)
+                return 1
             case Struct():
-                if name not in self._nodes:
-                    self._nodes[name] = _called_if_large(self.body(declaration))
-                return self._nodes[name]
+                if name not in self._least:
+                    types = member_types(declaration)
+                    self._least[name] = sum(self.check(type_) for type_ in types)
+                return self._least[name]
         kind = type(declaration).__name__.lower()
         raise NotMarshalledError(
             f"`{declaration.scoped}` ({kind}) is not marshalled by CDR codecs here"
         )
 
-    def _switch_size(self, union: Union) -> int:
-        return minimum_size(self.node(union.switch))
-
-    def _text(self, element: Type) -> Text | None:
-        element = self._model.unalias(element)
-        return _TEXTS.get(element.kind) if isinstance(element, PrimitiveType) else None
-
-    def _array(self, element: Type, dimensions: tuple[int, ...]) -> Node:
-        text = self._text(element)
-        if text is not None:
-            inner: Node = TextArray(text, dimensions[-1])
-            outer = dimensions[:-1]
-        else:
-            inner, outer = self.node(element), dimensions
-            if isinstance(inner, Atom) and len(inner.code) == 1:
-                return AtomArray(inner, dimensions)
-        for length in reversed(outer):
-            inner = self._sequence(inner, None, length)
-        return inner
-
-    def _sequence(self, element: Node, bound: int | None, length: int | None) -> Node:
-        if isinstance(element, Atom) and len(element.code) == 1 and length is None:
-            return AtomSequence(element, bound)
-        fields = tuple(fields_of(element))
-        atoms = tuple(
-            f
-            for f in fields
-            if isinstance(f, Field) and isinstance(f.node, Atom | AtomArray | TextArray)
-        )
-        arrays = [f for f in atoms if isinstance(f.node, AtomArray)]
-        if len(atoms) == len(fields) and len(arrays) <= 1:
-            text, size, align, gapless = fixed_format(atoms)
-            if gapless:
-                return Records(element, atoms, text, size, align, bound, length)
-        least = minimum_size(element)
-        if least == 0 and length is None:
+    def _check_loops(self, type_: Type) -> None:
+        if self._loops(type_) > MOST_LOOPS:
             raise NotMarshalledError(
-                "a sequence of empty elements: its count cannot be checked"
+                f"sequences are nested more than {MOST_LOOPS} deep: put a struct between"
             )
-        return _checked(Repeat(element, least, bound, length))
+
+    def _loops(self, type_: Type) -> int:
+        """How deep loops are nested in a codec of the type."""
+        type_ = self._model.unalias(type_)
+        match type_:
+            case SequenceType(element):
+                return int(not self._is_fixed(element)) + self._loops(element)
+            case ArrayType(element, dimensions):
+                loops = 0 if self._is_fixed(element) else len(dimensions)
+                return loops + self._loops(element)
+            case MapType(key, value):
+                return 1 + max(self._loops(key), self._loops(value))
+        return 0
+
+    def _is_fixed(self, type_: Type) -> bool:
+        """Whether a value has one size, so that sequences of it take no loop."""
+        type_ = self._model.unalias(type_)
+        match type_:
+            case PrimitiveType(kind):
+                return kind in SCALARS or kind is Primitive.WCHAR
+            case FixedType():
+                return True
+            case ArrayType(element):
+                return self._is_fixed(element)
+            case NamedType(name):
+                return isinstance(self._model.find(name), Enum | Bitmask | Bitset)
+        return False
 
 
-def enum_atom(declaration: Enum) -> Atom:
-    """Enumerators are their values in four octets, signed where one is negative."""
-    negative = any(member.value < 0 for member in declaration.members)
-    return Atom("i" if negative else "I", 4, 4, Form.ENUMERATOR, declaration.name)
-
-
-def _called_if_large(body: Group) -> Group | Call:
-    """A struct where it is used: in place, or called if that would be much text."""
-    if _values(body) > MOST_IN_PLACE or _loops(body) > MOST_LOOPS_IN_PLACE:
-        return Call(body.name, minimum_size(body))
-    return body
-
-
-def _checked(node: Repeat) -> Repeat:
-    if _loops(node) > MOST_LOOPS:
-        raise NotMarshalledError(
-            f"sequences are nested more than {MOST_LOOPS} deep: put a struct between"
-        )
-    return node
-
-
-def _values(node: Node) -> int:
-    """How many values the text for a tree names."""
-    match node:
-        case Group(members=members):
-            return sum(_values(inner) for _, inner in members)
-        case Repeat(element=element, key=key):
-            return 1 + _values(element) + (0 if key is None else _values(key))
-        case Records(fields=fields):
-            return 1 + len(fields)
-    return 1
-
-
-def _loops(node: Node) -> int:
-    """How deep loops are nested in the text for a tree."""
-    match node:
-        case Group(members=members):
-            return max((_loops(inner) for _, inner in members), default=0)
-        case Repeat(element=element, key=key):
-            return 1 + max(_loops(element), 0 if key is None else _loops(key))
-    return 0
-
-
-def _bits(count: int, form: Form, name: ScopedName) -> Atom:
-    """The smallest unsigned integer that has so many bits."""
-    size = next(n for n in (1, 2, 4, 8) if count <= 8 * n)
-    return Atom(" BH I   Q"[size], size, size, form, name, count)
+def enum_code(declaration: Enum) -> str:
+    """The `struct` code of enumerators: four octets, signed where one is negative."""
+    return "i" if any(member.value < 0 for member in declaration.members) else "I"
 
 
 def bit_count(model: Model, bitset: Bitset) -> int:

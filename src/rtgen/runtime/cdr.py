@@ -1,27 +1,26 @@
-"""What generated codecs of classic CDR stand on: layouts, conversions, `CdrError`.
+"""The bases of generated types, and `CdrError`.
 
 CORBA 3.3 part 2, 9.3 (CDR), with strings in UTF-8 and `char` in ISO 8859-1; `wchar` and `wstring`
-in UTF-16 as omniORB 4.3 sends them under GIOP 1.2. Padding is written as zero and not looked at.
+in UTF-16 as omniORB 4.3 sends them under GIOP 1.2. Padding is zero when
+written, and ignored when read.
 
-A layout is printed into the generated module as sections of tokens. `I`, `3d`, `*i` stand for
-`struct` codes: one, three, as many as the next count says; `*48s/8` for 48 octets each, aligned
-to 8. `@4` in front says that the section begins at an offset of 4 modulo 8; `=` that padding is
-settled and the rest is a `struct` format.
+Codecs and copies are compiled from the descriptor of a type when they are first used
+(`rtgen.runtime.marshalling`).
 """
 
 from __future__ import annotations
 
-import re
 import struct
-from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import IntEnum, IntFlag
-from struct import Struct
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeAlias, TypeVar
+
+import msgspec
 
 from rtgen.runtime.cdr_values import flags_number
 
 if TYPE_CHECKING:
     from rtgen.runtime.descriptors import (
+        AliasDescriptor,
         BitsetDescriptor,
         EnumDescriptor,
         ExceptionDescriptor,
@@ -32,16 +31,11 @@ if TYPE_CHECKING:
 Buffer: TypeAlias = bytes | bytearray | memoryview
 """What can be decoded."""
 
-_E = TypeVar("_E", bound=IntEnum)
+_T = TypeVar("_T")
 _WORD = (1 << 32) - 1
-_V = TypeVar("_V")
-_Reader: TypeAlias = tuple[Callable[..., tuple[Any, ...]], int]
 
 BOOLEAN = {0: False, 1: True}
 """The octets of a boolean, and the values that can be one."""
-
-SHAPES_KEPT = 512
-"""How many shapes a table keeps before it begins anew."""
 
 FAILURES = (
     struct.error,
@@ -54,9 +48,6 @@ FAILURES = (
     ValueError,
 )
 """What a codec meets when a value or the input is wrong."""
-
-_TOKEN = re.compile(r"(\*?)(\d*)([a-zA-Z])(?:/(\d+))?(?: |$)")
-_SIZES = {"b": 1, "B": 1, "c": 1, "s": 1, "h": 2, "H": 2, "i": 4, "I": 4, "f": 4}
 
 
 class CdrError(ValueError):
@@ -74,21 +65,21 @@ class CdrError(ValueError):
         return (CdrError, (self.path, self.message))
 
 
-def encoding_error(type_: Any, value: object, failure: Exception) -> CdrError:
+def encoding_error(descriptor: Any, value: object, failure: Exception) -> CdrError:
     """The error for a value whose encoding failed; looks for the place only now."""
     from rtgen.runtime.cdr_faults import fault_in_value
 
-    return fault_in_value(type_._descriptor_, _name(type_), value, failure)
+    return fault_in_value(descriptor, _name(descriptor), value, failure)
 
 
 def decoding_error(
-    type_: Any, data: Buffer, little_endian: bool, failure: Exception
+    descriptor: Any, data: Buffer, little_endian: bool, failure: Exception
 ) -> CdrError:
     """The error for octets whose decoding failed; looks for the place only now."""
     from rtgen.runtime.cdr_faults import fault_in_octets
 
-    name = _name(type_)
-    return fault_in_octets(type_._descriptor_, name, data, little_endian, failure)
+    name = _name(descriptor)
+    return fault_in_octets(descriptor, name, data, little_endian, failure)
 
 
 def to_xcdr2(type_: Any, value: object, little_endian: bool) -> bytes:
@@ -119,166 +110,52 @@ def from_xcdr1(type_: Any, data: Buffer, little_endian: bool) -> Any:
     return decode(type_, data, 1, little_endian)
 
 
-def _name(type_: Any) -> str:
-    """The unscoped name of a generated type, or of the typedef that a codec is for."""
-    return str(type_._descriptor_.name).rpartition("::")[2]
+def _name(descriptor: Any) -> str:
+    """The unscoped name of a type."""
+    return str(descriptor.name).rpartition("::")[2]
 
 
-class Fixed:
-    """The layout of a value that always has the same size: one `Struct` for each byte order."""
+class _Compiled:
+    """A method that is compiled when it is first looked up, for the class that is described.
 
-    __slots__ = (
-        "pack_big",
-        "pack_little",
-        "records_big",
-        "records_little",
-        "unpack_big",
-        "unpack_little",
-    )
-
-    def __init__(self, format_: str) -> None:
-        little, big = Struct(f"<{format_}"), Struct(f">{format_}")
-        self.pack_little: Callable[..., bytes] = little.pack
-        self.pack_big: Callable[..., bytes] = big.pack
-        self.unpack_little: Callable[[Buffer], tuple[Any, ...]] = little.unpack
-        self.unpack_big: Callable[[Buffer], tuple[Any, ...]] = big.unpack
-        self.records_little: Callable[[Buffer], Iterator[tuple[Any, ...]]] = (
-            little.iter_unpack
-        )
-        self.records_big: Callable[[Buffer], Iterator[tuple[Any, ...]]] = (
-            big.iter_unpack
-        )
-
-
-class Settled:
-    """The layout of a run without counts that is read in several sections.
-
-    `read_*` has the `unpack_from` of each section.
+    `Time.from_cdr` gives the compiled function, so what keeps it pays nothing for this.
     """
 
-    __slots__ = ("pack_big", "pack_little", "read_big", "read_little")
+    def __init__(self, kind: str) -> None:
+        self._kind = kind
 
-    def __init__(self, *sections: str) -> None:
-        whole = "".join(section[1:] for section in sections)
-        self.pack_little: Callable[..., bytes] = Struct(f"<{whole}").pack
-        self.pack_big: Callable[..., bytes] = Struct(f">{whole}").pack
-        self.read_little = tuple(_reader("<", s) for s in sections)
-        self.read_big = tuple(_reader(">", s) for s in sections)
+    def __get__(self, instance: object, owner: type[Any]) -> Any:
+        described = (c for c in owner.__mro__ if "_descriptor_" in vars(c))
+        home: Any = next(described, None)
+        if home is None:
+            return self
+        method = self._method(home._descriptor_)
+        setattr(home, self._kind, method)
+        return method.__get__(instance, owner)
 
+    def _method(self, descriptor: Any) -> Any:
+        from rtgen.runtime.marshalling.compiler import compiled
 
-class Layout:
-    """The layout of a run of values whose size follows from the counts in it.
-
-    `pack_*` is a table: counts (one alone, or a tuple) to the packer of that shape. `read_*` has
-    one reader for each section: of a settled one `unpack_from`, else a table of
-    (`unpack_from`, size) by count (0 if the section has none).
-    """
-
-    __slots__ = ("pack_big", "pack_little", "read_big", "read_little")
-
-    def __init__(self, *sections: str) -> None:
-        self.pack_little: Mapping[Any, Callable[..., bytes]] = _Shapes("<", *sections)
-        self.pack_big: Mapping[Any, Callable[..., bytes]] = _Shapes(">", *sections)
-        self.read_little = tuple(_reader("<", s) for s in sections)
-        self.read_big = tuple(_reader(">", s) for s in sections)
+        kind, version = self._kind, descriptor.representation
+        if version and kind != "_snapshot_":
+            return vars(_Described)[kind.replace("cdr", f"xcdr{version}")]
+        function = compiled(kind, descriptor)
+        return classmethod(function) if kind == "from_cdr" else function
 
 
-class PhasedLayout:
-    """The same for a run that begins at an offset known only when it is reached.
-
-    `pack_*` takes the offset modulo 8 before the counts. A table of `read_*` is by count if its
-    section says where it begins (`@`), else by `count << 3 | offset & 7`.
-    """
-
-    __slots__ = ("pack_big", "pack_little", "read_big", "read_little")
-
-    def __init__(self, *sections: str) -> None:
-        little, big = _PhasedShapes("<", *sections), _PhasedShapes(">", *sections)
-        self.pack_little: Mapping[Any, Callable[..., bytes]] = little
-        self.pack_big: Mapping[Any, Callable[..., bytes]] = big
-        self.read_little = tuple(_reader("<", s) for s in sections)
-        self.read_big = tuple(_reader(">", s) for s in sections)
-
-
-def _reader(order: str, section: str) -> Any:
-    if section[0] == "=":
-        return Struct(order + section[1:]).unpack_from
-    kind = _Readers if section[0] == "@" else _PhasedReaders
-    return kind(order, section)
-
-
-class _Table(dict[Any, _V]):
-    """A table that is filled as keys are asked for, and emptied when it is full."""
-
-    def __init__(self, order: str, *sections: str) -> None:
-        self._order = order
-        self._sections = sections
-
-    def __missing__(self, key: Any) -> _V:
-        if len(self) >= SHAPES_KEPT:
-            self.clear()
-        value = self[key] = self._made(key)
-        return value
-
-    def _made(self, key: Any) -> _V:
-        raise NotImplementedError
-
-    def _struct(self, phase: int, counts: Iterable[int]) -> Struct:
-        return Struct(self._order + _arranged(self._sections, phase, iter(counts)))
-
-
-class _Shapes(_Table[Callable[..., bytes]]):
-    def _made(self, key: Any) -> Callable[..., bytes]:
-        return self._struct(0, key if isinstance(key, tuple) else (key,)).pack
-
-
-class _PhasedShapes(_Table[Callable[..., bytes]]):
-    def _made(self, key: Any) -> Callable[..., bytes]:
-        phase, *counts = key if isinstance(key, tuple) else (key,)
-        return self._struct(phase, counts).pack
-
-
-class _Readers(_Table[_Reader]):
-    def _made(self, key: int) -> _Reader:
-        made = self._struct(int(self._sections[0][1]), (key,))
-        return made.unpack_from, made.size
-
-
-class _PhasedReaders(_Table[_Reader]):
-    def _made(self, key: int) -> _Reader:
-        made = self._struct(key & 7, (key >> 3,))
-        return made.unpack_from, made.size
-
-
-def _arranged(sections: Iterable[str], phase: int, counts: Iterator[int]) -> str:
-    """The `struct` format of the sections from an offset of `phase` on."""
-    texts: list[str] = []
-    offset = phase
-    for section in sections:
-        if section[0] == "=":
-            texts.append(section[1:])
-            offset += struct.calcsize(f"<{section[1:]}")
-            continue
-        for star, digits, code, align in _TOKEN.findall(section):
-            number = int(digits or 1) * (next(counts) if star else 1)
-            size = _SIZES.get(code, 8)
-            padding = -offset % int(align or size) if number or not star else 0
-            texts.append(f"{padding}x{number}{code}")
-            offset += padding + number * size
-    return "".join(texts)
+_COMPILED = {kind: _Compiled(kind) for kind in ("to_cdr", "from_cdr", "_snapshot_")}
 
 
 def _register(cls: type[Any]) -> None:
     """The class is what values of its own descriptor are made as."""
-    if "_descriptor_" in cls.__dict__:
-        from rtgen.runtime.descriptors import register
+    if "_descriptor_" not in cls.__dict__:
+        return
+    from rtgen.runtime.descriptors import register
 
-        register(cls, cls._descriptor_)
-
-
-def members(enum: type[_E]) -> dict[int, _E]:
-    """The members of an enumeration by number; refuses every other value with KeyError."""
-    return {member.value: member for member in enum}
+    register(cls, cls._descriptor_)
+    for kind, method in _COMPILED.items():
+        if any(vars(base).get(kind) is method for base in cls.__mro__[2:]):
+            setattr(cls, kind, method)
 
 
 class _Described:
@@ -323,7 +200,7 @@ class _Number(_Described):
             size = self._octet_count()
             return self.to_number().to_bytes(size, "little" if little_endian else "big")
         except FAILURES as failure:
-            raise encoding_error(type(self), self, failure) from failure
+            raise encoding_error(self._descriptor_, self, failure) from failure
 
     @classmethod
     def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
@@ -335,7 +212,8 @@ class _Number(_Described):
             number = int.from_bytes(octets, "little" if little_endian else "big")
             return cls.from_number(number)
         except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
+            described = cls._descriptor_
+            raise decoding_error(described, data, little_endian, failure) from failure
 
     @classmethod
     def _octet_count(cls) -> int:
@@ -387,10 +265,8 @@ class Flags(_Number, IntFlag):
         return cls(flags_number(number, cls._descriptor_.bound))
 
 
-class Bitset(_Number):
+class Bitset(_Number, msgspec.Struct, frozen=True, gc=False):
     """The base of generated bitsets: immutable, the fields as attributes (OMG IDL 4.2, 7.4.13)."""
-
-    __slots__ = ()
 
     _descriptor_: ClassVar[BitsetDescriptor]
 
@@ -408,10 +284,24 @@ class Bitset(_Number):
         return cls(*(f.unpacked(number) for f in cls._descriptor_.fields))
 
 
-class Aggregated(_Described):
+class Aggregated(_Described, msgspec.Struct, gc=False):
     """The base of generated structs and unions."""
 
-    __slots__ = ()
+    if TYPE_CHECKING:
+
+        def to_cdr(self, little_endian: bool = True) -> bytes:
+            """The value as a CDR body; raises CdrError."""
+
+        @classmethod
+        def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
+            """The value of a CDR body; raises CdrError."""
+
+        def _snapshot_(self) -> Self: ...
+
+    else:
+        to_cdr = _COMPILED["to_cdr"]
+        from_cdr = _COMPILED["from_cdr"]
+        _snapshot_ = _COMPILED["_snapshot_"]
 
     def key_hash(self) -> bytes:
         """The 16 octets that tell DDS instances apart; raises CdrError if there is no key.
@@ -423,62 +313,13 @@ class Aggregated(_Described):
         return key_hash(type(self), self)
 
 
-class Composite(Aggregated):
-    """The base of generated types that other codecs call: unions, recursive structs.
-
-    `_shares_`: it holds what is marshalled along its descriptor, and may be shared in a body.
-    """
-
-    __slots__ = ()
-
-    _shares_: ClassVar[bool] = False
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            if self._shares_:
-                from rtgen.runtime.cdr_writer import Output
-
-                out = Output()
-            self._write_(out, little_endian)
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(type(self), self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            if cls._shares_:
-                from rtgen.runtime.cdr_reader import Input
-
-                data = Input(data)
-            value, offset = cls._read_(data, 0, little_endian)
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return value
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _write_(self, out: bytearray, little_endian: bool) -> None:
-        """Appends the value to a body."""
-        raise NotImplementedError
-
-    @classmethod
-    def _read_(cls, data: Buffer, offset: int, little_endian: bool) -> tuple[Self, int]:
-        """The value at `offset` of a body, and the offset behind it."""
-        raise NotImplementedError
-
-
-class Union(Composite):
+class Union(Aggregated):
     """The base of generated unions."""
 
-    __slots__ = ()
-
     _descriptor_: ClassVar[UnionDescriptor]
-    discriminator: Any
-    value: Any
+    if TYPE_CHECKING:
+        discriminator: Any
+        value: Any
 
     def _selected_(self, name: str) -> Any:
         """The value, if the discriminator selects the branch of that name (as in IDL)."""
@@ -492,6 +333,19 @@ class UserException(Exception):
     """The base of generated exceptions: equal if of one class with equal members."""
 
     _descriptor_: ClassVar[ExceptionDescriptor]
+
+    if TYPE_CHECKING:
+
+        def to_cdr(self, little_endian: bool = True) -> bytes:
+            """The value as a CDR body; raises CdrError."""
+
+        @classmethod
+        def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
+            """The value of a CDR body; raises CdrError."""
+
+    else:
+        to_cdr = _COMPILED["to_cdr"]
+        from_cdr = _COMPILED["from_cdr"]
 
     def __init_subclass__(cls) -> None:
         _register(cls)
@@ -513,3 +367,52 @@ class UserException(Exception):
 
     def __reduce__(self) -> tuple[type[Self], tuple[object, ...]]:
         return (type(self), self._values())
+
+
+class AliasCodec(Generic[_T]):
+    """The base of the codecs of typedefs, whose values have no class of their own."""
+
+    _descriptor_: ClassVar[AliasDescriptor]
+
+    @classmethod
+    def to_cdr(cls, value: _T, little_endian: bool = True) -> bytes:
+        """The value as a CDR body; raises CdrError."""
+        version = cls._descriptor_.representation
+        if version:
+            return (to_xcdr1, to_xcdr2)[version - 1](cls, value, little_endian)
+        octets: bytes = _of_alias(cls, "to_cdr")(value, little_endian)
+        return octets
+
+    @classmethod
+    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> _T:
+        """The value of a CDR body; raises CdrError."""
+        version = cls._descriptor_.representation
+        if version:
+            value: _T = (from_xcdr1, from_xcdr2)[version - 1](cls, data, little_endian)
+        else:
+            value = _of_alias(cls, "from_cdr")(cls, data, little_endian)
+        return value
+
+    @classmethod
+    def to_xcdr2(cls, value: _T, little_endian: bool = True) -> bytes:
+        """The value as an XCDR2 body; raises CdrError."""
+        return to_xcdr2(cls, value, little_endian)
+
+    @classmethod
+    def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> _T:
+        """The value of an XCDR2 body; raises CdrError."""
+        value: _T = from_xcdr2(cls, data, little_endian)
+        return value
+
+
+def _of_alias(codec: Any, kind: str) -> Any:
+    """The compiled function of a typedef, which replaces the method that has called for it."""
+    from rtgen.runtime.marshalling.compiler import compiled
+
+    function = compiled(kind, codec._descriptor_)
+    setattr(
+        codec,
+        kind,
+        staticmethod(function) if kind == "to_cdr" else classmethod(function),
+    )
+    return function

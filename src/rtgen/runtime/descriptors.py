@@ -97,10 +97,14 @@ class MapDescriptor(Description):
 
 @dataclass(frozen=True, slots=True)
 class _Named(Description):
-    """`class_` is the Python class it describes, or None; `codecs` what was compiled from it."""
+    """`class_` is the Python class it describes, or None; `codecs` what was compiled from it.
+
+    `representation` is the version of XCDR that `to_cdr` gives, 0 for classic CDR.
+    """
 
     repository_id: str
     name: str
+    representation: int = field(default=0, compare=False, repr=False, kw_only=True)
     class_: Any = field(default=None, init=False, compare=False, repr=False)
     codecs: dict[Any, Any] = field(
         default_factory=dict, init=False, compare=False, repr=False

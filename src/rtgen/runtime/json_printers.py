@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
-from dataclasses import fields, is_dataclass
 from decimal import Decimal
 from enum import Enum
 from json.encoder import encode_basestring
@@ -189,10 +188,7 @@ def _plain(value: Any, around: tuple[int, ...]) -> Any:
     inside = (*around, id(value)) if isinstance(value, Value | Box) else around
     if named:
         return {n: _plain(getattr(value, a), inside) for n, a in named.items()}
-    if is_dataclass(value):
-        names = [field.name for field in fields(value)]
-    else:
-        names = ["discriminator", "value"]
+    names = getattr(value, "__match_args__", ("discriminator", "value"))
     return {name: _plain(getattr(value, name), inside) for name in names}
 
 

@@ -121,7 +121,7 @@ def encode(type_: Any, value: object, version: int, little_endian: bool) -> byte
     except UnsupportedError as failure:
         raise CdrError(_name(type_) + failure.path, str(failure)) from failure
     except FAILURES as failure:
-        raise encoding_error(type_, value, failure) from failure
+        raise encoding_error(type_._descriptor_, value, failure) from failure
 
 
 def decode(type_: Any, data: Buffer, version: int, little_endian: bool) -> Any:

@@ -7,7 +7,6 @@ from math import prod
 from struct import Struct
 from typing import Any
 
-from rtgen.runtime.cdr import SHAPES_KEPT
 from rtgen.runtime.cdr_values import exact, flat, nested, text_octets, text_value
 from rtgen.runtime.descriptors import (
     ArrayDescriptor,
@@ -19,6 +18,7 @@ from rtgen.runtime.descriptors import (
     plain,
 )
 from rtgen.runtime.faults import LOCATED
+from rtgen.runtime.marshalling.shapes import SHAPES_KEPT
 from rtgen.runtime.xcdr_codecs import (
     PADDING,
     Codec,

@@ -51,7 +51,7 @@ def key_hash(type_: Any, value: object) -> bytes:
     except UnsupportedError as failure:
         raise CdrError(name + failure.path, str(failure)) from failure
     except FAILURES as failure:
-        raise encoding_error(type_, value, failure) from failure
+        raise encoding_error(type_._descriptor_, value, failure) from failure
     return bytes(out).ljust(SIZE, b"\0") if short else md5(out).digest()
 
 

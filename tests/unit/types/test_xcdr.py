@@ -381,9 +381,9 @@ def test_the_defaults_of_options(tmp_path: Path) -> None:
     made = {a.path: a.text for a in BACKEND.emit(model, options).artifacts}
     text = made["p/_idl/case.py"]
     assert text.count('extensibility="appendable"') == 3
-    # A, B, D, U, and twice the codec of As; not C, which says otherwise.
-    assert text.count("return to_xcdr2(") == 6
-    assert "xcdr" not in made["p/_idl/case_calls.py"]
+    # A, B, D, U, As; not C, which says otherwise.
+    assert text.count("representation=2") == 5
+    assert "representation=" not in made["p/_idl/case_calls.py"]
 
 
 @pytest.mark.parametrize(
@@ -421,14 +421,14 @@ def test_the_command_line_and_the_project_file_choose(
     made = Path("generated/robots/_idl/case.py")
     for arguments, found in (([], 0), (["--representation", "xcdr2"], 1), ([], 0)):
         assert run(["generate", "case.idl", *arguments]) == 0
-        assert made.read_text().count("return to_xcdr2(A, ") == found
+        assert made.read_text().count("representation=2") == found
     assert run(["generate", "case.idl", "--representation", "xcdr"]) == 2
     Path("rtgen.toml").write_text(
         '[sources]\npaths = ["case.idl"]\n'
         '[output]\nrepresentation = "xcdr2"\nextensibility = "mutable"\n'
     )
     assert run(["generate"]) == 0
-    assert "return to_xcdr2(A, " in made.read_text()
+    assert "representation=2" in made.read_text()
     assert 'extensibility="mutable"' in made.read_text()
     assert run(["check"]) == 0
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from rtgen.layouts.cdr import Form as AtomForm
-from rtgen.layouts.cdr_types import ATOMS, enum_atom
+from rtgen.facts.primitives import NUMBERS
+from rtgen.layouts.cdr_types import enum_code
 from rtgen.model import (
     ArrayType,
     Enum,
@@ -21,12 +21,6 @@ from rtgen.model import (
     Type,
 )
 
-_NUMBERS = {
-    kind: (atom.code, atom.size)
-    for kind, atom in ATOMS.items()
-    if atom.form is AtomForm.NUMBER
-}
-"""`struct` code, which is that of `array` too, and size."""
 _OCTETS = (PrimitiveType(Primitive.OCTET), PrimitiveType(Primitive.UINT8))
 
 
@@ -83,8 +77,8 @@ class Forms:
                     'wire.put("<B", 1, ord({0}))',
                     '{0} = chr(wire.take("<B", 1))',
                 )
-            case PrimitiveType(kind) if kind in _NUMBERS:
-                code, size = _NUMBERS[kind]
+            case PrimitiveType(kind) if kind in NUMBERS:
+                code, size, _ = NUMBERS[kind]
                 zero = "0.0" if code in "fd" else "0"
                 return _plain(zero, *_number(code, size))
             case StringType(wide=False, bound=bound):
@@ -108,9 +102,8 @@ class Forms:
     def _named(self, name: ScopedName) -> Form:
         match self._model.find(name):
             case Enum() as enum:
-                atom = enum_atom(enum)
                 first = str(enum.members[0].value)
-                return _plain(first, *_number(atom.code, atom.size))
+                return _plain(first, *_number(enum_code(enum), 4))
             case Struct():
                 return Form(
                     f"{self._classes[name]}()",
@@ -185,11 +178,10 @@ class Forms:
                     'wire.put("<B", 1, 1 if {0}[i] else 0)',
                     "{0}.append(wire.take_boolean())",
                 )
-            case PrimitiveType(kind) if kind in _NUMBERS:
-                code, size = _NUMBERS[kind]
+            case PrimitiveType(kind) if kind in NUMBERS:
+                code, size, _ = NUMBERS[kind]
             case NamedType(name) if isinstance(enum := self._model.find(name), Enum):
-                atom = enum_atom(enum)
-                code, size = atom.code, atom.size
+                code, size = enum_code(enum), 4
                 if length and enum.members[0].value:
                     first = f", {enum.members[0].value}"
             case NamedType(name) if isinstance(self._model.find(name), Struct):

@@ -52,7 +52,7 @@ class TypesBackend:
         )
         calls = Calls(model, representations, options.marshalled)
         names = PythonNames(calls.model, options.package)
-        types = CdrTypes(calls.model, names.members, representations)
+        types = CdrTypes(calls.model, representations)
         diagnostics = list(_check(model, types, representations))
         if diagnostics:
             return Emission((), diagnostics)
@@ -208,7 +208,7 @@ def _fault(
         )
         return NOT_MARSHALLED.at(entry.span, f"`{name}`: {reason}")
     try:
-        types.node(entry.type)
+        types.check(entry.type)
     except NotMarshalledError as failure:
         type_ = model.unalias(entry.type)
         if isinstance(type_, NamedType) and isinstance(model.find(type_.name), Struct):

@@ -69,9 +69,7 @@ class Calls:
     def __init__(
         self, model: Model, representations: Representations, marshalled: bool = True
     ) -> None:
-        self._types = CdrTypes(
-            model, lambda d: {m.name: m.name for m in d.members}, representations
-        )
+        self._types = CdrTypes(model, representations)
         self._before = model
         self._modules = implementation_modules(model)
         self._files: dict[str, SourceFile] = {}
@@ -117,7 +115,7 @@ class Calls:
             self._file(interface)
             try:
                 for member in (*given, *results):
-                    self._types.node(member.type)
+                    self._types.check(member.type)
             except NotMarshalledError as failure:
                 yield Call(operation.name, refused=str(failure))
                 continue

@@ -62,113 +62,114 @@ class Descriptions:
 
     def of(self, type_: Type) -> str:
         """The descriptor of a type where it is used."""
-        py = self._py
+        idl = self._py.idl
         match type_:
             case PrimitiveType(kind):
-                return f'{py.PrimitiveDescriptor}("{kind}")'
+                return f"{idl}.{kind.name}"
+            case StringType(wide, None):
+                return f"{idl}.{'WSTRING' if wide else 'STRING'}"
             case StringType(wide, bound):
-                wide_text = ["True"] if wide else []
-                bound_text = [] if bound is None else [f"bound={bound}"]
-                return f"{py.StringDescriptor}({', '.join(wide_text + bound_text)})"
+                return f"{idl}.{'wstring' if wide else 'string'}({bound})"
             case FixedType(digits, scale):
-                return f"{py.FixedDescriptor}({digits}, {scale})"
+                return f"{idl}.fixed({digits}, {scale})"
             case SequenceType(element, bound):
                 bounded = "" if bound is None else f", {bound}"
-                return f"{py.SequenceDescriptor}({self.of(element)}{bounded})"
+                return f"{idl}.sequence({self.of(element)}{bounded})"
             case ArrayType(element, dimensions):
-                return f"{py.ArrayDescriptor}({self.of(element)}, {dimensions})"
+                sizes = ", ".join(map(str, dimensions))
+                return f"{idl}.array({self.of(element)}, {sizes})"
             case MapType(key, value, bound):
                 bounded = "" if bound is None else f", {bound}"
-                return f"{py.MapDescriptor}({self.of(key)}, {self.of(value)}{bounded})"
+                return f"{idl}.map_({self.of(key)}, {self.of(value)}{bounded})"
             case NamedType(name):
-                declaration = self._model.find(name)
-                if isinstance(declaration, Typedef):
-                    return py.alias(name)
-                if not is_emitted(declaration):
-                    return f"{py.PrimitiveDescriptor}({string_literal(declaration.scoped)})"
-                if isinstance(declaration, Interface):
-                    # A reference to an object: the operations are not part of the data.
-                    facts = [self._head(declaration), *_interface_kind(declaration)]
-                    return f"{py.InterfaceDescriptor}({', '.join(facts)})"
-                declared = py.reference(name)
-                if not (self._types.is_recursive(name) or self._is_ahead(type_)):
-                    return f"{declared}._descriptor_"
-                head = self._head(declaration)
-                return f"{py.LinkDescriptor}({head}, lambda: {declared}._descriptor_)"
+                return self._named(type_, name)
 
-    def struct(self, declaration: Struct | ExceptionDecl) -> str:
-        """The descriptor of a struct or exception."""
+    def _named(self, type_: Type, name: ScopedName) -> str:
         py = self._py
-        is_struct = isinstance(declaration, Struct)
-        kind = py.StructDescriptor if is_struct else py.ExceptionDescriptor
-        members = _tuple(self._members(declaration))
-        more = self._traits(declaration)
-        return f"{kind}({self._head(declaration)}, {members}{more})"
+        declaration = self._model.find(name)
+        if isinstance(declaration, Typedef):
+            return py.alias(name)
+        if not is_emitted(declaration):
+            scoped = string_literal(declaration.scoped)
+            return f"{py.PrimitiveDescriptor}({scoped})"
+        if isinstance(declaration, Interface):
+            # A reference to an object: the operations are not part of the data.
+            facts = [self._head(declaration), *_interface_kind(declaration)]
+            return f"{py.InterfaceDescriptor}({', '.join(facts)})"
+        declared = py.reference(name)
+        if not (self._types.is_recursive(name) or self._is_ahead(type_)):
+            return declared
+        linked = [string_literal(declaration.scoped), f"lambda: {declared}"]
+        return f"{py.idl}.link({', '.join([*linked, *self._own_id(declaration)])})"
 
-    def _members(self, declaration: Struct | ExceptionDecl) -> list[str]:
-        """The descriptors of the members, inherited ones first."""
-        inherited: list[str] = []
-        if isinstance(declaration, Struct) and declaration.base is not None:
-            base = self._model.find(declaration.base)
-            assert isinstance(base, Struct)
-            inherited = self._members(base)
+    def struct(self, declaration: Struct | ExceptionDecl, representation: int) -> str:
+        """The descriptor of a struct or exception."""
+        kind = "struct" if isinstance(declaration, Struct) else "exception"
+        facts: list[str] = [string_literal(declaration.scoped)]
+        facts += self._traits(declaration, representation)
         names = self._names.members(declaration)
-        return inherited + [self._member(m, names[m.name]) for m in declaration.members]
+        facts += [self._member(m, names[m.name]) for m in declaration.members]
+        return f"{self._py.idl}.{kind}({', '.join(facts)})"
 
     def _member(self, member: Member, attribute: str) -> str:
-        facts = [f'"{member.name}"', self.of(member.type)]
-        facts += _differing(member, attribute)
+        """A member as an argument."""
+        more = _differing(member, attribute)
         for flag in ("optional", "key", "must_understand", "external"):
-            facts += [f"{flag}=True"] * getattr(member, flag)
+            more += [f"{flag}=True"] * getattr(member, flag)
         if isinstance(member, StateMember) and not member.public:
-            facts.append("private=True")
-        return f"{self._py.MemberDescriptor}({', '.join(facts)})"
+            more.append("private=True")
+        type_ = self.of(member.type)
+        if more:
+            type_ = f"{self._py.idl}.member({', '.join([type_, *more])})"
+        return f"{attribute}={type_}"
 
     def value(self, declaration: Valuetype) -> str:
         """The descriptor of a valuetype."""
         names = self._names.members(declaration)
         state = [self._member(m, names[m.name]) for m in declaration.state]
-        bases = [f"{self._py.reference(b)}._descriptor_" for b in declaration.bases]
-        facts = [self._head(declaration), _tuple(state)]
+        bases = [self._py.reference(b) for b in declaration.bases]
         kinds = ("custom", "abstract", "truncatable")
         modifier = next((kind for kind in kinds if getattr(declaration, kind)), "")
-        if bases or modifier:
+        own_id = self._positional_id(declaration)
+        facts: list[str] = [string_literal(declaration.scoped)]
+        if modifier or bases or own_id:
+            facts.append(f'"{modifier}"')
+        if bases or own_id:
             facts.append(_tuple(bases))
-        facts += [f'"{modifier}"'] * bool(modifier)
-        return f"{self._py.ValueDescriptor}({', '.join(facts)})"
+        return f"{self._py.idl}.value({', '.join([*facts, *own_id, *state])})"
 
     def box(self, declaration: ValueBox) -> str:
         """The descriptor of a boxed value."""
-        target = self.of(declaration.type)
-        return f"{self._py.BoxDescriptor}({self._head(declaration)}, {target})"
+        facts = [string_literal(declaration.scoped), self.of(declaration.type)]
+        facts += self._own_id(declaration)
+        return f"{self._py.idl}.box({', '.join(facts)})"
 
-    def alias(self, declaration: Typedef) -> str:
+    def alias(self, declaration: Typedef, representation: int) -> str:
         """The descriptor of a typedef."""
-        target = self.of(declaration.type)
-        return f"{self._py.AliasDescriptor}({self._head(declaration)}, {target})"
+        facts = [string_literal(declaration.scoped), self.of(declaration.type)]
+        facts += self._own_id(declaration)
+        facts += [f"representation={representation}"] * bool(representation)
+        return f"{self._py.idl}.alias({', '.join(facts)})"
 
-    def enum(self, declaration: Enum) -> str:
-        """The descriptor of an enum."""
-        pairs = [f'("{m.name}", {m.value})' for m in declaration.members]
-        facts = [self._head(declaration), _tuple(pairs)]
-        facts += [] if declaration.bound == 32 else [str(declaration.bound)]
-        return f"{self._py.EnumDescriptor}({', '.join(facts)})"
-
-    def flags(self, declaration: Bitmask) -> str:
-        """The descriptor of a bitmask."""
-        pairs = [f'("{m.name}", {m.value})' for m in declaration.members]
-        head = self._head(declaration)
-        return (
-            f"{self._py.FlagsDescriptor}({head}, {_tuple(pairs)}, {declaration.bound})"
-        )
+    def enum(self, declaration: Enum | Bitmask, class_: str) -> str:
+        """The statement that describes an enum or a bitmask."""
+        kind = "enum" if isinstance(declaration, Enum) else "flags"
+        names = self._names.enumerators(declaration)
+        facts = [class_, string_literal(declaration.scoped)]
+        lacking = [f'"{names[n]}": "{n}"' for n in names if names[n] != n]
+        facts += [f"names={{{', '.join(lacking)}}}"] * bool(lacking)
+        facts += [f"bound={declaration.bound}"] * (declaration.bound != 32)
+        facts += self._own_id(declaration)
+        return f"{self._py.idl}.{kind}({', '.join(facts)})"
 
     def bitset(self, declaration: Bitset) -> str:
         """The descriptor of a bitset."""
-        count = bit_count(self._model, declaration)
-        fields = _tuple(self._bitfields(declaration))
-        return (
-            f"{self._py.BitsetDescriptor}({self._head(declaration)}, {fields}, {count})"
-        )
+        facts = [
+            string_literal(declaration.scoped),
+            str(bit_count(self._model, declaration)),
+        ]
+        facts += [*self._positional_id(declaration), *self._bitfields(declaration)]
+        return f"{self._py.idl}.bitset({', '.join(facts)})"
 
     def _bitfields(self, declaration: Bitset) -> list[str]:
         """The descriptors of the named fields, inherited ones first."""
@@ -182,30 +183,30 @@ class Descriptions:
         names = self._names.members(declaration)
         for field in declaration.members:
             if field.name is not None:
-                facts = [f'"{field.name}"', str(field.bits), str(position)]
+                facts = [str(field.bits), str(position)]
                 facts += ["signed=True"] * is_signed(self._model, field)
                 facts += ["boolean=True"] * is_boolean(self._model, field)
-                if names[field.name] != field.name:
-                    facts.append(f'attribute="{names[field.name]}"')
-                described.append(f"{self._py.BitfieldDescriptor}({', '.join(facts)})")
+                attribute = names[field.name]
+                facts += [f'name="{field.name}"'] * (attribute != field.name)
+                described.append(f"{attribute}={self._py.idl}.bits({', '.join(facts)})")
             position += field.bits
         return described
 
-    def union(self, declaration: Union) -> str:
+    def union(self, declaration: Union, representation: int) -> str:
         """The descriptor of a union."""
-        py = self._py
+        idl = self._py.idl
         names = self._names.members(declaration)
-        branches = []
+        facts = [string_literal(declaration.scoped), self.of(declaration.switch)]
+        facts += self._traits(declaration, representation)
         for case in declaration.cases:
-            labels = [self.label(declaration, label) for label in case.labels]
-            facts = [_tuple(labels), str(case.default), f'"{case.name}"']
-            facts += [self.of(case.type), *_differing(case, names[case.name])]
-            facts += ["external=True"] * case.external
-            branches.append(f"{py.BranchDescriptor}({', '.join(facts)})")
-        switch = self.of(declaration.switch)
-        head = self._head(declaration)
-        more = self._traits(declaration)
-        return f"{py.UnionDescriptor}({head}, {switch}, {_tuple(branches)}{more})"
+            attribute = names[case.name]
+            parts = [self.of(case.type)]
+            parts += [self.label(declaration, label) for label in case.labels]
+            parts += ["default=True"] * case.default
+            parts += _differing(case, attribute)
+            parts += ["external=True"] * case.external
+            facts.append(f"{attribute}={idl}.case({', '.join(parts)})")
+        return f"{idl}.union({', '.join(facts)})"
 
     def label(self, declaration: Union, value: ConstantValue) -> str:
         """The expression for a label."""
@@ -225,16 +226,30 @@ class Descriptions:
         facts += ["opaque=True"] * (declaration.annotation(OPAQUE) is not None)
         return f"{self._py.InterfaceDescriptor}({', '.join(facts)})"
 
-    def _traits(self, declaration: Struct | Union | ExceptionDecl) -> str:
-        """Extensibility and `nested`, where they are not the usual ones."""
-        text = ""
-        if isinstance(declaration, ExceptionDecl):
-            return text
-        extensibility = self._representations.extensibility(declaration)
-        if extensibility is not Extensibility.FINAL:
-            text = f', extensibility="{extensibility}"'
-        text = f"{text}, nested=True" if declaration.nested else text
-        return f"{text}, opaque=True" if declaration.annotation(OPAQUE) else text
+    def _traits(
+        self, declaration: Struct | Union | ExceptionDecl, representation: int
+    ) -> list[str]:
+        """What differs from the usual, as one argument if there is any."""
+        facts = self._own_id(declaration)
+        if not isinstance(declaration, ExceptionDecl):
+            if isinstance(declaration, Struct) and declaration.base is not None:
+                facts.append(f"base={self._py.reference(declaration.base)}")
+            extensibility = self._representations.extensibility(declaration)
+            if extensibility is not Extensibility.FINAL:
+                facts.append(f'extensibility="{extensibility}"')
+            facts += ["nested=True"] * declaration.nested
+            facts += ["opaque=True"] * (declaration.annotation(OPAQUE) is not None)
+        facts += [f"representation={representation}"] * bool(representation)
+        return [f"{self._py.idl}.traits({', '.join(facts)})"] if facts else []
+
+    def _own_id(self, declaration: Declaration) -> list[str]:
+        """The repository id, if it is not the one that follows from the name."""
+        return [f"repository_id={text}" for text in self._positional_id(declaration)]
+
+    def _positional_id(self, declaration: Declaration) -> list[str]:
+        usual = f"IDL:{declaration.scoped.replace('::', '/')}:1.0"
+        own = declaration.repository_id
+        return [] if own == usual else [string_literal(own)]
 
     def _head(self, declaration: Declaration) -> str:
         return f"{string_literal(declaration.repository_id)}, {string_literal(declaration.scoped)}"
@@ -271,8 +286,8 @@ def _interface_kind(declaration: Interface) -> list[str]:
 
 def _differing(entry: Member | Case, attribute: str) -> list[str]:
     """The Python name and the member id, where they are not what one would expect."""
-    facts = [] if attribute == entry.name else [f'attribute="{attribute}"']
-    return facts if entry.id is None else [*facts, f"id={entry.id}"]
+    facts = [] if attribute == entry.name else [f'name="{entry.name}"']
+    return facts if entry.id is None else [*facts, f"member_id={entry.id}"]
 
 
 def _tuple(items: list[str]) -> str:

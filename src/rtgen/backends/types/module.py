@@ -12,16 +12,11 @@ from rtgen.backends.quoting.code import HashComment
 from rtgen.backends.quoting.python import docstring, number_literal, string_literal
 from rtgen.backends.rendering import render
 from rtgen.backends.types.calls import Calls, CallTable
-from rtgen.backends.types.constants import Layouts
-from rtgen.backends.types.decoder import Decoder
 from rtgen.backends.types.descriptions import Descriptions
-from rtgen.backends.types.encoder import Copier, Encoder
 from rtgen.backends.types.interfaces import Interfaces
 from rtgen.backends.types.scope import Scope
 from rtgen.backends.types.unions import Unions
-from rtgen.backends.types.values import Tables
 from rtgen.backends.types.valuetypes import Valuetypes
-from rtgen.layouts.cdr import ANYWHERE, ORIGIN, Node, Run, Step, steps_of
 from rtgen.layouts.cdr_types import CdrTypes, NotMarshalledError
 from rtgen.layouts.representations import Representations
 from rtgen.model import (
@@ -96,7 +91,6 @@ class TypesModule:
         self._types = types
         self._module = module
         self.scope = Scope(names, module)
-        self._shown_tables: set[str] = set()
         self._done: set[str] = set()
         self._waiting: list[Typedef] = []
         self.codecs: set[ScopedName] = set()
@@ -105,8 +99,7 @@ class TypesModule:
         self._describe = Descriptions(
             model, names, types, self.scope, self._is_ahead, representations
         )
-        self._tables = Tables(self.scope, {}, self._describe.of)
-        self._unions = Unions(names, types, self.scope, self._tables, self._describe)
+        self._unions = Unions(names, model, types, self.scope, self._describe)
         self._interfaces = Interfaces(calls, names, self.scope, self._describe)
         self._valuetypes = Valuetypes(
             names, self.scope, self._mapping, self._describe, self._interfaces
@@ -179,43 +172,26 @@ class TypesModule:
 
     def _struct(self, declaration: Struct | ExceptionDecl) -> str:
         py = self.scope
-        name = self._local(declaration)
         names = self._names.members(declaration)
-        body = self._types.body(declaration)
-        holds = _Holdings(self._types, declaration)
-        composite = self._is_called(declaration) and not holds.headers
-        version = self._version(declaration, holds)
         fields = [
             Statement(
                 f"{names[m.name]}: {self._field(declaration, m)}", docstring(m.doc, 4)
             )
             for m in declaration.members
         ]
-        if version and not composite:
-            codec = _Functions([], [], [])
-        else:
-            codec = self._functions(name, body, composite, "self", holds.dynamic)
         is_struct = isinstance(declaration, Struct)
+        holds = _Holdings(self._types, declaration)
+        version = self._version(declaration, holds)
         return render(
             "types/struct.py.j2",
             py=py,
-            name=name,
+            name=self._local(declaration),
             bases=self._bases(declaration),
-            dataclass_options="slots=True" if is_struct else "eq=False",
+            decorator="" if is_struct else f"{py.dataclass}(eq=False)",
             docstring=self._doc(declaration),
-            descriptor_class=(
-                py.StructDescriptor if is_struct else py.ExceptionDescriptor
-            ),
-            descriptor=self._describe.struct(declaration),
+            descriptor=self._describe.struct(declaration, version),
             attributes=self._nested(declaration),
             fields=fields,
-            composite=composite,
-            version=version,
-            shares=composite and holds.dynamic,
-            constants=codec.constants,
-            encode=codec.encode,
-            decode=codec.decode,
-            copy=self._copy(body, holds) if is_struct else [],
         )
 
     def _version(
@@ -231,38 +207,22 @@ class TypesModule:
     def _bases(self, declaration: Struct | ExceptionDecl) -> str:
         if isinstance(declaration, ExceptionDecl):
             return self.scope.UserException
-        bases: list[str] = []
-        if self._is_called(declaration) and not self._is_composite(declaration.base):
-            bases.append(self.scope.Composite)
+        base = self.scope.Aggregated
         if declaration.base is not None:
-            bases.append(self.scope.reference(declaration.base))
-        return ", ".join(bases or [self.scope.Aggregated])
+            base = self.scope.reference(declaration.base)
+        return f"{base}{self._options(declaration)}"
 
-    def _is_called(self, declaration: Struct | ExceptionDecl) -> bool:
-        return isinstance(declaration, Struct) and self._types.has_own_codec(
-            declaration.name
-        )
-
-    def _is_composite(self, name: tuple[str, ...] | None) -> bool:
-        while name is not None:
-            if self._types.has_own_codec(name):
-                return True
-            declaration = self._model.find(name)
-            name = declaration.base if isinstance(declaration, Struct) else None
-        return False
+    def _options(self, declaration: Struct | Union) -> str:
+        """Values that can hold a cycle are looked at by the garbage collector."""
+        holder = NamedType(declaration.name)
+        recursive = self._types.is_recursive(declaration.name)
+        return ", gc=True" if recursive or self._types.is_dynamic(holder) else ""
 
     def _field(self, holder: Struct | ExceptionDecl, member: Member) -> str:
         if member.optional or self._types.is_unset(holder, member):
             annotation = self._mapping.annotation(member.type)
             return annotation.removesuffix(" | None") + " | None = None"
-        return self._valuetypes.field(member.type)
-
-    def _copy(self, body: Node, holds: _Holdings) -> list[str]:
-        if holds.dynamic or holds.headers:
-            return [f"return {self.scope.deepcopy}(self)"]
-        copier = Copier(self.scope)
-        expression = copier.copy(body, "self")
-        return [*copier.body.lines, f"return {expression}"]
+        return self._valuetypes.field(member.type, isinstance(holder, ExceptionDecl))
 
     def _nested(self, declaration: Declaration) -> list[str]:
         """Class attributes for what is declared inside of the declaration."""
@@ -323,82 +283,23 @@ class TypesModule:
         self._late[alias.name] = outside
         return [f"{outside}: {self.scope.ClassVar}[{self.scope.type}[{local}]]"]
 
-    # Codecs.
-
-    def _functions(
-        self,
-        name: str,
-        node: Node,
-        composite: bool,
-        base: str,
-        dynamic: bool,
-        annotation: str = "",
-    ) -> _Functions:
-        layouts = Layouts(name)
-        steps = steps_of(node, ANYWHERE if composite else ORIGIN)
-        encoder = Encoder(self.scope, self._tables, layouts)
-        decoder = Decoder(self.scope, self._tables, layouts, annotation)
-        whole = len(steps) == 1 and isinstance(steps[0], Run) and not composite
-        if composite:
-            encode = encoder.parts(steps, base)
-            decode = decoder.parts(steps, node)
-        else:
-            encode = self._encode(encoder, steps, base, dynamic)
-            if dynamic:
-                decoder.body.first.append(f"data = {self.scope.Input}(data)")
-            decode = self._decode(decoder, steps, node)
-        constants = layouts.lines(self.scope, whole)
-        return _Functions([*self._new_tables(), *constants], encode, decode)
-
-    def _encode(
-        self, encoder: Encoder, steps: tuple[Step, ...], base: str, dynamic: bool
-    ) -> list[str]:
-        if not steps:
-            return ['return b""']
-        if len(steps) == 1 and isinstance(steps[0], Run):
-            return encoder.whole(steps[0], base)
-        out = f"out = {self.scope.Output}()" if dynamic else "out = bytearray()"
-        return [out, *encoder.parts(steps, base), "return bytes(out)"]
-
-    def _decode(
-        self, decoder: Decoder, steps: tuple[Step, ...], node: Node
-    ) -> list[str]:
-        if len(steps) == 1 and isinstance(steps[0], Run) and _is_fixed(steps[0]):
-            return decoder.fixed(steps[0], node)
-        return decoder.whole(steps, node)
-
-    def _new_tables(self) -> list[str]:
-        lines = []
-        for enum, table in self._tables.enums.items():
-            if table not in self._shown_tables:
-                self._shown_tables.add(table)
-                lines.append(f"{table} = {self.scope.members}({enum})")
-        return lines
-
     # Unions, enums, constants, aliases.
 
     def _union(self, declaration: Union) -> str:
-        name = self._local(declaration)
-        layouts = Layouts(name)
         mapping = self._mapping
         first = declaration.cases[0]
         unset = self._types.is_unset(declaration, first)
-        value = self._valuetypes.field(first.type).partition(" = ")[2]
-        value = "None" if unset else value
-        holds = _Holdings(self._types, declaration)
-        values = self._unions.values(declaration, mapping, layouts)
+        value = self._valuetypes.field(first.type, False).partition(" = ")[2]
+        version = self._version(declaration, _Holdings(self._types, declaration))
         return render(
             "types/union.py.j2",
             py=self.scope,
-            name=name,
+            name=self._local(declaration),
+            options=self._options(declaration),
             docstring=self._doc(declaration),
             attributes=self._nested(declaration),
-            value=value,
-            shares=holds.dynamic,
-            has_codec=not holds.headers,
-            version=self._version(declaration, holds),
-            **values,
-            constants=[*self._new_tables(), *layouts.lines(self.scope, False)],
+            value="None" if unset else value,
+            **self._unions.values(declaration, mapping, version),
         )
 
     def _enum(self, declaration: Enum | Bitmask) -> str:
@@ -411,10 +312,6 @@ class TypesModule:
             )
             for m in declaration.members
         ]
-        if isinstance(declaration, Enum):
-            descriptor = self._describe.enum(declaration)
-        else:
-            descriptor = self._describe.flags(declaration)
         return render(
             "types/enum.py.j2",
             py=self.scope,
@@ -422,7 +319,7 @@ class TypesModule:
             base=self.scope.Enumeration if is_enum else self.scope.Flags,
             docstring=self._doc(declaration),
             members=members,
-            descriptor=descriptor,
+            descriptor=self._describe.enum(declaration, self._local(declaration)),
         )
 
     def _bitset(self, declaration: Bitset) -> str:
@@ -472,8 +369,19 @@ class TypesModule:
         doc = docstring(declaration.doc, 0)
         if not self._calls.marshalled and self._is_inside_interface(declaration):
             return f"{name}: {self.scope.TypeAlias} = {annotation}\n{doc}"
-        descriptor = f"{self.scope.alias(declaration.name)} = {self._describe.alias(declaration)}"
+        described = self._describe.alias(
+            declaration, self._alias_representation(declaration)
+        )
+        descriptor = f"{self.scope.alias(declaration.name)} = {described}"
         return f"{name}: {self.scope.TypeAlias} = {annotation}\n{doc}{descriptor}\n"
+
+    def _alias_representation(self, declaration: Typedef) -> int:
+        """The version of XCDR that the codec of a typedef gives; 0 for classic CDR."""
+        headers = self._types.has_headers(declaration.type)
+        version = 2 if self._representations.are_xcdr2 else int(headers)
+        if version and self._representations.missing(declaration.type):
+            version = 0
+        return version
 
     def _is_inside_interface(self, declaration: Declaration) -> bool:
         holder = declaration.name[:-1]
@@ -513,7 +421,7 @@ class TypesModule:
         if not isinstance(plain, SequenceType | ArrayType | MapType):
             return False
         try:
-            self._types.node(plain)
+            self._types.check(plain)
         except NotMarshalledError:
             return False
         return True
@@ -521,30 +429,15 @@ class TypesModule:
     def _codec(self, declaration: Typedef) -> str:
         if not self._has_codec(declaration):
             return ""
-        node = self._types.node(declaration.type)
         self.codecs.add(declaration.name)
         name = self._names.companion(declaration.name, "Codec")
-        type_ = self._local(declaration)
-        headers = self._types.has_headers(declaration.type)
-        version = 2 if self._representations.are_xcdr2 else int(headers)
-        if version and self._representations.missing(declaration.type):
-            version = 0
-        dynamic = self._types.is_dynamic(declaration.type)
-        if version:
-            codec = _Functions([], [], [])
-        else:
-            codec = self._functions(name, node, False, "value", dynamic, type_)
         text = render(
             "types/codec.py.j2",
             py=self.scope,
             name=name,
             scoped=declaration.scoped,
             descriptor=self.scope.alias(declaration.name),
-            type=type_,
-            version=version,
-            constants=codec.constants,
-            encode=codec.encode,
-            decode=codec.decode,
+            type=self._local(declaration),
         )
         if declaration.name in self._late:
             holder = self._names.implementation(declaration.name[:-1])[1]
@@ -561,19 +454,7 @@ class _Holdings:
         parts: list[Type] = [NamedType(declaration.name)]
         if isinstance(declaration, ExceptionDecl):
             parts = [member.type for member in declaration.members]
-        self.dynamic = any(map(types.is_dynamic, parts))
         self.headers = any(map(types.has_headers, parts)) or (
             isinstance(declaration, ExceptionDecl)
             and any(member.optional for member in declaration.members)
         )
-
-
-@dataclass(frozen=True, slots=True)
-class _Functions:
-    constants: list[str]
-    encode: list[str]
-    decode: list[str]
-
-
-def _is_fixed(run: Run) -> bool:
-    return len(run.sections) == 1 and run.sections[0].settled

@@ -44,10 +44,10 @@ class Scope:
 
     def support(self, name: str, module: str | None = None) -> str:
         """A name of the runtime, the standard library or the builtins."""
-        home = module or HOMES[name]
+        home, _, original = (module or HOMES[name]).partition(":")
         local = f"_{name}" if name in self._attributes else name
         if home != "builtins" or local != name:
-            self._imports[home, name] = local
+            self._imports[home, original or name] = local
             self.globals.add(local)
         return local
 

@@ -86,7 +86,6 @@ class Valuetypes:
             name=py.reference(declaration.name),
             bases=", ".join(bases or [py.Value]),
             docstring=docstring(declaration.doc, 4, f"`{declaration.scoped}`."),
-            descriptor_class=py.ValueDescriptor,
             descriptor=self._describe.value(declaration),
             nested=nested,
             fields=[
@@ -106,7 +105,6 @@ class Valuetypes:
             name=py.reference(declaration.name),
             bases=py.Box,
             docstring=docstring(declaration.doc, 4, f"`{declaration.scoped}`."),
-            descriptor_class=py.BoxDescriptor,
             descriptor=self._describe.box(declaration),
             nested=[],
             fields=[_State(f"value: {self.field(declaration.type)}", "")],
@@ -114,10 +112,11 @@ class Valuetypes:
             properties=[],
         )
 
-    def field(self, type_: Type) -> str:
-        """Annotation and initial value of a field."""
+    def field(self, type_: Type, dataclass: bool = True) -> str:
+        """Annotation and initial value of a field, of a `dataclass` or a `msgspec.Struct`."""
         annotation = self._mapping.annotation(type_)
         if self._mapping.immutable(type_):
             return f"{annotation} = {self._mapping.default(type_)}"
         factory = self._mapping.factory(type_)
-        return f"{annotation} = {self._py.field}(default_factory={factory})"
+        field = self._py.dataclass_field if dataclass else self._py.field
+        return f"{annotation} = {field}(default_factory={factory})"

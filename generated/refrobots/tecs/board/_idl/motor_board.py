@@ -5,59 +5,28 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
-from typing import ClassVar, Final, Self, TypeAlias
+from msgspec import field
+from typing import ClassVar, Final, TypeAlias
 
-from rtgen.runtime.cdr import (
-    BOOLEAN,
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Layout,
-    Settled,
-    decoding_error,
-    encoding_error,
-    from_xcdr2,
-    to_xcdr2,
-)
-from rtgen.runtime.descriptors import (
-    AliasDescriptor,
-    ArrayDescriptor,
-    InterfaceDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, AliasCodec
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 WHEELS: Final = 2
 NAME_SIZE: Final = 32
 
 
-_tagWheelState_layout = Settled("=I2i", "=4x2dBB")
-
-
-@dataclass(slots=True)
 class tagWheelState(Aggregated):
     """Both wheels, the left one first."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:tagWheelState:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "tagWheelState",
-        (
-            MemberDescriptor("time", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor(
-                "count",
-                ArrayDescriptor(PrimitiveDescriptor("long"), (2,)),
-            ),
-            MemberDescriptor(
-                "speed",
-                ArrayDescriptor(PrimitiveDescriptor("double"), (2,)),
-            ),
-            MemberDescriptor("stopped", PrimitiveDescriptor("boolean")),
-            MemberDescriptor("watchdog", PrimitiveDescriptor("boolean")),
-        ),
+        time=idl.UNSIGNED_LONG,
+        count=idl.array(idl.LONG, 2),
+        speed=idl.array(idl.DOUBLE, 2),
+        stopped=idl.BOOLEAN,
+        watchdog=idl.BOOLEAN,
     )
 
     time: int = 0
@@ -66,134 +35,18 @@ class tagWheelState(Aggregated):
     stopped: bool = False
     watchdog: bool = False
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _tagWheelState_layout.pack_little
-                if little_endian
-                else _tagWheelState_layout.pack_big
-            )
-            count = self.count
-            if len(count) != 2:
-                raise ValueError("wrong length")
-            speed = self.speed
-            if len(speed) != 2:
-                raise ValueError("wrong length")
-            return pack(
-                self.time,
-                *count,
-                *speed,
-                BOOLEAN[self.stopped],
-                BOOLEAN[self.watchdog],
-            )
-        except FAILURES as failure:
-            raise encoding_error(tagWheelState, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _tagWheelState_layout.read_little
-                if little_endian
-                else _tagWheelState_layout.read_big
-            )
-            time, *count = read_1(data)
-            *speed, stopped, watchdog = read_2(data, 12)
-            if 34 != len(data):
-                raise ValueError("octets too many")
-            return cls(time, count, speed, BOOLEAN[stopped], BOOLEAN[watchdog])
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> tagWheelState:
-        return tagWheelState(
-            self.time,
-            list(self.count),
-            list(self.speed),
-            self.stopped,
-            self.watchdog,
-        )
-
 
 MotorBoard_DoubleSeq2: TypeAlias = list[float]
-_MotorBoard_DoubleSeq2_alias = AliasDescriptor(
-    "IDL:MotorBoard/DoubleSeq2:1.0",
+_MotorBoard_DoubleSeq2_alias = idl.alias(
     "MotorBoard::DoubleSeq2",
-    SequenceDescriptor(PrimitiveDescriptor("double"), 2),
+    idl.sequence(idl.DOUBLE, 2),
 )
 
 
-_MotorBoard_DoubleSeq2Codec_layout = Layout("=I", "@4 *d")
-
-
-class MotorBoard_DoubleSeq2Codec:
+class MotorBoard_DoubleSeq2Codec(AliasCodec[MotorBoard_DoubleSeq2]):
     """The codec of `MotorBoard::DoubleSeq2`."""
 
-    _descriptor_ = _MotorBoard_DoubleSeq2_alias
-
-    @staticmethod
-    def to_cdr(value: MotorBoard_DoubleSeq2, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _MotorBoard_DoubleSeq2Codec_layout.pack_little
-                if little_endian
-                else _MotorBoard_DoubleSeq2Codec_layout.pack_big
-            )
-            n_value = len(value)
-            if n_value > 2:
-                raise ValueError("wrong length")
-            return pack[n_value](n_value, *value)
-        except FAILURES as failure:
-            raise encoding_error(
-                MotorBoard_DoubleSeq2Codec,
-                value,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> MotorBoard_DoubleSeq2:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _MotorBoard_DoubleSeq2Codec_layout.read_little
-                if little_endian
-                else _MotorBoard_DoubleSeq2Codec_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            if n_value > 2:
-                raise ValueError("wrong length")
-            unpack, size = read_2[n_value]
-            value = list(unpack(data, 4))
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: MotorBoard_DoubleSeq2 = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                MotorBoard_DoubleSeq2Codec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: MotorBoard_DoubleSeq2, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(MotorBoard_DoubleSeq2Codec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> MotorBoard_DoubleSeq2:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: MotorBoard_DoubleSeq2 = from_xcdr2(
-            MotorBoard_DoubleSeq2Codec,
-            data,
-            little_endian,
-        )
-        return value
+    _descriptor_: ClassVar = _MotorBoard_DoubleSeq2_alias
 
 
 class MotorBoard(Servant):

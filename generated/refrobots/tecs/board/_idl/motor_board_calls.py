@@ -4,28 +4,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
+from rtgen.runtime import idl
 from rtgen.runtime.calls import Call
-from rtgen.runtime.cdr import (
-    BOOLEAN,
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    Settled,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime.cdr import Aggregated
 
 from .motor_board import (
     MotorBoard_DoubleSeq2,
@@ -33,433 +17,99 @@ from .motor_board import (
     tagWheelState,
 )
 
-_MotorBoard_identify_reply_layout = Layout("=iI", "@0 *s")
 
-
-@dataclass(slots=True)
 class MotorBoard_identify_reply(Aggregated):
     """Results of `MotorBoard::identify`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "",
+    _descriptor_: ClassVar = idl.struct(
         "MotorBoard.identify reply",
-        (
-            MemberDescriptor("_result", PrimitiveDescriptor("long")),
-            MemberDescriptor("name", StringDescriptor()),
-        ),
+        idl.traits(repository_id=""),
+        _result=idl.LONG,
+        name=idl.STRING,
     )
 
     _result: int = 0
     name: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _MotorBoard_identify_reply_layout.pack_little
-                if little_endian
-                else _MotorBoard_identify_reply_layout.pack_big
-            )
-            name = text_octets(self.name)
-            n_name = len(name) + 1
-            return pack[n_name](self._result, n_name, name)
-        except FAILURES as failure:
-            raise encoding_error(MotorBoard_identify_reply, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _MotorBoard_identify_reply_layout.read_little
-                if little_endian
-                else _MotorBoard_identify_reply_layout.read_big
-            )
-            _result, n_name = read_1(data)
-            unpack, size = read_2[n_name]
-            (name,) = unpack(data, 8)
-            offset = 8 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(_result, text_value(name))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> MotorBoard_identify_reply:
-        return MotorBoard_identify_reply(self._result, self.name)
-
-
-_MotorBoard_setLimits_request_layout = Fixed("dd")
-
-
-@dataclass(slots=True)
 class MotorBoard_setLimits_request(Aggregated):
     """Arguments of `MotorBoard::setLimits`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "",
+    _descriptor_: ClassVar = idl.struct(
         "MotorBoard.setLimits request",
-        (
-            MemberDescriptor("speed", PrimitiveDescriptor("double")),
-            MemberDescriptor("acceleration", PrimitiveDescriptor("double")),
-        ),
+        idl.traits(repository_id=""),
+        speed=idl.DOUBLE,
+        acceleration=idl.DOUBLE,
     )
 
     speed: float = 0.0
     acceleration: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _MotorBoard_setLimits_request_layout.pack_little
-                if little_endian
-                else _MotorBoard_setLimits_request_layout.pack_big
-            )
-            return pack(self.speed, self.acceleration)
-        except FAILURES as failure:
-            raise encoding_error(
-                MotorBoard_setLimits_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _MotorBoard_setLimits_request_layout.unpack_little
-                if little_endian
-                else _MotorBoard_setLimits_request_layout.unpack_big
-            )
-            speed, acceleration = unpack(data)
-            return cls(speed, acceleration)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> MotorBoard_setLimits_request:
-        return MotorBoard_setLimits_request(self.speed, self.acceleration)
-
-
-_MotorBoard_setLimits_reply_layout = Fixed("i")
-
-
-@dataclass(slots=True)
 class MotorBoard_setLimits_reply(Aggregated):
     """Results of `MotorBoard::setLimits`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "",
+    _descriptor_: ClassVar = idl.struct(
         "MotorBoard.setLimits reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("long")),),
+        idl.traits(repository_id=""),
+        _result=idl.LONG,
     )
 
     _result: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _MotorBoard_setLimits_reply_layout.pack_little
-                if little_endian
-                else _MotorBoard_setLimits_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(MotorBoard_setLimits_reply, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _MotorBoard_setLimits_reply_layout.unpack_little
-                if little_endian
-                else _MotorBoard_setLimits_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> MotorBoard_setLimits_reply:
-        return MotorBoard_setLimits_reply(self._result)
-
-
-_MotorBoard_drive_request_layout = Layout("=I", "@4 *d i")
-
-
-@dataclass(slots=True)
 class MotorBoard_drive_request(Aggregated):
     """Arguments of `MotorBoard::drive`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "",
+    _descriptor_: ClassVar = idl.struct(
         "MotorBoard.drive request",
-        (
-            MemberDescriptor("speed", _MotorBoard_DoubleSeq2_alias),
-            MemberDescriptor("count", PrimitiveDescriptor("long")),
-        ),
+        idl.traits(repository_id=""),
+        speed=_MotorBoard_DoubleSeq2_alias,
+        count=idl.LONG,
     )
 
     speed: MotorBoard_DoubleSeq2 = field(default_factory=list)
     count: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _MotorBoard_drive_request_layout.pack_little
-                if little_endian
-                else _MotorBoard_drive_request_layout.pack_big
-            )
-            speed = self.speed
-            n_speed = len(speed)
-            if n_speed > 2:
-                raise ValueError("wrong length")
-            return pack[n_speed](n_speed, *speed, self.count)
-        except FAILURES as failure:
-            raise encoding_error(MotorBoard_drive_request, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _MotorBoard_drive_request_layout.read_little
-                if little_endian
-                else _MotorBoard_drive_request_layout.read_big
-            )
-            (n_speed,) = read_1(data)
-            if n_speed > 2:
-                raise ValueError("wrong length")
-            unpack, size = read_2[n_speed]
-            *speed, count = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(speed, count)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> MotorBoard_drive_request:
-        return MotorBoard_drive_request(list(self.speed), self.count)
-
-
-_MotorBoard_drive_reply_layout = Settled("=iI2i", "=2dBB")
-
-
-@dataclass(slots=True)
 class MotorBoard_drive_reply(Aggregated):
     """Results of `MotorBoard::drive`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "",
+    _descriptor_: ClassVar = idl.struct(
         "MotorBoard.drive reply",
-        (
-            MemberDescriptor("_result", PrimitiveDescriptor("long")),
-            MemberDescriptor("state", tagWheelState._descriptor_),
-        ),
+        idl.traits(repository_id=""),
+        _result=idl.LONG,
+        state=tagWheelState,
     )
 
     _result: int = 0
     state: tagWheelState = field(default_factory=tagWheelState)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _MotorBoard_drive_reply_layout.pack_little
-                if little_endian
-                else _MotorBoard_drive_reply_layout.pack_big
-            )
-            state = self.state
-            state_count = state.count
-            if len(state_count) != 2:
-                raise ValueError("wrong length")
-            state_speed = state.speed
-            if len(state_speed) != 2:
-                raise ValueError("wrong length")
-            return pack(
-                self._result,
-                state.time,
-                *state_count,
-                *state_speed,
-                BOOLEAN[state.stopped],
-                BOOLEAN[state.watchdog],
-            )
-        except FAILURES as failure:
-            raise encoding_error(MotorBoard_drive_reply, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _MotorBoard_drive_reply_layout.read_little
-                if little_endian
-                else _MotorBoard_drive_reply_layout.read_big
-            )
-            _result, state_time, *state_count = read_1(data)
-            *state_speed, state_stopped, state_watchdog = read_2(data, 16)
-            if 34 != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                _result,
-                tagWheelState(
-                    state_time,
-                    state_count,
-                    state_speed,
-                    BOOLEAN[state_stopped],
-                    BOOLEAN[state_watchdog],
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> MotorBoard_drive_reply:
-        state = self.state
-        return MotorBoard_drive_reply(
-            self._result,
-            tagWheelState(
-                state.time,
-                list(state.count),
-                list(state.speed),
-                state.stopped,
-                state.watchdog,
-            ),
-        )
-
-
-_MotorBoard_getState_reply_layout = Settled("=iI2i", "=2dBB")
-
-
-@dataclass(slots=True)
 class MotorBoard_getState_reply(Aggregated):
     """Results of `MotorBoard::getState`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "",
+    _descriptor_: ClassVar = idl.struct(
         "MotorBoard.getState reply",
-        (
-            MemberDescriptor("_result", PrimitiveDescriptor("long")),
-            MemberDescriptor("state", tagWheelState._descriptor_),
-        ),
+        idl.traits(repository_id=""),
+        _result=idl.LONG,
+        state=tagWheelState,
     )
 
     _result: int = 0
     state: tagWheelState = field(default_factory=tagWheelState)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _MotorBoard_getState_reply_layout.pack_little
-                if little_endian
-                else _MotorBoard_getState_reply_layout.pack_big
-            )
-            state = self.state
-            state_count = state.count
-            if len(state_count) != 2:
-                raise ValueError("wrong length")
-            state_speed = state.speed
-            if len(state_speed) != 2:
-                raise ValueError("wrong length")
-            return pack(
-                self._result,
-                state.time,
-                *state_count,
-                *state_speed,
-                BOOLEAN[state.stopped],
-                BOOLEAN[state.watchdog],
-            )
-        except FAILURES as failure:
-            raise encoding_error(MotorBoard_getState_reply, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _MotorBoard_getState_reply_layout.read_little
-                if little_endian
-                else _MotorBoard_getState_reply_layout.read_big
-            )
-            _result, state_time, *state_count = read_1(data)
-            *state_speed, state_stopped, state_watchdog = read_2(data, 16)
-            if 34 != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                _result,
-                tagWheelState(
-                    state_time,
-                    state_count,
-                    state_speed,
-                    BOOLEAN[state_stopped],
-                    BOOLEAN[state_watchdog],
-                ),
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> MotorBoard_getState_reply:
-        state = self.state
-        return MotorBoard_getState_reply(
-            self._result,
-            tagWheelState(
-                state.time,
-                list(state.count),
-                list(state.speed),
-                state.stopped,
-                state.watchdog,
-            ),
-        )
-
-
-_MotorBoard_release_reply_layout = Fixed("i")
-
-
-@dataclass(slots=True)
 class MotorBoard_release_reply(Aggregated):
     """Results of `MotorBoard::release`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "",
+    _descriptor_: ClassVar = idl.struct(
         "MotorBoard.release reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("long")),),
+        idl.traits(repository_id=""),
+        _result=idl.LONG,
     )
 
     _result: int = 0
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _MotorBoard_release_reply_layout.pack_little
-                if little_endian
-                else _MotorBoard_release_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(MotorBoard_release_reply, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _MotorBoard_release_reply_layout.unpack_little
-                if little_endian
-                else _MotorBoard_release_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> MotorBoard_release_reply:
-        return MotorBoard_release_reply(self._result)
 
 
 _CALLS: dict[str, dict[str, Call]] = {

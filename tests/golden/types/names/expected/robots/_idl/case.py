@@ -5,33 +5,11 @@
 from __future__ import annotations
 
 from builtins import list as _list
-from dataclasses import dataclass, field as _field
-from typing import Any, ClassVar, Self
+from msgspec import field as _field
+from typing import ClassVar, Self
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Enumeration,
-    Layout,
-    PhasedLayout,
-    Union,
-    decoding_error,
-    encoding_error,
-    members,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    BranchDescriptor,
-    EnumDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-    UnionDescriptor,
-    bind,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, Enumeration, Union
 
 
 class Choice(Enumeration):
@@ -42,36 +20,18 @@ class Choice(Enumeration):
     other = 2
 
 
-bind(
-    Choice,
-    EnumDescriptor(
-        "IDL:Import/Choice:1.0",
-        "Import::Choice",
-        (("None", 0), ("mro", 1), ("other", 2)),
-    ),
-)
+idl.enum(Choice, "Import::Choice", names={"None_": "None", "mro_": "mro"})
 
 
-_Values_layout = Layout("=iiI", "@4 *i d")
-
-
-@dataclass(slots=True)
 class Values(Aggregated):
     """`Import::Values`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Import/Values:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Import::Values",
-        (
-            MemberDescriptor("from", PrimitiveDescriptor("long"), attribute="from_"),
-            MemberDescriptor(
-                "to_cdr",
-                PrimitiveDescriptor("long"),
-                attribute="to_cdr_",
-            ),
-            MemberDescriptor("list", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            MemberDescriptor("field", PrimitiveDescriptor("double")),
-        ),
+        from_=idl.member(idl.LONG, name="from"),
+        to_cdr_=idl.member(idl.LONG, name="to_cdr"),
+        list=idl.sequence(idl.LONG),
+        field=idl.DOUBLE,
     )
 
     from_: int = 0
@@ -79,63 +39,15 @@ class Values(Aggregated):
     list: _list[int] = _field(default_factory=_list)
     field: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Values_layout.pack_little if little_endian else _Values_layout.pack_big
-            )
-            list_ = self.list
-            n_list = len(list_)
-            return pack[n_list](self.from_, self.to_cdr_, n_list, *list_, self.field)
-        except FAILURES as failure:
-            raise encoding_error(Values, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Values_layout.read_little if little_endian else _Values_layout.read_big
-            )
-            from_, to_cdr_, n_list = read_1(data)
-            unpack, size = read_2[n_list]
-            *list_, field_ = unpack(data, 12)
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(from_, to_cdr_, list_, field_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Values:
-        return Values(self.from_, self.to_cdr_, list(self.list), self.field)
-
-
-_Choice_members = members(Choice)
-_Either_layout = PhasedLayout("I")
-_Either_layout_2 = PhasedLayout("i")
-_Either_layout_3 = PhasedLayout("I", "@0 *s")
-
-
-@dataclass(slots=True)
 class Either(Union):
     """`Import::Either`."""
 
-    _descriptor_: ClassVar[UnionDescriptor] = UnionDescriptor(
-        "IDL:Import/Either:1.0",
+    _descriptor_: ClassVar = idl.union(
         "Import::Either",
-        Choice._descriptor_,
-        (
-            BranchDescriptor(
-                (Choice.None_,),
-                False,
-                "value",
-                PrimitiveDescriptor("long"),
-                attribute="value_",
-            ),
-            BranchDescriptor((Choice.mro_,), False, "text", StringDescriptor()),
-        ),
+        Choice,
+        value_=idl.case(idl.LONG, Choice.None_, name="value"),
+        text=idl.case(idl.STRING, Choice.mro_),
     )
 
     discriminator: Choice = Choice.None_
@@ -162,60 +74,3 @@ class Either(Union):
         """The value, if the branch `text` is selected."""
         value: str = self._selected_("text")
         return value
-
-    def _write_(self, out: bytearray, little_endian: bool) -> None:
-        discriminator = _Choice_members[self.discriminator]
-        value: Any = self.value
-        pack_1 = (
-            _Either_layout.pack_little if little_endian else _Either_layout.pack_big
-        )
-        pack_2 = (
-            _Either_layout_2.pack_little if little_endian else _Either_layout_2.pack_big
-        )
-        pack_3 = (
-            _Either_layout_3.pack_little if little_endian else _Either_layout_3.pack_big
-        )
-        out += pack_1[len(out) & 7](_Choice_members[discriminator])
-        match discriminator:
-            case Choice.None_:
-                out += pack_2[len(out) & 7](value)
-            case Choice.mro_:
-                text = text_octets(value)
-                n_text = len(text) + 1
-                out += pack_3[len(out) & 7, n_text](n_text, text)
-            case _ if value is not None:
-                raise ValueError("no branch is selected")
-
-    @classmethod
-    def _read_(cls, data: Buffer, offset: int, little_endian: bool) -> tuple[Self, int]:
-        (read_1,) = (
-            _Either_layout.read_little if little_endian else _Either_layout.read_big
-        )
-        (read_2,) = (
-            _Either_layout_2.read_little if little_endian else _Either_layout_2.read_big
-        )
-        read_3, read_4 = (
-            _Either_layout_3.read_little if little_endian else _Either_layout_3.read_big
-        )
-        unpack, size = read_1[offset & 7]
-        (discriminator,) = unpack(data, offset)
-        offset += size
-        selected = _Choice_members[discriminator]
-        match selected:
-            case Choice.None_:
-                unpack, size = read_2[offset & 7]
-                (value_,) = unpack(data, offset)
-                offset += size
-                return cls(selected, value_), offset
-            case Choice.mro_:
-                unpack, size = read_3[offset & 7]
-                (n_text,) = unpack(data, offset)
-                offset += size
-                unpack, size = read_4[n_text]
-                (text,) = unpack(data, offset)
-                offset += size
-                return cls(selected, text_value(text)), offset
-        return cls(selected, None), offset
-
-    def _snapshot_(self) -> Either:
-        return Either(self.discriminator, self.value)

@@ -5,82 +5,29 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
-from typing import ClassVar, Final, Self, TypeAlias
+from dataclasses import dataclass
+from msgspec import field
+from typing import ClassVar, Final, TypeAlias
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Enumeration,
-    Fixed,
-    Layout,
-    UserException,
-    decoding_error,
-    encoding_error,
-    from_xcdr2,
-    members,
-    to_xcdr2,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    AliasDescriptor,
-    ArrayDescriptor,
-    EnumDescriptor,
-    ExceptionDescriptor,
-    InterfaceDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-    bind,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, UserException
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
-_Time_layout = Fixed("II")
 
-
-@dataclass(slots=True)
 class Time(Aggregated):
     """A point in time."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Time:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Time",
-        (
-            MemberDescriptor("sec", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("nsec", PrimitiveDescriptor("unsigned long")),
-        ),
+        sec=idl.UNSIGNED_LONG,
+        nsec=idl.UNSIGNED_LONG,
     )
 
     sec: int = 0
     """Seconds [s]."""
     nsec: int = 0
     """Nanoseconds [ns]."""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = _Time_layout.pack_little if little_endian else _Time_layout.pack_big
-            return pack(self.sec, self.nsec)
-        except FAILURES as failure:
-            raise encoding_error(Time, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Time_layout.unpack_little if little_endian else _Time_layout.unpack_big
-            )
-            sec, nsec = unpack(data)
-            return cls(sec, nsec)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Time:
-        return Time(self.sec, self.nsec)
 
 
 class Status(Enumeration):
@@ -90,32 +37,18 @@ class Status(Enumeration):
     MOVING = 1
 
 
-bind(
-    Status,
-    EnumDescriptor("IDL:IIS/Status:1.0", "IIS::Status", (("IDLE", 0), ("MOVING", 1))),
-)
+idl.enum(Status, "IIS::Status")
 
 
-_Status_members = members(Status)
-_TimedPose_layout = Layout("=III", "@4 *i", "3d I")
-
-
-@dataclass(slots=True)
 class TimedPose(Aggregated):
     """Where something is."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:IIS/TimedPose:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "IIS::TimedPose",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            MemberDescriptor(
-                "pose",
-                ArrayDescriptor(PrimitiveDescriptor("double"), (3,)),
-            ),
-            MemberDescriptor("state", Status._descriptor_),
-        ),
+        tm=Time,
+        id=idl.sequence(idl.LONG),
+        pose=idl.array(idl.DOUBLE, 3),
+        state=Status,
     )
 
     tm: Time = field(default_factory=Time)
@@ -124,175 +57,27 @@ class TimedPose(Aggregated):
     """x [m], y [m], heading [rad]."""
     state: Status = Status.IDLE
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedPose_layout.pack_little
-                if little_endian
-                else _TimedPose_layout.pack_big
-            )
-            tm = self.tm
-            id = self.id
-            n_id = len(id)
-            pose = self.pose
-            if len(pose) != 3:
-                raise ValueError("wrong length")
-            return pack[n_id](
-                tm.sec,
-                tm.nsec,
-                n_id,
-                *id,
-                *pose,
-                _Status_members[self.state],
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedPose, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _TimedPose_layout.read_little
-                if little_endian
-                else _TimedPose_layout.read_big
-            )
-            tm_sec, tm_nsec, n_id = read_1(data)
-            unpack, size = read_2[n_id]
-            id = list(unpack(data, 12))
-            offset = 12 + size
-            unpack, size = read_3[offset & 7]
-            *pose, state = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), id, pose, _Status_members[state])
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedPose:
-        tm = self.tm
-        return TimedPose(
-            Time(tm.sec, tm.nsec),
-            list(self.id),
-            list(self.pose),
-            self.state,
-        )
-
 
 Ranges: TypeAlias = list[float]
-_Ranges_alias = AliasDescriptor(
-    "IDL:IIS/Ranges:1.0",
-    "IIS::Ranges",
-    SequenceDescriptor(PrimitiveDescriptor("double")),
-)
+_Ranges_alias = idl.alias("IIS::Ranges", idl.sequence(idl.DOUBLE))
 
 
-_RangesCodec_layout = Layout("=I", "@4 *d")
-
-
-class RangesCodec:
+class RangesCodec(AliasCodec[Ranges]):
     """The codec of `IIS::Ranges`."""
 
-    _descriptor_ = _Ranges_alias
-
-    @staticmethod
-    def to_cdr(value: Ranges, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _RangesCodec_layout.pack_little
-                if little_endian
-                else _RangesCodec_layout.pack_big
-            )
-            n_value = len(value)
-            return pack[n_value](n_value, *value)
-        except FAILURES as failure:
-            raise encoding_error(RangesCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> Ranges:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _RangesCodec_layout.read_little
-                if little_endian
-                else _RangesCodec_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            value = list(unpack(data, 4))
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: Ranges = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(RangesCodec, data, little_endian, failure) from failure
-
-    @staticmethod
-    def to_xcdr2(value: Ranges, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(RangesCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Ranges:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Ranges = from_xcdr2(RangesCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _Ranges_alias
 
 
 LIMIT: Final = 0.5
-
-
-_Halt_Busy_layout = Layout("=I", "@4 *s")
 
 
 @dataclass(eq=False)
 class Halt_Busy(UserException):
     """`Halt::Busy`."""
 
-    _descriptor_: ClassVar[ExceptionDescriptor] = ExceptionDescriptor(
-        "IDL:Halt/Busy:1.0",
-        "Halt::Busy",
-        (MemberDescriptor("reason", StringDescriptor()),),
-    )
+    _descriptor_: ClassVar = idl.exception("Halt::Busy", reason=idl.STRING)
 
     reason: str = ""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Halt_Busy_layout.pack_little
-                if little_endian
-                else _Halt_Busy_layout.pack_big
-            )
-            reason = text_octets(self.reason)
-            n_reason = len(reason) + 1
-            return pack[n_reason](n_reason, reason)
-        except FAILURES as failure:
-            raise encoding_error(Halt_Busy, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Halt_Busy_layout.read_little
-                if little_endian
-                else _Halt_Busy_layout.read_big
-            )
-            (n_reason,) = read_1(data)
-            unpack, size = read_2[n_reason]
-            (reason,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(reason))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
 
 
 class Halt(Servant):

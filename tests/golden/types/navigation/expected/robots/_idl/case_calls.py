@@ -4,134 +4,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
+from rtgen.runtime import idl
 from rtgen.runtime.calls import Call
-from rtgen.runtime.cdr import (
-    BOOLEAN,
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime.cdr import Aggregated
 
 from .case import Halt_Busy
 
-_Halt__get_halted_reply_layout = Fixed("B")
 
-
-@dataclass(slots=True)
 class Halt__get_halted_reply(Aggregated):
     """Results of `Halt::_get_halted`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Halt/halted:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Halt._get_halted reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("boolean")),),
+        idl.traits(repository_id="IDL:Halt/halted:1.0"),
+        _result=idl.BOOLEAN,
     )
 
     _result: bool = False
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Halt__get_halted_reply_layout.pack_little
-                if little_endian
-                else _Halt__get_halted_reply_layout.pack_big
-            )
-            return pack(BOOLEAN[self._result])
-        except FAILURES as failure:
-            raise encoding_error(Halt__get_halted_reply, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Halt__get_halted_reply_layout.unpack_little
-                if little_endian
-                else _Halt__get_halted_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(BOOLEAN[_result])
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Halt__get_halted_reply:
-        return Halt__get_halted_reply(self._result)
-
-
-_Halt_Busy_raised_layout = Layout("=I", "@4 *s I", "@0 *s")
-
-
-@dataclass(slots=True)
 class Halt_Busy_raised(Aggregated):
     """The reply that tells of `Halt::Busy`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Halt/Busy:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Halt.Busy raised",
-        (
-            MemberDescriptor("_id", StringDescriptor()),
-            MemberDescriptor("reason", StringDescriptor()),
-        ),
+        idl.traits(repository_id="IDL:Halt/Busy:1.0"),
+        _id=idl.STRING,
+        reason=idl.STRING,
     )
 
     _id: str = ""
     reason: str = ""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Halt_Busy_raised_layout.pack_little
-                if little_endian
-                else _Halt_Busy_raised_layout.pack_big
-            )
-            _id = text_octets(self._id)
-            n__id = len(_id) + 1
-            reason = text_octets(self.reason)
-            n_reason = len(reason) + 1
-            return pack[n__id, n_reason](n__id, _id, n_reason, reason)
-        except FAILURES as failure:
-            raise encoding_error(Halt_Busy_raised, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _Halt_Busy_raised_layout.read_little
-                if little_endian
-                else _Halt_Busy_raised_layout.read_big
-            )
-            (n__id,) = read_1(data)
-            unpack, size = read_2[n__id]
-            _id, n_reason = unpack(data, 4)
-            offset = 4 + size
-            unpack, size = read_3[n_reason]
-            (reason,) = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(_id), text_value(reason))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Halt_Busy_raised:
-        return Halt_Busy_raised(self._id, self.reason)
 
 
 _CALLS: dict[str, dict[str, Call]] = {

@@ -4,62 +4,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StructDescriptor,
-)
-
-_Speed_layout = Fixed("d")
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
 
 
-@dataclass(slots=True)
 class Speed(Aggregated):
     """`House::Speed`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:House/Speed:1.0",
-        "House::Speed",
-        (MemberDescriptor("turns", PrimitiveDescriptor("double")),),
-    )
+    _descriptor_: ClassVar = idl.struct("House::Speed", turns=idl.DOUBLE)
 
     turns: float = 0.0
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Speed_layout.pack_little if little_endian else _Speed_layout.pack_big
-            )
-            return pack(self.turns)
-        except FAILURES as failure:
-            raise encoding_error(Speed, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Speed_layout.unpack_little
-                if little_endian
-                else _Speed_layout.unpack_big
-            )
-            (turns,) = unpack(data)
-            return cls(turns)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Speed:
-        return Speed(self.turns)

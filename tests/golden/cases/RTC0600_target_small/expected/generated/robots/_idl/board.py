@@ -5,46 +5,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
-from typing import ClassVar, Final, Self, TypeAlias
+from msgspec import field
+from typing import ClassVar, Final, TypeAlias
 
-from rtgen.runtime.cdr import (
-    BOOLEAN,
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Composite,
-    Enumeration,
-    Fixed,
-    Layout,
-    PhasedLayout,
-    Settled,
-    decoding_error,
-    encoding_error,
-    from_xcdr2,
-    members,
-    to_xcdr2,
-)
-from rtgen.runtime.cdr_values import (
-    exact,
-    text_octets,
-    text_value,
-    wide_octets,
-    wide_value,
-)
-from rtgen.runtime.descriptors import (
-    AliasDescriptor,
-    ArrayDescriptor,
-    EnumDescriptor,
-    InterfaceDescriptor,
-    LinkDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-    bind,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub
 
 LIMIT: Final = 3
@@ -57,7 +23,7 @@ class Mode(Enumeration):
     BUSY = 1
 
 
-bind(Mode, EnumDescriptor("IDL:M/Mode:1.0", "M::Mode", (("IDLE", 0), ("BUSY", 1))))
+idl.enum(Mode, "M::Mode")
 
 
 class Level(Enumeration):
@@ -67,222 +33,68 @@ class Level(Enumeration):
     HIGH = 7
 
 
-bind(Level, EnumDescriptor("IDL:M/Level:1.0", "M::Level", (("LOW", -3), ("HIGH", 7))))
+idl.enum(Level, "M::Level")
 
 
 Id: TypeAlias = bytes
-_Id_alias = AliasDescriptor(
-    "IDL:M/Id:1.0",
-    "M::Id",
-    ArrayDescriptor(PrimitiveDescriptor("octet"), (4,)),
-)
+_Id_alias = idl.alias("M::Id", idl.array(idl.OCTET, 4))
 
 
-_IdCodec_layout = Fixed("4s")
-
-
-class IdCodec:
+class IdCodec(AliasCodec[Id]):
     """The codec of `M::Id`."""
 
-    _descriptor_ = _Id_alias
-
-    @staticmethod
-    def to_cdr(value: Id, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _IdCodec_layout.pack_little
-                if little_endian
-                else _IdCodec_layout.pack_big
-            )
-            return pack(exact(value, 4))
-        except FAILURES as failure:
-            raise encoding_error(IdCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> Id:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _IdCodec_layout.unpack_little
-                if little_endian
-                else _IdCodec_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            made: Id = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(IdCodec, data, little_endian, failure) from failure
-
-    @staticmethod
-    def to_xcdr2(value: Id, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(IdCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Id:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Id = from_xcdr2(IdCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _Id_alias
 
 
-_Point_layout = Fixed("dd")
-
-
-@dataclass(slots=True)
 class Point(Aggregated):
     """`M::Point`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:M/Point:1.0",
-        "M::Point",
-        (
-            MemberDescriptor("x", PrimitiveDescriptor("double")),
-            MemberDescriptor("y", PrimitiveDescriptor("double")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("M::Point", x=idl.DOUBLE, y=idl.DOUBLE)
 
     x: float = 0.0
     y: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Point_layout.pack_little if little_endian else _Point_layout.pack_big
-            )
-            return pack(self.x, self.y)
-        except FAILURES as failure:
-            raise encoding_error(Point, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Point_layout.unpack_little
-                if little_endian
-                else _Point_layout.unpack_big
-            )
-            x, y = unpack(data)
-            return cls(x, y)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Point:
-        return Point(self.x, self.y)
-
-
-_Mode_members = members(Mode)
-_Item_layout = Fixed("I4sdd")
-
-
-@dataclass(slots=True)
 class Item(Aggregated):
     """`M::Item`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:M/Item:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "M::Item",
-        (
-            MemberDescriptor("state", Mode._descriptor_),
-            MemberDescriptor("number", _Id_alias),
-            MemberDescriptor("place", Point._descriptor_),
-        ),
+        state=Mode,
+        number=_Id_alias,
+        place=Point,
     )
 
     state: Mode = Mode.IDLE
     number: Id = bytes(4)
     place: Point = field(default_factory=Point)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = _Item_layout.pack_little if little_endian else _Item_layout.pack_big
-            place = self.place
-            return pack(
-                _Mode_members[self.state],
-                exact(self.number, 4),
-                place.x,
-                place.y,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Item, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Item_layout.unpack_little if little_endian else _Item_layout.unpack_big
-            )
-            state, number, place_x, place_y = unpack(data)
-            return cls(_Mode_members[state], number, Point(place_x, place_y))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Item:
-        place = self.place
-        return Item(self.state, self.number, Point(place.x, place.y))
-
-
-_Level_members = members(Level)
-_All_layout = Layout("=BchIqfI", "@0 *s I", "@0 *s I", "@0 *s I", "@0 *f I")
-_All_layout_2 = PhasedLayout("I 4s d d")
-_All_layout_3 = PhasedLayout("I")
-_All_layout_4 = PhasedLayout("I", "@0 *s")
-_All_layout_5 = Fixed("dd")
-_All_layout_6 = PhasedLayout(
-    "2d",
-    "@0 3B 32s/8 I",
-    "@4 *B I",
-    "@0 *I i",
-    "@0 2i I",
-    "@0 *i",
-)
-
-
-@dataclass(slots=True)
 class All(Aggregated):
     """`M::All`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:M/All:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "M::All",
-        (
-            MemberDescriptor("flag", PrimitiveDescriptor("boolean")),
-            MemberDescriptor("letter", PrimitiveDescriptor("char")),
-            MemberDescriptor("small_", PrimitiveDescriptor("short")),
-            MemberDescriptor("large", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("most", PrimitiveDescriptor("long long")),
-            MemberDescriptor("single", PrimitiveDescriptor("float")),
-            MemberDescriptor("name", StringDescriptor()),
-            MemberDescriptor("code", StringDescriptor(bound=5)),
-            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("octet"))),
-            MemberDescriptor(
-                "values",
-                SequenceDescriptor(PrimitiveDescriptor("float"), 4),
-            ),
-            MemberDescriptor("items", SequenceDescriptor(Item._descriptor_, 2)),
-            MemberDescriptor("names", SequenceDescriptor(StringDescriptor(bound=3), 2)),
-            MemberDescriptor(
-                "pair",
-                ArrayDescriptor(PrimitiveDescriptor("double"), (2,)),
-            ),
-            MemberDescriptor(
-                "flags",
-                ArrayDescriptor(PrimitiveDescriptor("boolean"), (3,)),
-            ),
-            MemberDescriptor("corners", ArrayDescriptor(Point._descriptor_, (2,))),
-            MemberDescriptor(
-                "choices",
-                SequenceDescriptor(PrimitiveDescriptor("boolean")),
-            ),
-            MemberDescriptor("modes", SequenceDescriptor(Mode._descriptor_)),
-            MemberDescriptor("step", Level._descriptor_),
-            MemberDescriptor("ends", ArrayDescriptor(Level._descriptor_, (2,))),
-            MemberDescriptor("levels", SequenceDescriptor(Level._descriptor_, 4)),
-        ),
+        flag=idl.BOOLEAN,
+        letter=idl.CHAR,
+        small_=idl.SHORT,
+        large=idl.UNSIGNED_LONG,
+        most=idl.LONG_LONG,
+        single=idl.FLOAT,
+        name=idl.STRING,
+        code=idl.string(5),
+        data=idl.sequence(idl.OCTET),
+        values=idl.sequence(idl.FLOAT, 4),
+        items=idl.sequence(Item, 2),
+        names=idl.sequence(idl.string(3), 2),
+        pair=idl.array(idl.DOUBLE, 2),
+        flags=idl.array(idl.BOOLEAN, 3),
+        corners=idl.array(Point, 2),
+        choices=idl.sequence(idl.BOOLEAN),
+        modes=idl.sequence(Mode),
+        step=Level,
+        ends=idl.array(Level, 2),
+        levels=idl.sequence(Level, 4),
     )
 
     flag: bool = False
@@ -306,427 +118,31 @@ class All(Aggregated):
     ends: list[Level] = field(default_factory=lambda: [Level.LOW] * 2)
     levels: list[Level] = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = _All_layout.pack_little if little_endian else _All_layout.pack_big
-            pack_2 = (
-                _All_layout_2.pack_little if little_endian else _All_layout_2.pack_big
-            )
-            pack_3 = (
-                _All_layout_3.pack_little if little_endian else _All_layout_3.pack_big
-            )
-            pack_4 = (
-                _All_layout_4.pack_little if little_endian else _All_layout_4.pack_big
-            )
-            pack_5 = (
-                _All_layout_5.pack_little if little_endian else _All_layout_5.pack_big
-            )
-            pack_6 = (
-                _All_layout_6.pack_little if little_endian else _All_layout_6.pack_big
-            )
-            name = text_octets(self.name)
-            n_name = len(name) + 1
-            code = text_octets(self.code)
-            n_code = len(code) + 1
-            if n_code > 6:
-                raise ValueError("wrong length")
-            data_ = self.data
-            n_data = len(data_)
-            values = self.values
-            n_values = len(values)
-            if n_values > 4:
-                raise ValueError("wrong length")
-            items = self.items
-            n_items = len(items)
-            if n_items > 2:
-                raise ValueError("wrong length")
-            out += pack_1[n_name, n_code, n_data, n_values](
-                BOOLEAN[self.flag],
-                self.letter.encode("latin-1"),
-                self.small_,
-                self.large,
-                self.most,
-                self.single,
-                n_name,
-                name,
-                n_code,
-                code,
-                n_data,
-                data_,
-                n_values,
-                *values,
-                n_items,
-            )
-            for item_items in items:
-                items_place = item_items.place
-                out += pack_2[len(out) & 7](
-                    _Mode_members[item_items.state],
-                    exact(item_items.number, 4),
-                    items_place.x,
-                    items_place.y,
-                )
-            names = self.names
-            n_names = len(names)
-            if n_names > 2:
-                raise ValueError("wrong length")
-            out += pack_3[len(out) & 7](n_names)
-            for item_names in names:
-                names_ = text_octets(item_names)
-                n_names_ = len(names_) + 1
-                if n_names_ > 4:
-                    raise ValueError("wrong length")
-                out += pack_4[len(out) & 7, n_names_](n_names_, names_)
-            pair = self.pair
-            if len(pair) != 2:
-                raise ValueError("wrong length")
-            flags = self.flags
-            if len(flags) != 3:
-                raise ValueError("wrong length")
-            octets_corners = b"".join(
-                [pack_5(item.x, item.y) for item in exact(self.corners, 2)],
-            )
-            choices = self.choices
-            n_choices = len(choices)
-            modes = self.modes
-            n_modes = len(modes)
-            ends = self.ends
-            if len(ends) != 2:
-                raise ValueError("wrong length")
-            levels = self.levels
-            n_levels = len(levels)
-            if n_levels > 4:
-                raise ValueError("wrong length")
-            out += pack_6[len(out) & 7, n_choices, n_modes, n_levels](
-                *pair,
-                *[BOOLEAN[item] for item in flags],
-                octets_corners,
-                n_choices,
-                *[BOOLEAN[item] for item in choices],
-                n_modes,
-                *[_Mode_members[item] for item in modes],
-                _Level_members[self.step],
-                *[_Level_members[item] for item in ends],
-                n_levels,
-                *[_Level_members[item] for item in levels],
-            )
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(All, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3, read_4, read_5 = (
-                _All_layout.read_little if little_endian else _All_layout.read_big
-            )
-            (read_6,) = (
-                _All_layout_2.read_little if little_endian else _All_layout_2.read_big
-            )
-            (read_7,) = (
-                _All_layout_3.read_little if little_endian else _All_layout_3.read_big
-            )
-            read_8, read_9 = (
-                _All_layout_4.read_little if little_endian else _All_layout_4.read_big
-            )
-            read_10, read_11, read_12, read_13, read_14, read_15 = (
-                _All_layout_6.read_little if little_endian else _All_layout_6.read_big
-            )
-            records_5 = (
-                _All_layout_5.records_little
-                if little_endian
-                else _All_layout_5.records_big
-            )
-            flag, letter, small_, large, most, single, n_name = read_1(data)
-            unpack, size = read_2[n_name]
-            name, n_code = unpack(data, 24)
-            offset = 24 + size
-            if n_code > 6:
-                raise ValueError("wrong length")
-            unpack, size = read_3[n_code]
-            code, n_data = unpack(data, offset)
-            offset += size
-            unpack, size = read_4[n_data]
-            data_, n_values = unpack(data, offset)
-            offset += size
-            if n_values > 4:
-                raise ValueError("wrong length")
-            unpack, size = read_5[n_values]
-            *values, n_items = unpack(data, offset)
-            offset += size
-            if n_items > 2:
-                raise ValueError("wrong length")
-            if n_items * 24 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            items = []
-            for _ in range(n_items):
-                unpack, size = read_6[offset & 7]
-                (
-                    items_state,
-                    items_number,
-                    items_place_x,
-                    items_place_y,
-                ) = unpack(data, offset)
-                offset += size
-                items.append(
-                    Item(
-                        _Mode_members[items_state],
-                        items_number,
-                        Point(items_place_x, items_place_y),
-                    ),
-                )
-            unpack, size = read_7[offset & 7]
-            (n_names,) = unpack(data, offset)
-            offset += size
-            if n_names > 2:
-                raise ValueError("wrong length")
-            if n_names * 4 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            names = []
-            for _ in range(n_names):
-                unpack, size = read_8[offset & 7]
-                (n_names_,) = unpack(data, offset)
-                offset += size
-                if n_names_ > 4:
-                    raise ValueError("wrong length")
-                unpack, size = read_9[n_names_]
-                (names_,) = unpack(data, offset)
-                offset += size
-                names.append(text_value(names_))
-            unpack, size = read_10[offset & 7]
-            pair = list(unpack(data, offset))
-            offset += size
-            unpack, size = read_11[0]
-            *flags, corners, n_choices = unpack(data, offset)
-            offset += size
-            unpack, size = read_12[n_choices]
-            *choices, n_modes = unpack(data, offset)
-            offset += size
-            unpack, size = read_13[n_modes]
-            *modes, step = unpack(data, offset)
-            offset += size
-            unpack, size = read_14[0]
-            *ends, n_levels = unpack(data, offset)
-            offset += size
-            if n_levels > 4:
-                raise ValueError("wrong length")
-            unpack, size = read_15[n_levels]
-            levels = list(unpack(data, offset))
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                BOOLEAN[flag],
-                letter.decode("latin-1"),
-                small_,
-                large,
-                most,
-                single,
-                text_value(name),
-                text_value(code),
-                data_,
-                values,
-                items,
-                names,
-                pair,
-                [BOOLEAN[item] for item in flags],
-                [Point(x, y) for x, y in records_5(corners)],
-                [BOOLEAN[item] for item in choices],
-                [_Mode_members[item] for item in modes],
-                _Level_members[step],
-                [_Level_members[item] for item in ends],
-                [_Level_members[item] for item in levels],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> All:
-        return All(
-            self.flag,
-            self.letter,
-            self.small_,
-            self.large,
-            self.most,
-            self.single,
-            self.name,
-            self.code,
-            self.data,
-            list(self.values),
-            [
-                Item(item.state, item.number, Point(item.place.x, item.place.y))
-                for item in self.items
-            ],
-            list(self.names),
-            list(self.pair),
-            list(self.flags),
-            [Point(item.x, item.y) for item in self.corners],
-            list(self.choices),
-            list(self.modes),
-            self.step,
-            list(self.ends),
-            list(self.levels),
-        )
-
-
-_Wide_layout = Layout("=I", "@4 *s")
-
-
-@dataclass(slots=True)
 class Wide(Aggregated):
     """`M::Wide`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:M/Wide:1.0",
-        "M::Wide",
-        (MemberDescriptor("text", StringDescriptor(True)),),
-    )
+    _descriptor_: ClassVar = idl.struct("M::Wide", text=idl.WSTRING)
 
     text: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = _Wide_layout.pack_little if little_endian else _Wide_layout.pack_big
-            text = wide_octets(self.text)
-            n_text = len(text)
-            return pack[n_text](n_text, text)
-        except FAILURES as failure:
-            raise encoding_error(Wide, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Wide_layout.read_little if little_endian else _Wide_layout.read_big
-            )
-            (n_text,) = read_1(data)
-            unpack, size = read_2[n_text]
-            (text,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(wide_value(text))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Wide:
-        return Wide(self.text)
-
 
 Trees: TypeAlias = "list[Tree]"
-_Trees_alias = AliasDescriptor(
-    "IDL:M/Trees:1.0",
-    "M::Trees",
-    SequenceDescriptor(
-        LinkDescriptor("IDL:M/Tree:1.0", "M::Tree", lambda: Tree._descriptor_),
-    ),
-)
+_Trees_alias = idl.alias("M::Trees", idl.sequence(idl.link("M::Tree", lambda: Tree)))
 
 
-_Tree_layout = PhasedLayout("I")
-
-
-@dataclass(slots=True)
-class Tree(Composite):
+class Tree(Aggregated, gc=True):
     """`M::Tree`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:M/Tree:1.0",
-        "M::Tree",
-        (MemberDescriptor("parts", _Trees_alias),),
-    )
+    _descriptor_: ClassVar = idl.struct("M::Tree", parts=_Trees_alias)
 
     parts: Trees = field(default_factory=list)
 
-    def _write_(self, out: bytearray, little_endian: bool) -> None:
-        pack_1 = _Tree_layout.pack_little if little_endian else _Tree_layout.pack_big
-        parts = self.parts
-        n_parts = len(parts)
-        out += pack_1[len(out) & 7](n_parts)
-        for item_parts in parts:
-            item_parts._write_(out, little_endian)
 
-    @classmethod
-    def _read_(cls, data: Buffer, offset: int, little_endian: bool) -> tuple[Self, int]:
-        (read_1,) = _Tree_layout.read_little if little_endian else _Tree_layout.read_big
-        unpack, size = read_1[offset & 7]
-        (n_parts,) = unpack(data, offset)
-        offset += size
-        if n_parts > len(data) - offset:
-            raise ValueError("a length beyond the end")
-        parts = []
-        for _ in range(n_parts):
-            parts_, offset = Tree._read_(data, offset, little_endian)
-            parts.append(parts_)
-        return cls(parts), offset
-
-    def _snapshot_(self) -> Tree:
-        return Tree([item._snapshot_() for item in self.parts])
-
-
-_TreesCodec_layout = Settled("=I")
-
-
-class TreesCodec:
+class TreesCodec(AliasCodec[Trees]):
     """The codec of `M::Trees`."""
 
-    _descriptor_ = _Trees_alias
-
-    @staticmethod
-    def to_cdr(value: Trees, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _TreesCodec_layout.pack_little
-                if little_endian
-                else _TreesCodec_layout.pack_big
-            )
-            n_value = len(value)
-            out += pack_1(n_value)
-            for item_value in value:
-                item_value._write_(out, little_endian)
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(TreesCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> Trees:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _TreesCodec_layout.read_little
-                if little_endian
-                else _TreesCodec_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            offset = 4
-            if n_value > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            value = []
-            for _ in range(n_value):
-                value_, offset = Tree._read_(data, offset, little_endian)
-                value.append(value_)
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: Trees = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(TreesCodec, data, little_endian, failure) from failure
-
-    @staticmethod
-    def to_xcdr2(value: Trees, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(TreesCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Trees:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Trees = from_xcdr2(TreesCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _Trees_alias
 
 
 class Call__(Servant):
@@ -755,62 +171,10 @@ Call__._calls_ = ".board_calls"
 
 
 Gains: TypeAlias = list[float]
-_Gains_alias = AliasDescriptor(
-    "IDL:Gains:1.0",
-    "Gains",
-    SequenceDescriptor(PrimitiveDescriptor("double")),
-)
+_Gains_alias = idl.alias("Gains", idl.sequence(idl.DOUBLE))
 
 
-_GainsCodec_layout = Layout("=I", "@4 *d")
-
-
-class GainsCodec:
+class GainsCodec(AliasCodec[Gains]):
     """The codec of `Gains`."""
 
-    _descriptor_ = _Gains_alias
-
-    @staticmethod
-    def to_cdr(value: Gains, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _GainsCodec_layout.pack_little
-                if little_endian
-                else _GainsCodec_layout.pack_big
-            )
-            n_value = len(value)
-            return pack[n_value](n_value, *value)
-        except FAILURES as failure:
-            raise encoding_error(GainsCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> Gains:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _GainsCodec_layout.read_little
-                if little_endian
-                else _GainsCodec_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            value = list(unpack(data, 4))
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: Gains = value
-            return made
-        except FAILURES as failure:
-            raise decoding_error(GainsCodec, data, little_endian, failure) from failure
-
-    @staticmethod
-    def to_xcdr2(value: Gains, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(GainsCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Gains:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Gains = from_xcdr2(GainsCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _Gains_alias

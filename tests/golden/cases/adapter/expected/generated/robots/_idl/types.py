@@ -4,133 +4,40 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
-
-_Stamp_layout = Fixed("I")
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
 
 
-@dataclass(slots=True)
 class Stamp(Aggregated):
     """`Stamp`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Stamp:1.0",
-        "Stamp",
-        (MemberDescriptor("sec", PrimitiveDescriptor("unsigned long")),),
-    )
+    _descriptor_: ClassVar = idl.struct("Stamp", sec=idl.UNSIGNED_LONG)
 
     sec: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Stamp_layout.pack_little if little_endian else _Stamp_layout.pack_big
-            )
-            return pack(self.sec)
-        except FAILURES as failure:
-            raise encoding_error(Stamp, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Stamp_layout.unpack_little
-                if little_endian
-                else _Stamp_layout.unpack_big
-            )
-            (sec,) = unpack(data)
-            return cls(sec)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Stamp:
-        return Stamp(self.sec)
-
-
-_Base_layout = Fixed("Ih")
-
-
-@dataclass(slots=True)
 class Base(Aggregated):
     """`Base`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Base:1.0",
-        "Base",
-        (
-            MemberDescriptor("tm", Stamp._descriptor_),
-            MemberDescriptor("raw", PrimitiveDescriptor("short")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("Base", tm=Stamp, raw=idl.SHORT)
 
     tm: Stamp = field(default_factory=Stamp)
     raw: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = _Base_layout.pack_little if little_endian else _Base_layout.pack_big
-            tm = self.tm
-            return pack(tm.sec, self.raw)
-        except FAILURES as failure:
-            raise encoding_error(Base, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Base_layout.unpack_little if little_endian else _Base_layout.unpack_big
-            )
-            tm_sec, raw = unpack(data)
-            return cls(Stamp(tm_sec), raw)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Base:
-        tm = self.tm
-        return Base(Stamp(tm.sec), self.raw)
-
-
-_Plain_layout = Layout("=IhxxfI", "@0 *s I", "*i d")
-
-
-@dataclass(slots=True)
 class Plain(Base):
     """`Plain`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Plain:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Plain",
-        (
-            MemberDescriptor("tm", Stamp._descriptor_),
-            MemberDescriptor("raw", PrimitiveDescriptor("short")),
-            MemberDescriptor("speed", PrimitiveDescriptor("float")),
-            MemberDescriptor("from", StringDescriptor(bound=8), attribute="from_"),
-            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            MemberDescriptor("same", PrimitiveDescriptor("double")),
-        ),
+        idl.traits(base=Base),
+        speed=idl.FLOAT,
+        from_=idl.member(idl.string(8), name="from"),
+        id=idl.sequence(idl.LONG),
+        same=idl.DOUBLE,
     )
 
     speed: float = 0.0
@@ -138,180 +45,36 @@ class Plain(Base):
     id: list[int] = field(default_factory=list)
     same: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Plain_layout.pack_little if little_endian else _Plain_layout.pack_big
-            )
-            tm = self.tm
-            from_ = text_octets(self.from_)
-            n_from_ = len(from_) + 1
-            if n_from_ > 9:
-                raise ValueError("wrong length")
-            id = self.id
-            n_id = len(id)
-            return pack[n_from_, n_id](
-                tm.sec,
-                self.raw,
-                self.speed,
-                n_from_,
-                from_,
-                n_id,
-                *id,
-                self.same,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Plain, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _Plain_layout.read_little if little_endian else _Plain_layout.read_big
-            )
-            tm_sec, raw, speed, n_from_ = read_1(data)
-            if n_from_ > 9:
-                raise ValueError("wrong length")
-            unpack, size = read_2[n_from_]
-            from_, n_id = unpack(data, 16)
-            offset = 16 + size
-            unpack, size = read_3[n_id << 3 | offset & 7]
-            *id, same = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Stamp(tm_sec), raw, speed, text_value(from_), id, same)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Plain:
-        tm = self.tm
-        return Plain(
-            Stamp(tm.sec),
-            self.raw,
-            self.speed,
-            self.from_,
-            list(self.id),
-            self.same,
-        )
-
-
-_Point_layout = Fixed("dd")
-
-
-@dataclass(slots=True)
 class Point(Aggregated):
     """`Point`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Point:1.0",
-        "Point",
-        (
-            MemberDescriptor("x", PrimitiveDescriptor("double")),
-            MemberDescriptor("y", PrimitiveDescriptor("double")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("Point", x=idl.DOUBLE, y=idl.DOUBLE)
 
     x: float = 0.0
     y: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Point_layout.pack_little if little_endian else _Point_layout.pack_big
-            )
-            return pack(self.x, self.y)
-        except FAILURES as failure:
-            raise encoding_error(Point, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Point_layout.unpack_little
-                if little_endian
-                else _Point_layout.unpack_big
-            )
-            x, y = unpack(data)
-            return cls(x, y)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Point:
-        return Point(self.x, self.y)
-
-
-_Inner_layout = Fixed("ddi")
-
-
-@dataclass(slots=True)
 class Inner(Aggregated):
     """`Inner`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Inner:1.0",
-        "Inner",
-        (
-            MemberDescriptor("at", Point._descriptor_),
-            MemberDescriptor("count", PrimitiveDescriptor("long")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("Inner", at=Point, count=idl.LONG)
 
     at: Point = field(default_factory=Point)
     count: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Inner_layout.pack_little if little_endian else _Inner_layout.pack_big
-            )
-            at = self.at
-            return pack(at.x, at.y, self.count)
-        except FAILURES as failure:
-            raise encoding_error(Inner, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Inner_layout.unpack_little
-                if little_endian
-                else _Inner_layout.unpack_big
-            )
-            at_x, at_y, count = unpack(data)
-            return cls(Point(at_x, at_y), count)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Inner:
-        at = self.at
-        return Inner(Point(at.x, at.y), self.count)
-
-
-_Rich_layout = Layout("=I4xddiI", "@0 *i I", "*s f d")
-
-
-@dataclass(slots=True)
 class Rich(Aggregated):
     """`Rich`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Rich:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Rich",
-        (
-            MemberDescriptor("tm", Stamp._descriptor_),
-            MemberDescriptor("part", Inner._descriptor_),
-            MemberDescriptor("id", SequenceDescriptor(PrimitiveDescriptor("long"))),
-            MemberDescriptor("class", StringDescriptor(bound=8), attribute="class_"),
-            MemberDescriptor("same", PrimitiveDescriptor("float")),
-            MemberDescriptor("rest", PrimitiveDescriptor("double")),
-        ),
+        tm=Stamp,
+        part=Inner,
+        id=idl.sequence(idl.LONG),
+        class_=idl.member(idl.string(8), name="class"),
+        same=idl.FLOAT,
+        rest=idl.DOUBLE,
     )
 
     tm: Stamp = field(default_factory=Stamp)
@@ -320,73 +83,3 @@ class Rich(Aggregated):
     class_: str = ""
     same: float = 0.0
     rest: float = 0.0
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = _Rich_layout.pack_little if little_endian else _Rich_layout.pack_big
-            tm = self.tm
-            part = self.part
-            part_at = part.at
-            id = self.id
-            n_id = len(id)
-            class_ = text_octets(self.class_)
-            n_class_ = len(class_) + 1
-            if n_class_ > 9:
-                raise ValueError("wrong length")
-            return pack[n_id, n_class_](
-                tm.sec,
-                part_at.x,
-                part_at.y,
-                part.count,
-                n_id,
-                *id,
-                n_class_,
-                class_,
-                self.same,
-                self.rest,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Rich, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _Rich_layout.read_little if little_endian else _Rich_layout.read_big
-            )
-            tm_sec, part_at_x, part_at_y, part_count, n_id = read_1(data)
-            unpack, size = read_2[n_id]
-            *id, n_class_ = unpack(data, 32)
-            offset = 32 + size
-            if n_class_ > 9:
-                raise ValueError("wrong length")
-            unpack, size = read_3[n_class_ << 3 | offset & 7]
-            class_, same, rest = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Stamp(tm_sec),
-                Inner(Point(part_at_x, part_at_y), part_count),
-                id,
-                text_value(class_),
-                same,
-                rest,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Rich:
-        tm = self.tm
-        part = self.part
-        part_at = part.at
-        return Rich(
-            Stamp(tm.sec),
-            Inner(Point(part_at.x, part_at.y), part.count),
-            list(self.id),
-            self.class_,
-            self.same,
-            self.rest,
-        )

@@ -4,51 +4,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    BOOLEAN,
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    PhasedLayout,
-    Settled,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.cdr_values import (
-    text_octets,
-    text_value,
-    wide_character,
-    wide_character_value,
-    wide_octets,
-    wide_value,
-)
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
-
-_Time_layout = Fixed("II")
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
 
 
-@dataclass(slots=True)
 class Time(Aggregated):
     """A point in time: UTC since 1970-01-01, in seconds and nanoseconds."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/Time:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::Time",
-        (
-            MemberDescriptor("sec", PrimitiveDescriptor("unsigned long")),
-            MemberDescriptor("nsec", PrimitiveDescriptor("unsigned long")),
-        ),
+        sec=idl.UNSIGNED_LONG,
+        nsec=idl.UNSIGNED_LONG,
     )
 
     sec: int = 0
@@ -56,1479 +25,283 @@ class Time(Aggregated):
     nsec: int = 0
     """Nanoseconds within the second [ns]."""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = _Time_layout.pack_little if little_endian else _Time_layout.pack_big
-            return pack(self.sec, self.nsec)
-        except FAILURES as failure:
-            raise encoding_error(Time, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Time_layout.unpack_little if little_endian else _Time_layout.unpack_big
-            )
-            sec, nsec = unpack(data)
-            return cls(sec, nsec)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Time:
-        return Time(self.sec, self.nsec)
-
-
-_TimedState_layout = Fixed("IIh")
-
-
-@dataclass(slots=True)
 class TimedState(Aggregated):
     """The state of something, with the time of its measurement."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedState:1.0",
-        "RTC::TimedState",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("short")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedState", tm=Time, data=idl.SHORT)
 
     tm: Time = field(default_factory=Time)
     data: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedState_layout.pack_little
-                if little_endian
-                else _TimedState_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data)
-        except FAILURES as failure:
-            raise encoding_error(TimedState, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedState_layout.unpack_little
-                if little_endian
-                else _TimedState_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedState:
-        tm = self.tm
-        return TimedState(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedShort_layout = Fixed("IIh")
-
-
-@dataclass(slots=True)
 class TimedShort(Aggregated):
     """Time-stamped value of type short."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedShort:1.0",
-        "RTC::TimedShort",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("short")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedShort", tm=Time, data=idl.SHORT)
 
     tm: Time = field(default_factory=Time)
     data: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedShort_layout.pack_little
-                if little_endian
-                else _TimedShort_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data)
-        except FAILURES as failure:
-            raise encoding_error(TimedShort, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedShort_layout.unpack_little
-                if little_endian
-                else _TimedShort_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedShort:
-        tm = self.tm
-        return TimedShort(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedLong_layout = Fixed("IIi")
-
-
-@dataclass(slots=True)
 class TimedLong(Aggregated):
     """Time-stamped value of type long."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedLong:1.0",
-        "RTC::TimedLong",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("long")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedLong", tm=Time, data=idl.LONG)
 
     tm: Time = field(default_factory=Time)
     data: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedLong_layout.pack_little
-                if little_endian
-                else _TimedLong_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data)
-        except FAILURES as failure:
-            raise encoding_error(TimedLong, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedLong_layout.unpack_little
-                if little_endian
-                else _TimedLong_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedLong:
-        tm = self.tm
-        return TimedLong(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedUShort_layout = Fixed("IIH")
-
-
-@dataclass(slots=True)
 class TimedUShort(Aggregated):
     """Time-stamped value of type unsigned short."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedUShort:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedUShort",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("unsigned short")),
-        ),
+        tm=Time,
+        data=idl.UNSIGNED_SHORT,
     )
 
     tm: Time = field(default_factory=Time)
     data: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedUShort_layout.pack_little
-                if little_endian
-                else _TimedUShort_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data)
-        except FAILURES as failure:
-            raise encoding_error(TimedUShort, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedUShort_layout.unpack_little
-                if little_endian
-                else _TimedUShort_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedUShort:
-        tm = self.tm
-        return TimedUShort(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedULong_layout = Fixed("III")
-
-
-@dataclass(slots=True)
 class TimedULong(Aggregated):
     """Time-stamped value of type unsigned long."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedULong:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedULong",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("unsigned long")),
-        ),
+        tm=Time,
+        data=idl.UNSIGNED_LONG,
     )
 
     tm: Time = field(default_factory=Time)
     data: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedULong_layout.pack_little
-                if little_endian
-                else _TimedULong_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data)
-        except FAILURES as failure:
-            raise encoding_error(TimedULong, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedULong_layout.unpack_little
-                if little_endian
-                else _TimedULong_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedULong:
-        tm = self.tm
-        return TimedULong(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedFloat_layout = Fixed("IIf")
-
-
-@dataclass(slots=True)
 class TimedFloat(Aggregated):
     """Time-stamped value of type float."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedFloat:1.0",
-        "RTC::TimedFloat",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("float")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedFloat", tm=Time, data=idl.FLOAT)
 
     tm: Time = field(default_factory=Time)
     data: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedFloat_layout.pack_little
-                if little_endian
-                else _TimedFloat_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data)
-        except FAILURES as failure:
-            raise encoding_error(TimedFloat, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedFloat_layout.unpack_little
-                if little_endian
-                else _TimedFloat_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedFloat:
-        tm = self.tm
-        return TimedFloat(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedDouble_layout = Fixed("IId")
-
-
-@dataclass(slots=True)
 class TimedDouble(Aggregated):
     """Time-stamped value of type double."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedDouble:1.0",
-        "RTC::TimedDouble",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("double")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedDouble", tm=Time, data=idl.DOUBLE)
 
     tm: Time = field(default_factory=Time)
     data: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedDouble_layout.pack_little
-                if little_endian
-                else _TimedDouble_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data)
-        except FAILURES as failure:
-            raise encoding_error(TimedDouble, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedDouble_layout.unpack_little
-                if little_endian
-                else _TimedDouble_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedDouble:
-        tm = self.tm
-        return TimedDouble(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedChar_layout = Fixed("IIc")
-
-
-@dataclass(slots=True)
 class TimedChar(Aggregated):
     """Time-stamped value of type char."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedChar:1.0",
-        "RTC::TimedChar",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("char")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedChar", tm=Time, data=idl.CHAR)
 
     tm: Time = field(default_factory=Time)
     data: str = "\x00"
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedChar_layout.pack_little
-                if little_endian
-                else _TimedChar_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data.encode("latin-1"))
-        except FAILURES as failure:
-            raise encoding_error(TimedChar, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedChar_layout.unpack_little
-                if little_endian
-                else _TimedChar_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_.decode("latin-1"))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedChar:
-        tm = self.tm
-        return TimedChar(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedWChar_layout = Fixed("II3s")
-
-
-@dataclass(slots=True)
 class TimedWChar(Aggregated):
     """Time-stamped value of type wchar."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedWChar:1.0",
-        "RTC::TimedWChar",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("wchar")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedWChar", tm=Time, data=idl.WCHAR)
 
     tm: Time = field(default_factory=Time)
     data: str = "\x00"
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedWChar_layout.pack_little
-                if little_endian
-                else _TimedWChar_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, wide_character(self.data))
-        except FAILURES as failure:
-            raise encoding_error(TimedWChar, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedWChar_layout.unpack_little
-                if little_endian
-                else _TimedWChar_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), wide_character_value(data_))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedWChar:
-        tm = self.tm
-        return TimedWChar(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedBoolean_layout = Fixed("IIB")
-
-
-@dataclass(slots=True)
 class TimedBoolean(Aggregated):
     """Time-stamped value of type boolean."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedBoolean:1.0",
-        "RTC::TimedBoolean",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("boolean")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedBoolean", tm=Time, data=idl.BOOLEAN)
 
     tm: Time = field(default_factory=Time)
     data: bool = False
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedBoolean_layout.pack_little
-                if little_endian
-                else _TimedBoolean_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, BOOLEAN[self.data])
-        except FAILURES as failure:
-            raise encoding_error(TimedBoolean, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedBoolean_layout.unpack_little
-                if little_endian
-                else _TimedBoolean_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), BOOLEAN[data_])
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedBoolean:
-        tm = self.tm
-        return TimedBoolean(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedOctet_layout = Fixed("IIB")
-
-
-@dataclass(slots=True)
 class TimedOctet(Aggregated):
     """Time-stamped value of type octet."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedOctet:1.0",
-        "RTC::TimedOctet",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("octet")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedOctet", tm=Time, data=idl.OCTET)
 
     tm: Time = field(default_factory=Time)
     data: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedOctet_layout.pack_little
-                if little_endian
-                else _TimedOctet_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data)
-        except FAILURES as failure:
-            raise encoding_error(TimedOctet, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedOctet_layout.unpack_little
-                if little_endian
-                else _TimedOctet_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedOctet:
-        tm = self.tm
-        return TimedOctet(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedString_layout = Layout("=III", "@4 *s")
-
-
-@dataclass(slots=True)
 class TimedString(Aggregated):
     """Time-stamped value of type string."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedString:1.0",
-        "RTC::TimedString",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", StringDescriptor()),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedString", tm=Time, data=idl.STRING)
 
     tm: Time = field(default_factory=Time)
     data: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedString_layout.pack_little
-                if little_endian
-                else _TimedString_layout.pack_big
-            )
-            tm = self.tm
-            data_ = text_octets(self.data)
-            n_data = len(data_) + 1
-            return pack[n_data](tm.sec, tm.nsec, n_data, data_)
-        except FAILURES as failure:
-            raise encoding_error(TimedString, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedString_layout.read_little
-                if little_endian
-                else _TimedString_layout.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            (data_,) = unpack(data, 12)
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), text_value(data_))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedString:
-        tm = self.tm
-        return TimedString(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedWString_layout = Layout("=III", "@4 *s")
-
-
-@dataclass(slots=True)
 class TimedWString(Aggregated):
     """Time-stamped value of type wstring."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedWString:1.0",
-        "RTC::TimedWString",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", StringDescriptor(True)),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("RTC::TimedWString", tm=Time, data=idl.WSTRING)
 
     tm: Time = field(default_factory=Time)
     data: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedWString_layout.pack_little
-                if little_endian
-                else _TimedWString_layout.pack_big
-            )
-            tm = self.tm
-            data_ = wide_octets(self.data)
-            n_data = len(data_)
-            return pack[n_data](tm.sec, tm.nsec, n_data, data_)
-        except FAILURES as failure:
-            raise encoding_error(TimedWString, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedWString_layout.read_little
-                if little_endian
-                else _TimedWString_layout.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            (data_,) = unpack(data, 12)
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), wide_value(data_))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedWString:
-        tm = self.tm
-        return TimedWString(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedShortSeq_layout = Layout("=III", "@4 *h")
-
-
-@dataclass(slots=True)
 class TimedShortSeq(Aggregated):
     """Time-stamped values of type short."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedShortSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedShortSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("short"))),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.SHORT),
     )
 
     tm: Time = field(default_factory=Time)
     data: list[int] = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedShortSeq_layout.pack_little
-                if little_endian
-                else _TimedShortSeq_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            return pack[n_data](tm.sec, tm.nsec, n_data, *data_)
-        except FAILURES as failure:
-            raise encoding_error(TimedShortSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedShortSeq_layout.read_little
-                if little_endian
-                else _TimedShortSeq_layout.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            data_ = list(unpack(data, 12))
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedShortSeq:
-        tm = self.tm
-        return TimedShortSeq(Time(tm.sec, tm.nsec), list(self.data))
-
-
-_TimedLongSeq_layout = Layout("=III", "@4 *i")
-
-
-@dataclass(slots=True)
 class TimedLongSeq(Aggregated):
     """Time-stamped values of type long."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedLongSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedLongSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("long"))),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.LONG),
     )
 
     tm: Time = field(default_factory=Time)
     data: list[int] = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedLongSeq_layout.pack_little
-                if little_endian
-                else _TimedLongSeq_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            return pack[n_data](tm.sec, tm.nsec, n_data, *data_)
-        except FAILURES as failure:
-            raise encoding_error(TimedLongSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedLongSeq_layout.read_little
-                if little_endian
-                else _TimedLongSeq_layout.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            data_ = list(unpack(data, 12))
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedLongSeq:
-        tm = self.tm
-        return TimedLongSeq(Time(tm.sec, tm.nsec), list(self.data))
-
-
-_TimedUShortSeq_layout = Layout("=III", "@4 *H")
-
-
-@dataclass(slots=True)
 class TimedUShortSeq(Aggregated):
     """Time-stamped values of type unsigned short."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedUShortSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedUShortSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor(
-                "data",
-                SequenceDescriptor(PrimitiveDescriptor("unsigned short")),
-            ),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.UNSIGNED_SHORT),
     )
 
     tm: Time = field(default_factory=Time)
     data: list[int] = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedUShortSeq_layout.pack_little
-                if little_endian
-                else _TimedUShortSeq_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            return pack[n_data](tm.sec, tm.nsec, n_data, *data_)
-        except FAILURES as failure:
-            raise encoding_error(TimedUShortSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedUShortSeq_layout.read_little
-                if little_endian
-                else _TimedUShortSeq_layout.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            data_ = list(unpack(data, 12))
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedUShortSeq:
-        tm = self.tm
-        return TimedUShortSeq(Time(tm.sec, tm.nsec), list(self.data))
-
-
-_TimedULongSeq_layout = Layout("=III", "@4 *I")
-
-
-@dataclass(slots=True)
 class TimedULongSeq(Aggregated):
     """Time-stamped values of type unsigned long."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedULongSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedULongSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor(
-                "data",
-                SequenceDescriptor(PrimitiveDescriptor("unsigned long")),
-            ),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.UNSIGNED_LONG),
     )
 
     tm: Time = field(default_factory=Time)
     data: list[int] = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedULongSeq_layout.pack_little
-                if little_endian
-                else _TimedULongSeq_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            return pack[n_data](tm.sec, tm.nsec, n_data, *data_)
-        except FAILURES as failure:
-            raise encoding_error(TimedULongSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedULongSeq_layout.read_little
-                if little_endian
-                else _TimedULongSeq_layout.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            data_ = list(unpack(data, 12))
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedULongSeq:
-        tm = self.tm
-        return TimedULongSeq(Time(tm.sec, tm.nsec), list(self.data))
-
-
-_TimedFloatSeq_layout = Layout("=III", "@4 *f")
-
-
-@dataclass(slots=True)
 class TimedFloatSeq(Aggregated):
     """Time-stamped values of type float."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedFloatSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedFloatSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("float"))),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.FLOAT),
     )
 
     tm: Time = field(default_factory=Time)
     data: list[float] = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedFloatSeq_layout.pack_little
-                if little_endian
-                else _TimedFloatSeq_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            return pack[n_data](tm.sec, tm.nsec, n_data, *data_)
-        except FAILURES as failure:
-            raise encoding_error(TimedFloatSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedFloatSeq_layout.read_little
-                if little_endian
-                else _TimedFloatSeq_layout.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            data_ = list(unpack(data, 12))
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedFloatSeq:
-        tm = self.tm
-        return TimedFloatSeq(Time(tm.sec, tm.nsec), list(self.data))
-
-
-_TimedDoubleSeq_layout = Layout("=III", "@4 *d")
-
-
-@dataclass(slots=True)
 class TimedDoubleSeq(Aggregated):
     """Time-stamped values of type double."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedDoubleSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedDoubleSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("double"))),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.DOUBLE),
     )
 
     tm: Time = field(default_factory=Time)
     data: list[float] = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedDoubleSeq_layout.pack_little
-                if little_endian
-                else _TimedDoubleSeq_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            return pack[n_data](tm.sec, tm.nsec, n_data, *data_)
-        except FAILURES as failure:
-            raise encoding_error(TimedDoubleSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedDoubleSeq_layout.read_little
-                if little_endian
-                else _TimedDoubleSeq_layout.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            data_ = list(unpack(data, 12))
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedDoubleSeq:
-        tm = self.tm
-        return TimedDoubleSeq(Time(tm.sec, tm.nsec), list(self.data))
-
-
-_TimedCharSeq_layout = Layout("=III", "@4 *s")
-
-
-@dataclass(slots=True)
 class TimedCharSeq(Aggregated):
     """Time-stamped values of type char."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedCharSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedCharSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("char"))),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.CHAR),
     )
 
     tm: Time = field(default_factory=Time)
     data: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedCharSeq_layout.pack_little
-                if little_endian
-                else _TimedCharSeq_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data.encode("latin-1")
-            n_data = len(data_)
-            return pack[n_data](tm.sec, tm.nsec, n_data, data_)
-        except FAILURES as failure:
-            raise encoding_error(TimedCharSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedCharSeq_layout.read_little
-                if little_endian
-                else _TimedCharSeq_layout.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            (data_,) = unpack(data, 12)
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), data_.decode("latin-1"))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedCharSeq:
-        tm = self.tm
-        return TimedCharSeq(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedWCharSeq_layout = Fixed("3s")
-_TimedWCharSeq_layout_2 = Layout("=III", "@4 *3s/1")
-
-
-@dataclass(slots=True)
 class TimedWCharSeq(Aggregated):
     """Time-stamped values of type wchar."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedWCharSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedWCharSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("wchar"))),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.WCHAR),
     )
 
     tm: Time = field(default_factory=Time)
     data: list[str] = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _TimedWCharSeq_layout.pack_little
-                if little_endian
-                else _TimedWCharSeq_layout.pack_big
-            )
-            pack = (
-                _TimedWCharSeq_layout_2.pack_little
-                if little_endian
-                else _TimedWCharSeq_layout_2.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            octets_data = b"".join([pack_1(wide_character(item)) for item in data_])
-            return pack[n_data](tm.sec, tm.nsec, n_data, octets_data)
-        except FAILURES as failure:
-            raise encoding_error(TimedWCharSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedWCharSeq_layout_2.read_little
-                if little_endian
-                else _TimedWCharSeq_layout_2.read_big
-            )
-            records_1 = (
-                _TimedWCharSeq_layout.records_little
-                if little_endian
-                else _TimedWCharSeq_layout.records_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            (data_,) = unpack(data, 12)
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                Time(tm_sec, tm_nsec),
-                [wide_character_value(value) for (value,) in records_1(data_)],
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedWCharSeq:
-        tm = self.tm
-        return TimedWCharSeq(Time(tm.sec, tm.nsec), list(self.data))
-
-
-_TimedBooleanSeq_layout = Layout("=III", "@4 *B")
-
-
-@dataclass(slots=True)
 class TimedBooleanSeq(Aggregated):
     """Time-stamped values of type boolean."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedBooleanSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedBooleanSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor(
-                "data",
-                SequenceDescriptor(PrimitiveDescriptor("boolean")),
-            ),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.BOOLEAN),
     )
 
     tm: Time = field(default_factory=Time)
     data: list[bool] = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedBooleanSeq_layout.pack_little
-                if little_endian
-                else _TimedBooleanSeq_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            return pack[n_data](
-                tm.sec,
-                tm.nsec,
-                n_data,
-                *[BOOLEAN[item] for item in data_],
-            )
-        except FAILURES as failure:
-            raise encoding_error(TimedBooleanSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedBooleanSeq_layout.read_little
-                if little_endian
-                else _TimedBooleanSeq_layout.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            data_ = list(unpack(data, 12))
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), [BOOLEAN[item] for item in data_])
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedBooleanSeq:
-        tm = self.tm
-        return TimedBooleanSeq(Time(tm.sec, tm.nsec), list(self.data))
-
-
-_TimedOctetSeq_layout = Layout("=III", "@4 *s")
-
-
-@dataclass(slots=True)
 class TimedOctetSeq(Aggregated):
     """Time-stamped values of type octet."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedOctetSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedOctetSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("octet"))),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.OCTET),
     )
 
     tm: Time = field(default_factory=Time)
     data: bytes = b""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedOctetSeq_layout.pack_little
-                if little_endian
-                else _TimedOctetSeq_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            return pack[n_data](tm.sec, tm.nsec, n_data, data_)
-        except FAILURES as failure:
-            raise encoding_error(TimedOctetSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _TimedOctetSeq_layout.read_little
-                if little_endian
-                else _TimedOctetSeq_layout.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            unpack, size = read_2[n_data]
-            (data_,) = unpack(data, 12)
-            offset = 12 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedOctetSeq:
-        tm = self.tm
-        return TimedOctetSeq(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedStringSeq_layout = Settled("=III")
-_TimedStringSeq_layout_2 = PhasedLayout("I", "@0 *s")
-
-
-@dataclass(slots=True)
 class TimedStringSeq(Aggregated):
     """Time-stamped values of type string."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedStringSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedStringSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SequenceDescriptor(StringDescriptor())),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.STRING),
     )
 
     tm: Time = field(default_factory=Time)
     data: list[str] = field(default_factory=list)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _TimedStringSeq_layout.pack_little
-                if little_endian
-                else _TimedStringSeq_layout.pack_big
-            )
-            pack_2 = (
-                _TimedStringSeq_layout_2.pack_little
-                if little_endian
-                else _TimedStringSeq_layout_2.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            out += pack_1(tm.sec, tm.nsec, n_data)
-            for item_data in data_:
-                data__ = text_octets(item_data)
-                n_data_ = len(data__) + 1
-                out += pack_2[len(out) & 7, n_data_](n_data_, data__)
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(TimedStringSeq, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _TimedStringSeq_layout.read_little
-                if little_endian
-                else _TimedStringSeq_layout.read_big
-            )
-            read_2, read_3 = (
-                _TimedStringSeq_layout_2.read_little
-                if little_endian
-                else _TimedStringSeq_layout_2.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            offset = 12
-            if n_data * 4 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            data_ = []
-            for _ in range(n_data):
-                unpack, size = read_2[offset & 7]
-                (n_data_,) = unpack(data, offset)
-                offset += size
-                unpack, size = read_3[n_data_]
-                (data__,) = unpack(data, offset)
-                offset += size
-                data_.append(text_value(data__))
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedStringSeq:
-        tm = self.tm
-        return TimedStringSeq(Time(tm.sec, tm.nsec), list(self.data))
-
-
-_TimedWStringSeq_layout = Settled("=III")
-_TimedWStringSeq_layout_2 = PhasedLayout("I", "@0 *s")
-
-
-@dataclass(slots=True)
 class TimedWStringSeq(Aggregated):
     """Time-stamped values of type wstring."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:RTC/TimedWStringSeq:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "RTC::TimedWStringSeq",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", SequenceDescriptor(StringDescriptor(True))),
-        ),
+        tm=Time,
+        data=idl.sequence(idl.WSTRING),
     )
 
     tm: Time = field(default_factory=Time)
     data: list[str] = field(default_factory=list)
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            out = bytearray()
-            pack_1 = (
-                _TimedWStringSeq_layout.pack_little
-                if little_endian
-                else _TimedWStringSeq_layout.pack_big
-            )
-            pack_2 = (
-                _TimedWStringSeq_layout_2.pack_little
-                if little_endian
-                else _TimedWStringSeq_layout_2.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            n_data = len(data_)
-            out += pack_1(tm.sec, tm.nsec, n_data)
-            for item_data in data_:
-                data__ = wide_octets(item_data)
-                n_data_ = len(data__)
-                out += pack_2[len(out) & 7, n_data_](n_data_, data__)
-            return bytes(out)
-        except FAILURES as failure:
-            raise encoding_error(TimedWStringSeq, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            (read_1,) = (
-                _TimedWStringSeq_layout.read_little
-                if little_endian
-                else _TimedWStringSeq_layout.read_big
-            )
-            read_2, read_3 = (
-                _TimedWStringSeq_layout_2.read_little
-                if little_endian
-                else _TimedWStringSeq_layout_2.read_big
-            )
-            tm_sec, tm_nsec, n_data = read_1(data)
-            offset = 12
-            if n_data * 4 > len(data) - offset:
-                raise ValueError("a length beyond the end")
-            data_ = []
-            for _ in range(n_data):
-                unpack, size = read_2[offset & 7]
-                (n_data_,) = unpack(data, offset)
-                offset += size
-                unpack, size = read_3[n_data_]
-                (data__,) = unpack(data, offset)
-                offset += size
-                data_.append(wide_value(data__))
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedWStringSeq:
-        tm = self.tm
-        return TimedWStringSeq(Time(tm.sec, tm.nsec), list(self.data))

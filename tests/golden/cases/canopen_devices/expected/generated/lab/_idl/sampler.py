@@ -5,27 +5,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    BOOLEAN,
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    InterfaceDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Skeleton, Stub, operation
 
 from .basic_data_type import Time
@@ -38,24 +23,18 @@ from .canopen import (
     SdoAbort,
 )
 
-_Tpdo1_layout = Fixed("IIBxhHhf")
 
-
-@dataclass(slots=True)
 class Tpdo1(Aggregated):
     """TPDO 1, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/Tpdo1:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::Tpdo1",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Switch_2001_00", PrimitiveDescriptor("boolean")),
-            MemberDescriptor("Gear", PrimitiveDescriptor("short")),
-            MemberDescriptor("Level", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("Raw_value", PrimitiveDescriptor("short")),
-            MemberDescriptor("Scale_factor", PrimitiveDescriptor("float")),
-        ),
+        tm=Time,
+        Switch_2001_00=idl.BOOLEAN,
+        Gear=idl.SHORT,
+        Level=idl.UNSIGNED_SHORT,
+        Raw_value=idl.SHORT,
+        Scale_factor=idl.FLOAT,
     )
 
     tm: Time = field(default_factory=Time)
@@ -71,82 +50,16 @@ class Tpdo1(Aggregated):
     Scale_factor: float = 0.0
     """Scale factor (2010h:2, REAL32)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo1_layout.pack_little if little_endian else _Tpdo1_layout.pack_big
-            )
-            tm = self.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                BOOLEAN[self.Switch_2001_00],
-                self.Gear,
-                self.Level,
-                self.Raw_value,
-                self.Scale_factor,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Tpdo1, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Tpdo1_layout.unpack_little
-                if little_endian
-                else _Tpdo1_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                Switch_2001_00,
-                Gear,
-                Level,
-                Raw_value,
-                Scale_factor,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                BOOLEAN[Switch_2001_00],
-                Gear,
-                Level,
-                Raw_value,
-                Scale_factor,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo1:
-        tm = self.tm
-        return Tpdo1(
-            Time(tm.sec, tm.nsec),
-            self.Switch_2001_00,
-            self.Gear,
-            self.Level,
-            self.Raw_value,
-            self.Scale_factor,
-        )
-
-
-_Tpdo2_layout = Fixed("IIB3xid")
-
-
-@dataclass(slots=True)
 class Tpdo2(Aggregated):
     """TPDO 2, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/Tpdo2:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::Tpdo2",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Counter", PrimitiveDescriptor("octet")),
-            MemberDescriptor("Offset", PrimitiveDescriptor("long")),
-            MemberDescriptor("Distance", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        Counter=idl.OCTET,
+        Offset=idl.LONG,
+        Distance=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -158,51 +71,15 @@ class Tpdo2(Aggregated):
     Distance: float = 0.0
     """Distance (2013h, INTEGER32, times 0.25) [mm]"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo2_layout.pack_little if little_endian else _Tpdo2_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.Counter, self.Offset, self.Distance)
-        except FAILURES as failure:
-            raise encoding_error(Tpdo2, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Tpdo2_layout.unpack_little
-                if little_endian
-                else _Tpdo2_layout.unpack_big
-            )
-            tm_sec, tm_nsec, Counter, Offset, Distance = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Counter, Offset, Distance)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo2:
-        tm = self.tm
-        return Tpdo2(Time(tm.sec, tm.nsec), self.Counter, self.Offset, self.Distance)
-
-
-_Tpdo3_layout = Layout("=IIqI", "@4 *s")
-
-
-@dataclass(slots=True)
 class Tpdo3(Aggregated):
     """TPDO 3, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/Tpdo3:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::Tpdo3",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Position_48", PrimitiveDescriptor("long long")),
-            MemberDescriptor("Tag", StringDescriptor()),
-        ),
+        tm=Time,
+        Position_48=idl.LONG_LONG,
+        Tag=idl.STRING,
     )
 
     tm: Time = field(default_factory=Time)
@@ -212,56 +89,15 @@ class Tpdo3(Aggregated):
     Tag: str = ""
     """Tag (2041h, VISIBLE_STRING)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo3_layout.pack_little if little_endian else _Tpdo3_layout.pack_big
-            )
-            tm = self.tm
-            Tag = text_octets(self.Tag)
-            n_Tag = len(Tag) + 1
-            return pack[n_Tag](tm.sec, tm.nsec, self.Position_48, n_Tag, Tag)
-        except FAILURES as failure:
-            raise encoding_error(Tpdo3, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Tpdo3_layout.read_little if little_endian else _Tpdo3_layout.read_big
-            )
-            tm_sec, tm_nsec, Position_48, n_Tag = read_1(data)
-            unpack, size = read_2[n_Tag]
-            (Tag,) = unpack(data, 20)
-            offset = 20 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(Time(tm_sec, tm_nsec), Position_48, text_value(Tag))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo3:
-        tm = self.tm
-        return Tpdo3(Time(tm.sec, tm.nsec), self.Position_48, self.Tag)
-
-
-_Tpdo4_layout = Fixed("IIIIB")
-
-
-@dataclass(slots=True)
 class Tpdo4(Aggregated):
     """TPDO 4, which the device transmits."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/Tpdo4:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::Tpdo4",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Time_of_day", Time._descriptor_),
-            MemberDescriptor("Error_register", PrimitiveDescriptor("octet")),
-        ),
+        tm=Time,
+        Time_of_day=Time,
+        Error_register=idl.OCTET,
     )
 
     tm: Time = field(default_factory=Time)
@@ -271,75 +107,17 @@ class Tpdo4(Aggregated):
     Error_register: int = 0
     """Error register (1001h, UNSIGNED8)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Tpdo4_layout.pack_little if little_endian else _Tpdo4_layout.pack_big
-            )
-            tm = self.tm
-            Time_of_day = self.Time_of_day
-            return pack(
-                tm.sec,
-                tm.nsec,
-                Time_of_day.sec,
-                Time_of_day.nsec,
-                self.Error_register,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Tpdo4, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Tpdo4_layout.unpack_little
-                if little_endian
-                else _Tpdo4_layout.unpack_big
-            )
-            (
-                tm_sec,
-                tm_nsec,
-                Time_of_day_sec,
-                Time_of_day_nsec,
-                Error_register,
-            ) = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                Time(Time_of_day_sec, Time_of_day_nsec),
-                Error_register,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Tpdo4:
-        tm = self.tm
-        Time_of_day = self.Time_of_day
-        return Tpdo4(
-            Time(tm.sec, tm.nsec),
-            Time(Time_of_day.sec, Time_of_day.nsec),
-            self.Error_register,
-        )
-
-
-_Rpdo1_layout = Fixed("IIBxhHxxQ")
-
-
-@dataclass(slots=True)
 class Rpdo1(Aggregated):
     """RPDO 1, which the device receives."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/Rpdo1:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::Rpdo1",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Switch_2001_00", PrimitiveDescriptor("boolean")),
-            MemberDescriptor("Gear", PrimitiveDescriptor("short")),
-            MemberDescriptor("Level", PrimitiveDescriptor("unsigned short")),
-            MemberDescriptor("Ticks_56", PrimitiveDescriptor("unsigned long long")),
-        ),
+        tm=Time,
+        Switch_2001_00=idl.BOOLEAN,
+        Gear=idl.SHORT,
+        Level=idl.UNSIGNED_SHORT,
+        Ticks_56=idl.UNSIGNED_LONG_LONG,
     )
 
     tm: Time = field(default_factory=Time)
@@ -353,70 +131,15 @@ class Rpdo1(Aggregated):
     Ticks_56: int = 0
     """Ticks 56 (2012h, UNSIGNED56)"""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Rpdo1_layout.pack_little if little_endian else _Rpdo1_layout.pack_big
-            )
-            tm = self.tm
-            return pack(
-                tm.sec,
-                tm.nsec,
-                BOOLEAN[self.Switch_2001_00],
-                self.Gear,
-                self.Level,
-                self.Ticks_56,
-            )
-        except FAILURES as failure:
-            raise encoding_error(Rpdo1, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Rpdo1_layout.unpack_little
-                if little_endian
-                else _Rpdo1_layout.unpack_big
-            )
-            tm_sec, tm_nsec, Switch_2001_00, Gear, Level, Ticks_56 = unpack(data)
-            return cls(
-                Time(tm_sec, tm_nsec),
-                BOOLEAN[Switch_2001_00],
-                Gear,
-                Level,
-                Ticks_56,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Rpdo1:
-        tm = self.tm
-        return Rpdo1(
-            Time(tm.sec, tm.nsec),
-            self.Switch_2001_00,
-            self.Gear,
-            self.Level,
-            self.Ticks_56,
-        )
-
-
-_Rpdo2_layout = Fixed("IIi4xd")
-
-
-@dataclass(slots=True)
 class Rpdo2(Aggregated):
     """RPDO 2, which the device receives."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/Rpdo2:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::Rpdo2",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("Offset", PrimitiveDescriptor("long")),
-            MemberDescriptor("Distance", PrimitiveDescriptor("double")),
-        ),
+        tm=Time,
+        Offset=idl.LONG,
+        Distance=idl.DOUBLE,
     )
 
     tm: Time = field(default_factory=Time)
@@ -425,35 +148,6 @@ class Rpdo2(Aggregated):
     """Offset (2014h, INTEGER24)"""
     Distance: float = 0.0
     """Distance (2013h, INTEGER32, times 0.25) [mm]"""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Rpdo2_layout.pack_little if little_endian else _Rpdo2_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.Offset, self.Distance)
-        except FAILURES as failure:
-            raise encoding_error(Rpdo2, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Rpdo2_layout.unpack_little
-                if little_endian
-                else _Rpdo2_layout.unpack_big
-            )
-            tm_sec, tm_nsec, Offset, Distance = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Offset, Distance)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Rpdo2:
-        tm = self.tm
-        return Rpdo2(Time(tm.sec, tm.nsec), self.Offset, self.Distance)
 
 
 class ObjectAccess(ObjectDictionary):

@@ -4,1703 +4,412 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
+from rtgen.runtime import idl
 from rtgen.runtime.calls import Call
-from rtgen.runtime.cdr import (
-    BOOLEAN,
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value, wide_octets, wide_value
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime.cdr import Aggregated
 
 from .basic_data_type import Time
 from .canopen import BusGone, Octets, SdoAbort, _Octets_alias
 from .canopen_calls import CANopen_BusGone_raised, CANopen_SdoAbort_raised
 
-_ObjectAccess_get_Vendor_ID_reply_layout = Fixed("I")
 
-
-@dataclass(slots=True)
 class ObjectAccess_get_Vendor_ID_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Vendor_ID`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Vendor_ID:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Vendor_ID reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("unsigned long")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Vendor_ID:1.0"),
+        _result=idl.UNSIGNED_LONG,
     )
 
     _result: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Vendor_ID_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Vendor_ID_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Vendor_ID_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Vendor_ID_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Vendor_ID_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Vendor_ID_reply:
-        return ObjectAccess_get_Vendor_ID_reply(self._result)
-
-
-_ObjectAccess_get_Switch_2001_00_reply_layout = Fixed("B")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Switch_2001_00_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Switch_2001_00`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Switch_2001_00:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Switch_2001_00 reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("boolean")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Switch_2001_00:1.0"),
+        _result=idl.BOOLEAN,
     )
 
     _result: bool = False
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Switch_2001_00_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Switch_2001_00_reply_layout.pack_big
-            )
-            return pack(BOOLEAN[self._result])
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Switch_2001_00_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Switch_2001_00_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Switch_2001_00_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(BOOLEAN[_result])
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Switch_2001_00_reply:
-        return ObjectAccess_get_Switch_2001_00_reply(self._result)
-
-
-_ObjectAccess_set_Switch_2001_00_request_layout = Fixed("B")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Switch_2001_00_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Switch_2001_00`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Switch_2001_00:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Switch_2001_00 request",
-        (MemberDescriptor("value", PrimitiveDescriptor("boolean")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Switch_2001_00:1.0"),
+        value=idl.BOOLEAN,
     )
 
     value: bool = False
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Switch_2001_00_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Switch_2001_00_request_layout.pack_big
-            )
-            return pack(BOOLEAN[self.value])
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Switch_2001_00_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_Switch_2001_00_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_Switch_2001_00_request_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            return cls(BOOLEAN[value])
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Switch_2001_00_request:
-        return ObjectAccess_set_Switch_2001_00_request(self.value)
-
-
-_ObjectAccess_get_Gear_reply_layout = Fixed("h")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Gear_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Gear`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Gear:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Gear reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("short")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Gear:1.0"),
+        _result=idl.SHORT,
     )
 
     _result: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Gear_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Gear_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Gear_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Gear_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Gear_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Gear_reply:
-        return ObjectAccess_get_Gear_reply(self._result)
-
-
-_ObjectAccess_set_Gear_request_layout = Fixed("h")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Gear_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Gear`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Gear:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Gear request",
-        (MemberDescriptor("value", PrimitiveDescriptor("short")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Gear:1.0"),
+        value=idl.SHORT,
     )
 
     value: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Gear_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Gear_request_layout.pack_big
-            )
-            return pack(self.value)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Gear_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_Gear_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_Gear_request_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            return cls(value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Gear_request:
-        return ObjectAccess_set_Gear_request(self.value)
-
-
-_ObjectAccess_get_Level_reply_layout = Fixed("H")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Level_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Level`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Level:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Level reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("unsigned short")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Level:1.0"),
+        _result=idl.UNSIGNED_SHORT,
     )
 
     _result: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Level_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Level_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Level_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Level_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Level_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Level_reply:
-        return ObjectAccess_get_Level_reply(self._result)
-
-
-_ObjectAccess_set_Level_request_layout = Fixed("H")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Level_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Level`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Level:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Level request",
-        (MemberDescriptor("value", PrimitiveDescriptor("unsigned short")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Level:1.0"),
+        value=idl.UNSIGNED_SHORT,
     )
 
     value: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Level_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Level_request_layout.pack_big
-            )
-            return pack(self.value)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Level_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_Level_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_Level_request_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            return cls(value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Level_request:
-        return ObjectAccess_set_Level_request(self.value)
-
-
-_ObjectAccess_get_Counter_reply_layout = Fixed("B")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Counter_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Counter`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Counter:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Counter reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("octet")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Counter:1.0"),
+        _result=idl.OCTET,
     )
 
     _result: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Counter_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Counter_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Counter_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Counter_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Counter_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Counter_reply:
-        return ObjectAccess_get_Counter_reply(self._result)
-
-
-_ObjectAccess_set_Counter_request_layout = Fixed("B")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Counter_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Counter`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Counter:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Counter request",
-        (MemberDescriptor("value", PrimitiveDescriptor("octet")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Counter:1.0"),
+        value=idl.OCTET,
     )
 
     value: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Counter_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Counter_request_layout.pack_big
-            )
-            return pack(self.value)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Counter_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_Counter_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_Counter_request_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            return cls(value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Counter_request:
-        return ObjectAccess_set_Counter_request(self.value)
-
-
-_ObjectAccess_get_Scale_factor_reply_layout = Fixed("f")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Scale_factor_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Scale_factor`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Scale_factor:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Scale_factor reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("float")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Scale_factor:1.0"),
+        _result=idl.FLOAT,
     )
 
     _result: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Scale_factor_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Scale_factor_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Scale_factor_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Scale_factor_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Scale_factor_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Scale_factor_reply:
-        return ObjectAccess_get_Scale_factor_reply(self._result)
-
-
-_ObjectAccess_set_Scale_factor_request_layout = Fixed("f")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Scale_factor_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Scale_factor`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Scale_factor:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Scale_factor request",
-        (MemberDescriptor("value", PrimitiveDescriptor("float")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Scale_factor:1.0"),
+        value=idl.FLOAT,
     )
 
     value: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Scale_factor_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Scale_factor_request_layout.pack_big
-            )
-            return pack(self.value)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Scale_factor_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_Scale_factor_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_Scale_factor_request_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            return cls(value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Scale_factor_request:
-        return ObjectAccess_set_Scale_factor_request(self.value)
-
-
-_ObjectAccess_get_Ticks_56_reply_layout = Fixed("Q")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Ticks_56_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Ticks_56`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Ticks_56:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Ticks_56 reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("unsigned long long")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Ticks_56:1.0"),
+        _result=idl.UNSIGNED_LONG_LONG,
     )
 
     _result: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Ticks_56_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Ticks_56_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Ticks_56_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Ticks_56_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Ticks_56_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Ticks_56_reply:
-        return ObjectAccess_get_Ticks_56_reply(self._result)
-
-
-_ObjectAccess_set_Ticks_56_request_layout = Fixed("Q")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Ticks_56_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Ticks_56`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Ticks_56:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Ticks_56 request",
-        (MemberDescriptor("value", PrimitiveDescriptor("unsigned long long")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Ticks_56:1.0"),
+        value=idl.UNSIGNED_LONG_LONG,
     )
 
     value: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Ticks_56_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Ticks_56_request_layout.pack_big
-            )
-            return pack(self.value)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Ticks_56_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_Ticks_56_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_Ticks_56_request_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            return cls(value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Ticks_56_request:
-        return ObjectAccess_set_Ticks_56_request(self.value)
-
-
-_ObjectAccess_get_Distance_reply_layout = Fixed("d")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Distance_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Distance`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Distance:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Distance reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("double")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Distance:1.0"),
+        _result=idl.DOUBLE,
     )
 
     _result: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Distance_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Distance_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Distance_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Distance_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Distance_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Distance_reply:
-        return ObjectAccess_get_Distance_reply(self._result)
-
-
-_ObjectAccess_set_Distance_request_layout = Fixed("d")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Distance_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Distance`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Distance:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Distance request",
-        (MemberDescriptor("value", PrimitiveDescriptor("double")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Distance:1.0"),
+        value=idl.DOUBLE,
     )
 
     value: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Distance_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Distance_request_layout.pack_big
-            )
-            return pack(self.value)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Distance_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_Distance_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_Distance_request_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            return cls(value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Distance_request:
-        return ObjectAccess_set_Distance_request(self.value)
-
-
-_ObjectAccess_get_Offset_reply_layout = Fixed("i")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Offset_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Offset`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Offset:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Offset reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("long")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Offset:1.0"),
+        _result=idl.LONG,
     )
 
     _result: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Offset_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Offset_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Offset_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Offset_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Offset_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Offset_reply:
-        return ObjectAccess_get_Offset_reply(self._result)
-
-
-_ObjectAccess_set_Offset_request_layout = Fixed("i")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Offset_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Offset`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Offset:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Offset request",
-        (MemberDescriptor("value", PrimitiveDescriptor("long")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Offset:1.0"),
+        value=idl.LONG,
     )
 
     value: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Offset_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Offset_request_layout.pack_big
-            )
-            return pack(self.value)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Offset_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_Offset_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_Offset_request_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            return cls(value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Offset_request:
-        return ObjectAccess_set_Offset_request(self.value)
-
-
-_ObjectAccess_get_Speed_reply_layout = Fixed("d")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Speed_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Speed`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Speed:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Speed reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("double")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Speed:1.0"),
+        _result=idl.DOUBLE,
     )
 
     _result: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Speed_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Speed_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Speed_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Speed_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Speed_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Speed_reply:
-        return ObjectAccess_get_Speed_reply(self._result)
-
-
-_ObjectAccess_set_Speed_request_layout = Fixed("d")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Speed_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Speed`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Speed:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Speed request",
-        (MemberDescriptor("value", PrimitiveDescriptor("double")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Speed:1.0"),
+        value=idl.DOUBLE,
     )
 
     value: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Speed_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Speed_request_layout.pack_big
-            )
-            return pack(self.value)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Speed_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_Speed_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_Speed_request_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            return cls(value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Speed_request:
-        return ObjectAccess_set_Speed_request(self.value)
-
-
-_ObjectAccess_get_Label_reply_layout = Layout("=I", "@4 *s")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Label_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Label`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Label:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Label reply",
-        (MemberDescriptor("_result", StringDescriptor()),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Label:1.0"),
+        _result=idl.STRING,
     )
 
     _result: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Label_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Label_reply_layout.pack_big
-            )
-            _result = text_octets(self._result)
-            n__result = len(_result) + 1
-            return pack[n__result](n__result, _result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Label_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _ObjectAccess_get_Label_reply_layout.read_little
-                if little_endian
-                else _ObjectAccess_get_Label_reply_layout.read_big
-            )
-            (n__result,) = read_1(data)
-            unpack, size = read_2[n__result]
-            (_result,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(_result))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Label_reply:
-        return ObjectAccess_get_Label_reply(self._result)
-
-
-_ObjectAccess_set_Label_request_layout = Layout("=I", "@4 *s")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Label_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Label`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Label:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Label request",
-        (MemberDescriptor("value", StringDescriptor()),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Label:1.0"),
+        value=idl.STRING,
     )
 
     value: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Label_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Label_request_layout.pack_big
-            )
-            value_ = text_octets(self.value)
-            n_value = len(value_) + 1
-            return pack[n_value](n_value, value_)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Label_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _ObjectAccess_set_Label_request_layout.read_little
-                if little_endian
-                else _ObjectAccess_set_Label_request_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(value))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Label_request:
-        return ObjectAccess_set_Label_request(self.value)
-
-
-_ObjectAccess_get_Title_wide__reply_layout = Layout("=I", "@4 *s")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Title_wide__reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Title_wide_`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Title_wide_:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Title_wide_ reply",
-        (MemberDescriptor("_result", StringDescriptor(True)),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Title_wide_:1.0"),
+        _result=idl.WSTRING,
     )
 
     _result: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Title_wide__reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Title_wide__reply_layout.pack_big
-            )
-            _result = wide_octets(self._result)
-            n__result = len(_result)
-            return pack[n__result](n__result, _result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Title_wide__reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _ObjectAccess_get_Title_wide__reply_layout.read_little
-                if little_endian
-                else _ObjectAccess_get_Title_wide__reply_layout.read_big
-            )
-            (n__result,) = read_1(data)
-            unpack, size = read_2[n__result]
-            (_result,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(wide_value(_result))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Title_wide__reply:
-        return ObjectAccess_get_Title_wide__reply(self._result)
-
-
-_ObjectAccess_set_Title_wide__request_layout = Layout("=I", "@4 *s")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Title_wide__request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Title_wide_`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Title_wide_:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Title_wide_ request",
-        (MemberDescriptor("value", StringDescriptor(True)),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Title_wide_:1.0"),
+        value=idl.WSTRING,
     )
 
     value: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Title_wide__request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Title_wide__request_layout.pack_big
-            )
-            value_ = wide_octets(self.value)
-            n_value = len(value_)
-            return pack[n_value](n_value, value_)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Title_wide__request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _ObjectAccess_set_Title_wide__request_layout.read_little
-                if little_endian
-                else _ObjectAccess_set_Title_wide__request_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(wide_value(value))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Title_wide__request:
-        return ObjectAccess_set_Title_wide__request(self.value)
-
-
-_ObjectAccess_get_Key_reply_layout = Layout("=I", "@4 *s")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Key_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Key`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Key:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Key reply",
-        (MemberDescriptor("_result", _Octets_alias),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Key:1.0"),
+        _result=_Octets_alias,
     )
 
     _result: Octets = b""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Key_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Key_reply_layout.pack_big
-            )
-            _result = self._result
-            n__result = len(_result)
-            return pack[n__result](n__result, _result)
-        except FAILURES as failure:
-            raise encoding_error(ObjectAccess_get_Key_reply, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _ObjectAccess_get_Key_reply_layout.read_little
-                if little_endian
-                else _ObjectAccess_get_Key_reply_layout.read_big
-            )
-            (n__result,) = read_1(data)
-            unpack, size = read_2[n__result]
-            (_result,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Key_reply:
-        return ObjectAccess_get_Key_reply(self._result)
-
-
-_ObjectAccess_set_Key_request_layout = Layout("=I", "@4 *s")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Key_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Key`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Key:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Key request",
-        (MemberDescriptor("value", _Octets_alias),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Key:1.0"),
+        value=_Octets_alias,
     )
 
     value: Octets = b""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Key_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Key_request_layout.pack_big
-            )
-            value_ = self.value
-            n_value = len(value_)
-            return pack[n_value](n_value, value_)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Key_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _ObjectAccess_set_Key_request_layout.read_little
-                if little_endian
-                else _ObjectAccess_set_Key_request_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Key_request:
-        return ObjectAccess_set_Key_request(self.value)
-
-
-_ObjectAccess_get_Program_reply_layout = Layout("=I", "@4 *s")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Program_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Program`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Program:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Program reply",
-        (MemberDescriptor("_result", _Octets_alias),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Program:1.0"),
+        _result=_Octets_alias,
     )
 
     _result: Octets = b""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Program_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Program_reply_layout.pack_big
-            )
-            _result = self._result
-            n__result = len(_result)
-            return pack[n__result](n__result, _result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Program_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _ObjectAccess_get_Program_reply_layout.read_little
-                if little_endian
-                else _ObjectAccess_get_Program_reply_layout.read_big
-            )
-            (n__result,) = read_1(data)
-            unpack, size = read_2[n__result]
-            (_result,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Program_reply:
-        return ObjectAccess_get_Program_reply(self._result)
-
-
-_ObjectAccess_set_Program_request_layout = Layout("=I", "@4 *s")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Program_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Program`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Program:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Program request",
-        (MemberDescriptor("value", _Octets_alias),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Program:1.0"),
+        value=_Octets_alias,
     )
 
     value: Octets = b""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Program_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Program_request_layout.pack_big
-            )
-            value_ = self.value
-            n_value = len(value_)
-            return pack[n_value](n_value, value_)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Program_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _ObjectAccess_set_Program_request_layout.read_little
-                if little_endian
-                else _ObjectAccess_set_Program_request_layout.read_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Program_request:
-        return ObjectAccess_set_Program_request(self.value)
-
-
-_ObjectAccess_get_class_2034_00_reply_layout = Fixed("c")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_class_2034_00_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_class_2034_00`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_class_2034_00:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_class_2034_00 reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("char")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_class_2034_00:1.0"),
+        _result=idl.CHAR,
     )
 
     _result: str = "\x00"
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_class_2034_00_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_class_2034_00_reply_layout.pack_big
-            )
-            return pack(self._result.encode("latin-1"))
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_class_2034_00_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_class_2034_00_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_class_2034_00_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result.decode("latin-1"))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_class_2034_00_reply:
-        return ObjectAccess_get_class_2034_00_reply(self._result)
-
-
-_ObjectAccess_set_class_2034_00_request_layout = Fixed("c")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_class_2034_00_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_class_2034_00`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_class_2034_00:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_class_2034_00 request",
-        (MemberDescriptor("value", PrimitiveDescriptor("char")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_class_2034_00:1.0"),
+        value=idl.CHAR,
     )
 
     value: str = "\x00"
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_class_2034_00_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_class_2034_00_request_layout.pack_big
-            )
-            return pack(self.value.encode("latin-1"))
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_class_2034_00_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_class_2034_00_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_class_2034_00_request_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            return cls(value.decode("latin-1"))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_class_2034_00_request:
-        return ObjectAccess_set_class_2034_00_request(self.value)
-
-
-_ObjectAccess_get_Double_2040_00_reply_layout = Fixed("d")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Double_2040_00_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Double_2040_00`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Double_2040_00:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Double_2040_00 reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("double")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Double_2040_00:1.0"),
+        _result=idl.DOUBLE,
     )
 
     _result: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Double_2040_00_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Double_2040_00_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Double_2040_00_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Double_2040_00_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Double_2040_00_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Double_2040_00_reply:
-        return ObjectAccess_get_Double_2040_00_reply(self._result)
-
-
-_ObjectAccess_set_Double_2040_00_request_layout = Fixed("d")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Double_2040_00_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Double_2040_00`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Double_2040_00:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Double_2040_00 request",
-        (MemberDescriptor("value", PrimitiveDescriptor("double")),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Double_2040_00:1.0"),
+        value=idl.DOUBLE,
     )
 
     value: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Double_2040_00_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Double_2040_00_request_layout.pack_big
-            )
-            return pack(self.value)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Double_2040_00_request,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_Double_2040_00_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_Double_2040_00_request_layout.unpack_big
-            )
-            (value,) = unpack(data)
-            return cls(value)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Double_2040_00_request:
-        return ObjectAccess_set_Double_2040_00_request(self.value)
-
-
-_ObjectAccess_get_Time_of_day_reply_layout = Fixed("II")
-
-
-@dataclass(slots=True)
 class ObjectAccess_get_Time_of_day_reply(Aggregated):
     """Results of `Sampler::ObjectAccess::get_Time_of_day`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/get_Time_of_day:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.get_Time_of_day reply",
-        (MemberDescriptor("_result", Time._descriptor_),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/get_Time_of_day:1.0"),
+        _result=Time,
     )
 
     _result: Time = field(default_factory=Time)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_get_Time_of_day_reply_layout.pack_little
-                if little_endian
-                else _ObjectAccess_get_Time_of_day_reply_layout.pack_big
-            )
-            _result = self._result
-            return pack(_result.sec, _result.nsec)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_get_Time_of_day_reply,
-                self,
-                failure,
-            ) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_get_Time_of_day_reply_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_get_Time_of_day_reply_layout.unpack_big
-            )
-            _result_sec, _result_nsec = unpack(data)
-            return cls(Time(_result_sec, _result_nsec))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_get_Time_of_day_reply:
-        _result = self._result
-        return ObjectAccess_get_Time_of_day_reply(Time(_result.sec, _result.nsec))
-
-
-_ObjectAccess_set_Time_of_day_request_layout = Fixed("II")
-
-
-@dataclass(slots=True)
 class ObjectAccess_set_Time_of_day_request(Aggregated):
     """Arguments of `Sampler::ObjectAccess::set_Time_of_day`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Sampler/ObjectAccess/set_Time_of_day:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Sampler::ObjectAccess.set_Time_of_day request",
-        (MemberDescriptor("value", Time._descriptor_),),
+        idl.traits(repository_id="IDL:Sampler/ObjectAccess/set_Time_of_day:1.0"),
+        value=Time,
     )
 
     value: Time = field(default_factory=Time)
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _ObjectAccess_set_Time_of_day_request_layout.pack_little
-                if little_endian
-                else _ObjectAccess_set_Time_of_day_request_layout.pack_big
-            )
-            value_ = self.value
-            return pack(value_.sec, value_.nsec)
-        except FAILURES as failure:
-            raise encoding_error(
-                ObjectAccess_set_Time_of_day_request,
-                self,
-                failure,
-            ) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _ObjectAccess_set_Time_of_day_request_layout.unpack_little
-                if little_endian
-                else _ObjectAccess_set_Time_of_day_request_layout.unpack_big
-            )
-            value_sec, value_nsec = unpack(data)
-            return cls(Time(value_sec, value_nsec))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> ObjectAccess_set_Time_of_day_request:
-        value = self.value
-        return ObjectAccess_set_Time_of_day_request(Time(value.sec, value.nsec))
 
 
 _RAISES_1 = ((CANopen_SdoAbort_raised, SdoAbort), (CANopen_BusGone_raised, BusGone))

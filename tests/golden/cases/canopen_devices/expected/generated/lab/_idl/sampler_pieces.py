@@ -4,179 +4,48 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
 
 from .basic_data_type import Time
 
-_TimedLongLong_layout = Fixed("IIq")
 
-
-@dataclass(slots=True)
 class TimedLongLong(Aggregated):
     """Time-stamped value of type long long, which RTC has none for."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:SamplerPieces/TimedLongLong:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "SamplerPieces::TimedLongLong",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("long long")),
-        ),
+        tm=Time,
+        data=idl.LONG_LONG,
     )
 
     tm: Time = field(default_factory=Time)
     """When it was sent or received."""
     data: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedLongLong_layout.pack_little
-                if little_endian
-                else _TimedLongLong_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data)
-        except FAILURES as failure:
-            raise encoding_error(TimedLongLong, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedLongLong_layout.unpack_little
-                if little_endian
-                else _TimedLongLong_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedLongLong:
-        tm = self.tm
-        return TimedLongLong(Time(tm.sec, tm.nsec), self.data)
-
-
-_TimedTime_layout = Fixed("IIII")
-
-
-@dataclass(slots=True)
 class TimedTime(Aggregated):
     """Time-stamped value of type RTC::Time, which RTC has none for."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:SamplerPieces/TimedTime:1.0",
-        "SamplerPieces::TimedTime",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", Time._descriptor_),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("SamplerPieces::TimedTime", tm=Time, data=Time)
 
     tm: Time = field(default_factory=Time)
     """When it was sent or received."""
     data: Time = field(default_factory=Time)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedTime_layout.pack_little
-                if little_endian
-                else _TimedTime_layout.pack_big
-            )
-            tm = self.tm
-            data_ = self.data
-            return pack(tm.sec, tm.nsec, data_.sec, data_.nsec)
-        except FAILURES as failure:
-            raise encoding_error(TimedTime, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedTime_layout.unpack_little
-                if little_endian
-                else _TimedTime_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_sec, data_nsec = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), Time(data_sec, data_nsec))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedTime:
-        tm = self.tm
-        data_ = self.data
-        return TimedTime(Time(tm.sec, tm.nsec), Time(data_.sec, data_.nsec))
-
-
-_TimedULongLong_layout = Fixed("IIQ")
-
-
-@dataclass(slots=True)
 class TimedULongLong(Aggregated):
     """Time-stamped value of type unsigned long long, which RTC has none for."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:SamplerPieces/TimedULongLong:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "SamplerPieces::TimedULongLong",
-        (
-            MemberDescriptor("tm", Time._descriptor_),
-            MemberDescriptor("data", PrimitiveDescriptor("unsigned long long")),
-        ),
+        tm=Time,
+        data=idl.UNSIGNED_LONG_LONG,
     )
 
     tm: Time = field(default_factory=Time)
     """When it was sent or received."""
     data: int = 0
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _TimedULongLong_layout.pack_little
-                if little_endian
-                else _TimedULongLong_layout.pack_big
-            )
-            tm = self.tm
-            return pack(tm.sec, tm.nsec, self.data)
-        except FAILURES as failure:
-            raise encoding_error(TimedULongLong, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _TimedULongLong_layout.unpack_little
-                if little_endian
-                else _TimedULongLong_layout.unpack_big
-            )
-            tm_sec, tm_nsec, data_ = unpack(data)
-            return cls(Time(tm_sec, tm_nsec), data_)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> TimedULongLong:
-        tm = self.tm
-        return TimedULongLong(Time(tm.sec, tm.nsec), self.data)

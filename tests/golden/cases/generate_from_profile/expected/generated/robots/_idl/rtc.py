@@ -4,50 +4,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.descriptors import InterfaceDescriptor, StructDescriptor
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub
 
 
-@dataclass(slots=True)
 class GatePos(Aggregated):
     """`GatePos`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:GatePos:1.0",
-        "GatePos",
-        (),
-        opaque=True,
-    )
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            return b""
-        except FAILURES as failure:
-            raise encoding_error(GatePos, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            if 0 != len(data):
-                raise ValueError("octets too many")
-            return cls()
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> GatePos:
-        return GatePos()
+    _descriptor_: ClassVar = idl.struct("GatePos", idl.traits(opaque=True))
 
 
 class Gate(Servant):

@@ -6,115 +6,29 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    UserException,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    ExceptionDescriptor,
-    InterfaceDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, UserException
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
-_Sample_layout = Fixed("i")
 
-
-@dataclass(slots=True)
 class Sample(Aggregated):
     """`Samples::Sample`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Samples/Sample:1.0",
-        "Samples::Sample",
-        (MemberDescriptor("number", PrimitiveDescriptor("long")),),
-    )
+    _descriptor_: ClassVar = idl.struct("Samples::Sample", number=idl.LONG)
 
     number: int = 0
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Sample_layout.pack_little if little_endian else _Sample_layout.pack_big
-            )
-            return pack(self.number)
-        except FAILURES as failure:
-            raise encoding_error(Sample, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Sample_layout.unpack_little
-                if little_endian
-                else _Sample_layout.unpack_big
-            )
-            (number,) = unpack(data)
-            return cls(number)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Sample:
-        return Sample(self.number)
-
-
-_Stuck_layout = Layout("=I", "@4 *s")
 
 
 @dataclass(eq=False)
 class Stuck(UserException):
     """`Relays::Stuck`."""
 
-    _descriptor_: ClassVar[ExceptionDescriptor] = ExceptionDescriptor(
-        "IDL:Relays/Stuck:1.0",
-        "Relays::Stuck",
-        (MemberDescriptor("why", StringDescriptor()),),
-    )
+    _descriptor_: ClassVar = idl.exception("Relays::Stuck", why=idl.STRING)
 
     why: str = ""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Stuck_layout.pack_little if little_endian else _Stuck_layout.pack_big
-            )
-            why = text_octets(self.why)
-            n_why = len(why) + 1
-            return pack[n_why](n_why, why)
-        except FAILURES as failure:
-            raise encoding_error(Stuck, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Stuck_layout.read_little if little_endian else _Stuck_layout.read_big
-            )
-            (n_why,) = read_1(data)
-            unpack, size = read_2[n_why]
-            (why,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(why))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
 
 
 class Lever(Servant):

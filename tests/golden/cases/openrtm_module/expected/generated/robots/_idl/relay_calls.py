@@ -4,134 +4,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
+from rtgen.runtime import idl
 from rtgen.runtime.calls import Call
-from rtgen.runtime.cdr import (
-    BOOLEAN,
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime.cdr import Aggregated
 
 from .relay import Stuck
 
-_Relays_Stuck_raised_layout = Layout("=I", "@4 *s I", "@0 *s")
 
-
-@dataclass(slots=True)
 class Relays_Stuck_raised(Aggregated):
     """The reply that tells of `Relays::Stuck`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Relays/Stuck:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Relays.Stuck raised",
-        (
-            MemberDescriptor("_id", StringDescriptor()),
-            MemberDescriptor("why", StringDescriptor()),
-        ),
+        idl.traits(repository_id="IDL:Relays/Stuck:1.0"),
+        _id=idl.STRING,
+        why=idl.STRING,
     )
 
     _id: str = ""
     why: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Relays_Stuck_raised_layout.pack_little
-                if little_endian
-                else _Relays_Stuck_raised_layout.pack_big
-            )
-            _id = text_octets(self._id)
-            n__id = len(_id) + 1
-            why = text_octets(self.why)
-            n_why = len(why) + 1
-            return pack[n__id, n_why](n__id, _id, n_why, why)
-        except FAILURES as failure:
-            raise encoding_error(Relays_Stuck_raised, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _Relays_Stuck_raised_layout.read_little
-                if little_endian
-                else _Relays_Stuck_raised_layout.read_big
-            )
-            (n__id,) = read_1(data)
-            unpack, size = read_2[n__id]
-            _id, n_why = unpack(data, 4)
-            offset = 4 + size
-            unpack, size = read_3[n_why]
-            (why,) = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(_id), text_value(why))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Relays_Stuck_raised:
-        return Relays_Stuck_raised(self._id, self.why)
-
-
-_Lever_turn_request_layout = Fixed("B")
-
-
-@dataclass(slots=True)
 class Lever_turn_request(Aggregated):
     """Arguments of `Relays::Lever::turn`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Relays/Lever/turn:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Relays::Lever.turn request",
-        (MemberDescriptor("on", PrimitiveDescriptor("boolean")),),
+        idl.traits(repository_id="IDL:Relays/Lever/turn:1.0"),
+        on=idl.BOOLEAN,
     )
 
     on: bool = False
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Lever_turn_request_layout.pack_little
-                if little_endian
-                else _Lever_turn_request_layout.pack_big
-            )
-            return pack(BOOLEAN[self.on])
-        except FAILURES as failure:
-            raise encoding_error(Lever_turn_request, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Lever_turn_request_layout.unpack_little
-                if little_endian
-                else _Lever_turn_request_layout.unpack_big
-            )
-            (on,) = unpack(data)
-            return cls(BOOLEAN[on])
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Lever_turn_request:
-        return Lever_turn_request(self.on)
 
 
 _CALLS: dict[str, dict[str, Call]] = {

@@ -5,167 +5,34 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
-from typing import Any, ClassVar, Self, TypeAlias
+from dataclasses import dataclass
+from msgspec import field
+from typing import ClassVar, Self, TypeAlias
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Enumeration,
-    Fixed,
-    Layout,
-    PhasedLayout,
-    Union,
-    UserException,
-    decoding_error,
-    encoding_error,
-    from_xcdr2,
-    members,
-    to_xcdr2,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    AliasDescriptor,
-    BranchDescriptor,
-    EnumDescriptor,
-    ExceptionDescriptor,
-    InterfaceDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-    UnionDescriptor,
-    bind,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, UserException
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
-_Point_layout = Fixed("dd")
 
-
-@dataclass(slots=True)
 class Point(Aggregated):
     """A place in the plane."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Shapes/Point:1.0",
-        "Shapes::Point",
-        (
-            MemberDescriptor("x", PrimitiveDescriptor("double")),
-            MemberDescriptor("y", PrimitiveDescriptor("double")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("Shapes::Point", x=idl.DOUBLE, y=idl.DOUBLE)
 
     x: float = 0.0
     """forward [m]"""
     y: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Point_layout.pack_little if little_endian else _Point_layout.pack_big
-            )
-            return pack(self.x, self.y)
-        except FAILURES as failure:
-            raise encoding_error(Point, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Point_layout.unpack_little
-                if little_endian
-                else _Point_layout.unpack_big
-            )
-            x, y = unpack(data)
-            return cls(x, y)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Point:
-        return Point(self.x, self.y)
-
 
 Outline: TypeAlias = list[Point]
-_Outline_alias = AliasDescriptor(
-    "IDL:Shapes/Outline:1.0",
-    "Shapes::Outline",
-    SequenceDescriptor(Point._descriptor_),
-)
+_Outline_alias = idl.alias("Shapes::Outline", idl.sequence(Point))
 
 
-_OutlineCodec_layout = Fixed("dd")
-_OutlineCodec_layout_2 = Layout("=I", "@4 *16s/8")
-
-
-class OutlineCodec:
+class OutlineCodec(AliasCodec[Outline]):
     """The codec of `Shapes::Outline`."""
 
-    _descriptor_ = _Outline_alias
-
-    @staticmethod
-    def to_cdr(value: Outline, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _OutlineCodec_layout.pack_little
-                if little_endian
-                else _OutlineCodec_layout.pack_big
-            )
-            pack = (
-                _OutlineCodec_layout_2.pack_little
-                if little_endian
-                else _OutlineCodec_layout_2.pack_big
-            )
-            n_value = len(value)
-            octets_value = b"".join([pack_1(item.x, item.y) for item in value])
-            return pack[n_value](n_value, octets_value)
-        except FAILURES as failure:
-            raise encoding_error(OutlineCodec, value, failure) from failure
-
-    @staticmethod
-    def from_cdr(data: Buffer, little_endian: bool = True) -> Outline:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _OutlineCodec_layout_2.read_little
-                if little_endian
-                else _OutlineCodec_layout_2.read_big
-            )
-            records_1 = (
-                _OutlineCodec_layout.records_little
-                if little_endian
-                else _OutlineCodec_layout.records_big
-            )
-            (n_value,) = read_1(data)
-            unpack, size = read_2[n_value]
-            (value,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            made: Outline = [Point(x, y) for x, y in records_1(value)]
-            return made
-        except FAILURES as failure:
-            raise decoding_error(
-                OutlineCodec,
-                data,
-                little_endian,
-                failure,
-            ) from failure
-
-    @staticmethod
-    def to_xcdr2(value: Outline, little_endian: bool = True) -> bytes:
-        """The value as an XCDR2 body; raises CdrError."""
-        return to_xcdr2(OutlineCodec, value, little_endian)
-
-    @staticmethod
-    def from_xcdr2(data: Buffer, little_endian: bool = True) -> Outline:
-        """The value of an XCDR2 body; raises CdrError."""
-        value: Outline = from_xcdr2(OutlineCodec, data, little_endian)
-        return value
+    _descriptor_: ClassVar = _Outline_alias
 
 
 class Colour(Enumeration):
@@ -175,35 +42,17 @@ class Colour(Enumeration):
     GREEN = 1
 
 
-bind(
-    Colour,
-    EnumDescriptor(
-        "IDL:Shapes/Colour:1.0",
-        "Shapes::Colour",
-        (("RED", 0), ("GREEN", 1)),
-    ),
-)
+idl.enum(Colour, "Shapes::Colour")
 
 
-_Colour_members = members(Colour)
-_Shape_layout = PhasedLayout("I")
-_Shape_layout_2 = PhasedLayout("d d")
-_Shape_layout_3 = Fixed("dd")
-_Shape_layout_4 = PhasedLayout("I", "*16s/8")
-
-
-@dataclass(slots=True)
 class Shape(Union):
     """`Shapes::Shape`."""
 
-    _descriptor_: ClassVar[UnionDescriptor] = UnionDescriptor(
-        "IDL:Shapes/Shape:1.0",
+    _descriptor_: ClassVar = idl.union(
         "Shapes::Shape",
-        Colour._descriptor_,
-        (
-            BranchDescriptor((Colour.RED,), False, "where", Point._descriptor_),
-            BranchDescriptor((Colour.GREEN,), False, "around", _Outline_alias),
-        ),
+        Colour,
+        where=idl.case(Point, Colour.RED),
+        around=idl.case(_Outline_alias, Colour.GREEN),
     )
 
     discriminator: Colour = Colour.RED
@@ -231,124 +80,14 @@ class Shape(Union):
         value: Outline = self._selected_("around")
         return value
 
-    def _write_(self, out: bytearray, little_endian: bool) -> None:
-        discriminator = _Colour_members[self.discriminator]
-        value: Any = self.value
-        pack_1 = _Shape_layout.pack_little if little_endian else _Shape_layout.pack_big
-        pack_2 = (
-            _Shape_layout_2.pack_little if little_endian else _Shape_layout_2.pack_big
-        )
-        pack_3 = (
-            _Shape_layout_3.pack_little if little_endian else _Shape_layout_3.pack_big
-        )
-        pack_4 = (
-            _Shape_layout_4.pack_little if little_endian else _Shape_layout_4.pack_big
-        )
-        out += pack_1[len(out) & 7](_Colour_members[discriminator])
-        match discriminator:
-            case Colour.RED:
-                out += pack_2[len(out) & 7](value.x, value.y)
-            case Colour.GREEN:
-                n_around = len(value)
-                octets_around = b"".join([pack_3(item.x, item.y) for item in value])
-                out += pack_4[len(out) & 7, n_around](n_around, octets_around)
-            case _ if value is not None:
-                raise ValueError("no branch is selected")
-
-    @classmethod
-    def _read_(cls, data: Buffer, offset: int, little_endian: bool) -> tuple[Self, int]:
-        (read_1,) = (
-            _Shape_layout.read_little if little_endian else _Shape_layout.read_big
-        )
-        (read_2,) = (
-            _Shape_layout_2.read_little if little_endian else _Shape_layout_2.read_big
-        )
-        read_3, read_4 = (
-            _Shape_layout_4.read_little if little_endian else _Shape_layout_4.read_big
-        )
-        records_3 = (
-            _Shape_layout_3.records_little
-            if little_endian
-            else _Shape_layout_3.records_big
-        )
-        unpack, size = read_1[offset & 7]
-        (discriminator,) = unpack(data, offset)
-        offset += size
-        selected = _Colour_members[discriminator]
-        match selected:
-            case Colour.RED:
-                unpack, size = read_2[offset & 7]
-                where_x, where_y = unpack(data, offset)
-                offset += size
-                return cls(selected, Point(where_x, where_y)), offset
-            case Colour.GREEN:
-                unpack, size = read_3[offset & 7]
-                (n_around,) = unpack(data, offset)
-                offset += size
-                unpack, size = read_4[n_around << 3 | offset & 7]
-                (around,) = unpack(data, offset)
-                offset += size
-                return cls(selected, [Point(x, y) for x, y in records_3(around)]), offset  # fmt: skip
-        return cls(selected, None), offset
-
-    def _snapshot_(self) -> Shape:
-        value: Any = self.value
-        match self.discriminator:
-            case Colour.RED:
-                value = value
-                value = Point(value.x, value.y)
-            case Colour.GREEN:
-                value = [Point(item.x, item.y) for item in value]
-        return Shape(self.discriminator, value)
-
-
-_Blocked_layout = Layout("=I", "@4 *s")
-
 
 @dataclass(eq=False)
 class Blocked(UserException):
     """`Shapes::Blocked`."""
 
-    _descriptor_: ClassVar[ExceptionDescriptor] = ExceptionDescriptor(
-        "IDL:Shapes/Blocked:1.0",
-        "Shapes::Blocked",
-        (MemberDescriptor("reason", StringDescriptor()),),
-    )
+    _descriptor_: ClassVar = idl.exception("Shapes::Blocked", reason=idl.STRING)
 
     reason: str = ""
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Blocked_layout.pack_little
-                if little_endian
-                else _Blocked_layout.pack_big
-            )
-            reason = text_octets(self.reason)
-            n_reason = len(reason) + 1
-            return pack[n_reason](n_reason, reason)
-        except FAILURES as failure:
-            raise encoding_error(Blocked, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2 = (
-                _Blocked_layout.read_little
-                if little_endian
-                else _Blocked_layout.read_big
-            )
-            (n_reason,) = read_1(data)
-            unpack, size = read_2[n_reason]
-            (reason,) = unpack(data, 4)
-            offset = 4 + size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(reason))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
 
 
 class Mover(Servant):

@@ -4,225 +4,64 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import ClassVar, Self
+from msgspec import field
+from typing import ClassVar
 
+from rtgen.runtime import idl
 from rtgen.runtime.calls import Call
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.cdr_values import text_octets, text_value
-from rtgen.runtime.descriptors import (
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime.cdr import Aggregated
 
 from .shapes import Blocked, Point
 
-_Mover__get_speed_reply_layout = Fixed("d")
 
-
-@dataclass(slots=True)
 class Mover__get_speed_reply(Aggregated):
     """Results of `Shapes::Mover::_get_speed`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Shapes/Mover/speed:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Shapes::Mover._get_speed reply",
-        (MemberDescriptor("_result", PrimitiveDescriptor("double")),),
+        idl.traits(repository_id="IDL:Shapes/Mover/speed:1.0"),
+        _result=idl.DOUBLE,
     )
 
     _result: float = 0.0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Mover__get_speed_reply_layout.pack_little
-                if little_endian
-                else _Mover__get_speed_reply_layout.pack_big
-            )
-            return pack(self._result)
-        except FAILURES as failure:
-            raise encoding_error(Mover__get_speed_reply, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Mover__get_speed_reply_layout.unpack_little
-                if little_endian
-                else _Mover__get_speed_reply_layout.unpack_big
-            )
-            (_result,) = unpack(data)
-            return cls(_result)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Mover__get_speed_reply:
-        return Mover__get_speed_reply(self._result)
-
-
-_Shapes_Blocked_raised_layout = Layout("=I", "@4 *s I", "@0 *s")
-
-
-@dataclass(slots=True)
 class Shapes_Blocked_raised(Aggregated):
     """The reply that tells of `Shapes::Blocked`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Shapes/Blocked:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Shapes.Blocked raised",
-        (
-            MemberDescriptor("_id", StringDescriptor()),
-            MemberDescriptor("reason", StringDescriptor()),
-        ),
+        idl.traits(repository_id="IDL:Shapes/Blocked:1.0"),
+        _id=idl.STRING,
+        reason=idl.STRING,
     )
 
     _id: str = ""
     reason: str = ""
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Shapes_Blocked_raised_layout.pack_little
-                if little_endian
-                else _Shapes_Blocked_raised_layout.pack_big
-            )
-            _id = text_octets(self._id)
-            n__id = len(_id) + 1
-            reason = text_octets(self.reason)
-            n_reason = len(reason) + 1
-            return pack[n__id, n_reason](n__id, _id, n_reason, reason)
-        except FAILURES as failure:
-            raise encoding_error(Shapes_Blocked_raised, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _Shapes_Blocked_raised_layout.read_little
-                if little_endian
-                else _Shapes_Blocked_raised_layout.read_big
-            )
-            (n__id,) = read_1(data)
-            unpack, size = read_2[n__id]
-            _id, n_reason = unpack(data, 4)
-            offset = 4 + size
-            unpack, size = read_3[n_reason]
-            (reason,) = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(text_value(_id), text_value(reason))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Shapes_Blocked_raised:
-        return Shapes_Blocked_raised(self._id, self.reason)
-
-
-_Mover_move_request_layout = Fixed("dd")
-
-
-@dataclass(slots=True)
 class Mover_move_request(Aggregated):
     """Arguments of `Shapes::Mover::move`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Shapes/Mover/move:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Shapes::Mover.move request",
-        (MemberDescriptor("to", Point._descriptor_),),
+        idl.traits(repository_id="IDL:Shapes/Mover/move:1.0"),
+        to=Point,
     )
 
     to: Point = field(default_factory=Point)
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Mover_move_request_layout.pack_little
-                if little_endian
-                else _Mover_move_request_layout.pack_big
-            )
-            to = self.to
-            return pack(to.x, to.y)
-        except FAILURES as failure:
-            raise encoding_error(Mover_move_request, self, failure) from failure
 
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Mover_move_request_layout.unpack_little
-                if little_endian
-                else _Mover_move_request_layout.unpack_big
-            )
-            to_x, to_y = unpack(data)
-            return cls(Point(to_x, to_y))
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Mover_move_request:
-        to = self.to
-        return Mover_move_request(Point(to.x, to.y))
-
-
-_Mover_move_reply_layout = Fixed("d")
-
-
-@dataclass(slots=True)
 class Mover_move_reply(Aggregated):
     """Results of `Shapes::Mover::move`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Shapes/Mover/move:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "Shapes::Mover.move reply",
-        (MemberDescriptor("far", PrimitiveDescriptor("double")),),
+        idl.traits(repository_id="IDL:Shapes/Mover/move:1.0"),
+        far=idl.DOUBLE,
     )
 
     far: float = 0.0
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Mover_move_reply_layout.pack_little
-                if little_endian
-                else _Mover_move_reply_layout.pack_big
-            )
-            return pack(self.far)
-        except FAILURES as failure:
-            raise encoding_error(Mover_move_reply, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Mover_move_reply_layout.unpack_little
-                if little_endian
-                else _Mover_move_reply_layout.unpack_big
-            )
-            (far,) = unpack(data)
-            return cls(far)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Mover_move_reply:
-        return Mover_move_reply(self.far)
 
 
 _CALLS: dict[str, dict[str, Call]] = {

@@ -5,73 +5,21 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.descriptors import (
-    InterfaceDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub
 
-_Velocity_layout = Fixed("dd")
 
-
-@dataclass(slots=True)
 class Velocity(Aggregated):
     """`Drive::Velocity`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:Drive/Velocity:1.0",
-        "Drive::Velocity",
-        (
-            MemberDescriptor("vx", PrimitiveDescriptor("double")),
-            MemberDescriptor("va", PrimitiveDescriptor("double")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("Drive::Velocity", vx=idl.DOUBLE, va=idl.DOUBLE)
 
     vx: float = 0.0
     va: float = 0.0
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _Velocity_layout.pack_little
-                if little_endian
-                else _Velocity_layout.pack_big
-            )
-            return pack(self.vx, self.va)
-        except FAILURES as failure:
-            raise encoding_error(Velocity, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _Velocity_layout.unpack_little
-                if little_endian
-                else _Velocity_layout.unpack_big
-            )
-            vx, va = unpack(data)
-            return cls(vx, va)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> Velocity:
-        return Velocity(self.vx, self.va)
 
 
 class Safety(Servant):

@@ -5,29 +5,12 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, field
-from typing import ClassVar, Final, Self, TypeAlias
+from msgspec import field
+from typing import ClassVar, Final, TypeAlias
 
-from rtgen.runtime.cdr import (
-    FAILURES,
-    Aggregated,
-    Buffer,
-    Fixed,
-    Layout,
-    decoding_error,
-    encoding_error,
-)
-from rtgen.runtime.cdr_values import exact, text_octets, text_value
-from rtgen.runtime.descriptors import (
-    AliasDescriptor,
-    ArrayDescriptor,
-    InterfaceDescriptor,
-    MemberDescriptor,
-    PrimitiveDescriptor,
-    SequenceDescriptor,
-    StringDescriptor,
-    StructDescriptor,
-)
+from rtgen.runtime import idl
+from rtgen.runtime.cdr import Aggregated
+from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 
 WHEELS: Final = 2
@@ -35,102 +18,37 @@ GAIN: Final = 1.5
 GEARED: Final = True
 MARK: Final = "m"
 Level: TypeAlias = int
-_Level_alias = AliasDescriptor(
-    "IDL:nBoard/Level:1.0",
-    "nBoard::Level",
-    PrimitiveDescriptor("short"),
-)
+_Level_alias = idl.alias("nBoard::Level", idl.SHORT)
 
 
-_tagPoint_layout = Fixed("hxxi")
-
-
-@dataclass(slots=True)
 class tagPoint(Aggregated):
     """`nBoard::tagPoint`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:nBoard/tagPoint:1.0",
-        "nBoard::tagPoint",
-        (
-            MemberDescriptor("x", PrimitiveDescriptor("short")),
-            MemberDescriptor("y", PrimitiveDescriptor("long")),
-        ),
-    )
+    _descriptor_: ClassVar = idl.struct("nBoard::tagPoint", x=idl.SHORT, y=idl.LONG)
 
     x: int = 0
     y: int = 0
 
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack = (
-                _tagPoint_layout.pack_little
-                if little_endian
-                else _tagPoint_layout.pack_big
-            )
-            return pack(self.x, self.y)
-        except FAILURES as failure:
-            raise encoding_error(tagPoint, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            unpack = (
-                _tagPoint_layout.unpack_little
-                if little_endian
-                else _tagPoint_layout.unpack_big
-            )
-            x, y = unpack(data)
-            return cls(x, y)
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> tagPoint:
-        return tagPoint(self.x, self.y)
-
 
 Point: TypeAlias = tagPoint
-_Point_alias = AliasDescriptor(
-    "IDL:nBoard/Point:1.0",
-    "nBoard::Point",
-    tagPoint._descriptor_,
-)
+_Point_alias = idl.alias("nBoard::Point", tagPoint)
 
 
-_tagState_layout = Fixed("3s")
-_tagState_layout_2 = Layout("=hBc4s3s6s3xI", "@0 *s h i I", "@0 *s B")
-
-
-@dataclass(slots=True)
 class tagState(Aggregated):
     """`nBoard::tagState`."""
 
-    _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
-        "IDL:nBoard/tagState:1.0",
+    _descriptor_: ClassVar = idl.struct(
         "nBoard::tagState",
-        (
-            MemberDescriptor("level", _Level_alias),
-            MemberDescriptor("sign", PrimitiveDescriptor("octet")),
-            MemberDescriptor("code", PrimitiveDescriptor("char")),
-            MemberDescriptor(
-                "label",
-                ArrayDescriptor(PrimitiveDescriptor("char"), (4,)),
-            ),
-            MemberDescriptor(
-                "raw",
-                ArrayDescriptor(PrimitiveDescriptor("octet"), (3,)),
-            ),
-            MemberDescriptor(
-                "grid",
-                ArrayDescriptor(PrimitiveDescriptor("octet"), (2, 3)),
-            ),
-            MemberDescriptor("nick", StringDescriptor()),
-            MemberDescriptor("at", tagPoint._descriptor_),
-            MemberDescriptor("data", SequenceDescriptor(PrimitiveDescriptor("octet"))),
-            MemberDescriptor("count", PrimitiveDescriptor("octet")),
-        ),
+        level=_Level_alias,
+        sign=idl.OCTET,
+        code=idl.CHAR,
+        label=idl.array(idl.CHAR, 4),
+        raw=idl.array(idl.OCTET, 3),
+        grid=idl.array(idl.OCTET, 2, 3),
+        nick=idl.STRING,
+        at=tagPoint,
+        data=idl.sequence(idl.OCTET),
+        count=idl.OCTET,
     )
 
     level: Level = 0
@@ -143,98 +61,6 @@ class tagState(Aggregated):
     at: tagPoint = field(default_factory=tagPoint)
     data: bytes = b""
     count: int = 0
-
-    def to_cdr(self, little_endian: bool = True) -> bytes:
-        """The value as a CDR body; raises CdrError."""
-        try:
-            pack_1 = (
-                _tagState_layout.pack_little
-                if little_endian
-                else _tagState_layout.pack_big
-            )
-            pack = (
-                _tagState_layout_2.pack_little
-                if little_endian
-                else _tagState_layout_2.pack_big
-            )
-            octets_grid = b"".join(
-                [pack_1(exact(item, 3)) for item in exact(self.grid, 2)],
-            )
-            nick = text_octets(self.nick)
-            n_nick = len(nick) + 1
-            at = self.at
-            data_ = self.data
-            n_data = len(data_)
-            return pack[n_nick, n_data](
-                self.level,
-                self.sign,
-                self.code.encode("latin-1"),
-                exact(self.label.encode("latin-1"), 4),
-                exact(self.raw, 3),
-                octets_grid,
-                n_nick,
-                nick,
-                at.x,
-                at.y,
-                n_data,
-                data_,
-                self.count,
-            )
-        except FAILURES as failure:
-            raise encoding_error(tagState, self, failure) from failure
-
-    @classmethod
-    def from_cdr(cls, data: Buffer, little_endian: bool = True) -> Self:
-        """The value of a CDR body; raises CdrError."""
-        try:
-            read_1, read_2, read_3 = (
-                _tagState_layout_2.read_little
-                if little_endian
-                else _tagState_layout_2.read_big
-            )
-            records_1 = (
-                _tagState_layout.records_little
-                if little_endian
-                else _tagState_layout.records_big
-            )
-            level, sign, code, label, raw, grid, n_nick = read_1(data)
-            unpack, size = read_2[n_nick]
-            nick, at_x, at_y, n_data = unpack(data, 24)
-            offset = 24 + size
-            unpack, size = read_3[n_data]
-            data_, count = unpack(data, offset)
-            offset += size
-            if offset != len(data):
-                raise ValueError("octets too many")
-            return cls(
-                level,
-                sign,
-                code.decode("latin-1"),
-                label.decode("latin-1"),
-                raw,
-                [value for (value,) in records_1(grid)],
-                text_value(nick),
-                tagPoint(at_x, at_y),
-                data_,
-                count,
-            )
-        except FAILURES as failure:
-            raise decoding_error(cls, data, little_endian, failure) from failure
-
-    def _snapshot_(self) -> tagState:
-        at = self.at
-        return tagState(
-            self.level,
-            self.sign,
-            self.code,
-            self.label,
-            self.raw,
-            list(self.grid),
-            self.nick,
-            tagPoint(at.x, at.y),
-            self.data,
-            self.count,
-        )
 
 
 Motor_CharSeq: TypeAlias = str

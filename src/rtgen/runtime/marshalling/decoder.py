@@ -1,12 +1,10 @@
-"""The statements that unmarshal a value, printed from its layout."""
+"""The source text that unmarshals a value, made from its layout."""
 
 from __future__ import annotations
 
-from rtgen.backends.types.constants import Layouts
-from rtgen.backends.types.locals import Body, Locals
-from rtgen.backends.types.scope import Scope
-from rtgen.backends.types.values import Tables, each
-from rtgen.layouts.cdr import (
+from rtgen.runtime.cdr_values import nested, read_reference
+from rtgen.runtime.marshalling.conversions import Conversions, each
+from rtgen.runtime.marshalling.layout import (
     Atom,
     AtomArray,
     AtomSequence,
@@ -26,30 +24,28 @@ from rtgen.layouts.cdr import (
     TextArray,
     TextSequence,
 )
+from rtgen.runtime.marshalling.references import References
+from rtgen.runtime.marshalling.shapes import Layouts
+from rtgen.runtime.marshalling.text import Body, Locals
 
 
 class Decoder:
-    """Writes the body of `from_cdr` or `_read_`.
+    """Writes the body of `from_cdr` or of a function that reads at an offset."""
 
-    `annotation` is the type of what is returned, where it is not a value of `cls`.
-    """
-
-    def __init__(
-        self, scope: Scope, tables: Tables, layouts: Layouts, annotation: str = ""
-    ) -> None:
-        self._py = scope
-        self._tables = tables
-        self._layouts = layouts
-        self._annotation = annotation
-        self._locals = Locals(scope.globals)
+    def __init__(self, references: References) -> None:
+        self._refer = references
+        self._convert = Conversions(references.namespace)
+        self._layouts = Layouts()
+        self._locals = Locals(references.namespace)
         self._offset: int | None = None
         self._readers = 0
-        self.body = Body()
+        self.body = Body(references.namespace)
 
     def fixed(self, run: Run, node: Node) -> list[str]:
         """The body for a value of one size: everything is unpacked at once."""
         entries = run.sections[0].entries
-        self.body.choose("unpack", "unpack", self._layouts.of(run))
+        layout = self._layouts.of(run, whole=True)
+        self.body.choose("unpack", "unpack_all", layout, "unpack")
         self._assign(self._targets(entries, ()), "unpack(data)")
         return self._returning(self.value(node, (), True))
 
@@ -66,12 +62,9 @@ class Decoder:
     def parts(self, steps: tuple[Step, ...], node: Node) -> list[str]:
         """The body for a value that others may follow; its end is returned too."""
         self.steps(steps, ())
-        return self._returning(f"{self.value(node, (), True)}, offset")
+        return self._returning(f"{self.value(node, ())}, offset")
 
     def _returning(self, value: str) -> list[str]:
-        if self._annotation:
-            self.body.add(f"made: {self._annotation} = {value}")
-            value = "made"
         return [*self.body.lines, f"return {value}"]
 
     def steps(self, steps: tuple[Step, ...], prefix: Path) -> None:
@@ -87,21 +80,21 @@ class Decoder:
                     name = self._locals.name((*prefix, *path))
                     arguments = "data, offset, little_endian"
                     if isinstance(node, Call):
-                        read = f"{self._py.reference(node.name)}._read_"
+                        read = self._refer.reader(node.type)
                     elif isinstance(node, Dynamic):
-                        read = self._py.read_dynamic
-                        described = self._tables.dynamic(node)
+                        read = self._refer.dynamic_reader()
+                        described = self._refer.descriptor(node.type)
                         arguments = f"data, offset, {described}, little_endian"
                     else:
-                        read = self._py.read_reference
+                        read = self._refer.function(read_reference)
                     self.body.add(f"{name}, offset = {read}({arguments})")
 
     def value(self, node: Node, path: Path, outermost: bool = False) -> str:
         """The expression that makes a value of what was read."""
-        tables = self._tables
+        convert = self._convert
         match node:
-            case Group(name=name, members=members):
-                made = "cls" if outermost else self._py.reference(name)
+            case Group(type=type_, members=members):
+                made = "cls" if outermost else self._refer.made(type_)
                 inner = [self.value(n, (*path, m)) for m, n in members]
                 return f"{made}({', '.join(inner)})"
             case Records():
@@ -109,18 +102,18 @@ class Decoder:
         raw = self._locals.name(path)
         match node:
             case Atom():
-                return tables.unpacked(node, raw)
+                return convert.unpacked(node, raw)
             case AtomArray(atom=atom, dimensions=dimensions):
-                items = each(tables.unpacked, atom, raw) or raw
+                items = each(convert.unpacked, atom, raw) or raw
                 if len(dimensions) == 1:
                     return items
-                return f"{self._py.nested}({items}, {dimensions})"
+                return f"{self._refer.function(nested)}({items}, {dimensions})"
             case AtomSequence(atom=atom):
-                return each(tables.unpacked, atom, raw) or raw
+                return each(convert.unpacked, atom, raw) or raw
             case TextArray(text=text):
-                return tables.unpacked_text(text, raw)
+                return convert.unpacked_text(text, raw)
             case TextSequence(text=text, bound=bound):
-                return tables.unpacked_text(text, raw, bound)
+                return convert.unpacked_text(text, raw, bound)
         return raw
 
     def _run(self, run: Run, prefix: Path) -> None:
@@ -129,7 +122,8 @@ class Decoder:
             self._readers += 1
             readers.append(f"read_{self._readers}")
         targets = ", ".join(readers) if len(readers) > 1 else f"({readers[0]},)"
-        self.body.choose(targets, "read", self._layouts.of(run))
+        number = self._layouts.variable("readers", run)
+        self.body.choose(targets, number, self._layouts.of(run), "read")
         for section, reader in zip(run.sections, readers, strict=True):
             self._section(section, reader, prefix)
 
@@ -219,8 +213,8 @@ class Decoder:
 
     def _records(self, node: Records, path: Path) -> str:
         records = self._layouts.variable("records", node)
-        self.body.choose(records, "records", self._layouts.of(node))
-        inner = _Record(self._py, self._tables, self._layouts)
+        self.body.choose(records, records, self._layouts.of(node), "records")
+        inner = _Record(self._refer)
         targets = inner.targets(node.fields)
         value = inner.value(node.element, ())
         return f"[{value} for {targets} in {records}({self._locals.name(path)})]"

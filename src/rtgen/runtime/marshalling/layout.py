@@ -1,9 +1,9 @@
-"""Classic CDR (XCDR1 plain) as data: where each value lies, and what can go in one `struct` call.
+"""CDR and XCDR as data: where each value lies, and what can go in one `struct` call.
 
-Alignment is that of each basic type, up to 8, from the start of the body (CORBA 3.3 part 2, 9.3.1).
-A type becomes a tree of nodes; `steps_of` lays the tree out in the order of the wire: runs of
-values whose place follows from the counts alone, loops over elements of varying size, and calls of
-the codecs of unions and recursive structs.
+Alignment is that of each basic type, up to 8 (XCDR2: 4), from the start of the body (CORBA 3.3
+part 2, 9.3.1; DDS-XTypes 1.3, 7.4.3.2). A type becomes a tree of nodes (`trees`); `steps_of` lays
+the tree out in the order of the wire: runs of values whose place follows from the counts alone,
+loops over elements of varying size, and calls of the codecs of unions and recursive structs.
 """
 
 from __future__ import annotations
@@ -11,9 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum, auto
 from math import gcd, prod
-from typing import TypeAlias
-
-from rtgen.model import ScopedName, Type
+from typing import Any, TypeAlias
 
 
 class Form(Enum):
@@ -43,7 +41,7 @@ class Text(Enum):
 class Atom:
     """A value of fixed size: its `struct` code, its size and alignment in octets.
 
-    `name` is that of the enum, bitmask or bitset, `digits` and `scale` those of a fixed-point
+    `type` describes the enum, bitmask or bitset; `digits` and `scale` are those of a fixed-point
     type (`digits` is the number of bits of a bitmask).
     """
 
@@ -51,7 +49,7 @@ class Atom:
     size: int
     align: int
     form: Form = Form.NUMBER
-    name: ScopedName | None = None
+    type: Any = None
     digits: int = 0
     scale: int = 0
 
@@ -135,17 +133,17 @@ class Repeat:
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """A struct whose members are laid out in place: (member, node) in order."""
+    """A struct whose members are laid out in place: (attribute, node) in order."""
 
-    name: ScopedName
+    type: Any
     members: tuple[tuple[str, Node], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A value with a codec of its own: a union, a recursive struct."""
+    """A value with a codec of its own: a union, a recursive struct, a large one."""
 
-    name: ScopedName
+    type: Any
     minimum: int
 
 
@@ -158,7 +156,7 @@ class Reference:
 class Dynamic:
     """A value that is marshalled along its descriptor: `any`, a type code, a value."""
 
-    type: Type
+    type: Any
     minimum: int = 4
 
 
@@ -348,15 +346,11 @@ def minimum_size(node: Node) -> int:
 def _token(node: Placed | Repeat) -> tuple[str, int, int]:
     """(token, size, alignment) of a value without a count."""
     match node:
-        case Atom(code=code, size=size, align=align):
-            return (
-                (code if size == align or align == 1 else f"{code}/{align}"),
-                size,
-                align,
-            )
+        case Atom(size=size, align=align):
+            return _aligned(node), size, align
         case AtomArray(atom=atom, dimensions=dimensions):
             number = prod(dimensions)
-            return f"{number}{atom.code}", number * atom.size, atom.align
+            return f"{number}{_aligned(atom)}", number * atom.size, atom.align
         case TextArray(length=length):
             return f"{length}s", length, 1
         case Records(length=int(length), size=size, align=align):
@@ -364,11 +358,17 @@ def _token(node: Placed | Repeat) -> tuple[str, int, int]:
     raise TypeError(node)
 
 
+def _aligned(atom: Atom) -> str:
+    """The code of an atom, with its alignment if that is not its size."""
+    usual = atom.align in (1, atom.size)
+    return atom.code if usual else f"{atom.code}/{atom.align}"
+
+
 def _counted_token(node: Placed) -> tuple[str, int, int]:
     """(token, size of an item, alignment) of what stands behind a count."""
     match node:
         case AtomSequence(atom=atom):
-            return f"*{atom.code}", atom.size, atom.align
+            return f"*{_aligned(atom)}", atom.size, atom.align
         case TextSequence():
             return "*s", 1, 1
         case Records(size=size, align=align):

@@ -1,0 +1,327 @@
+"""The words in which generated types describe themselves, once: `idl.struct("RTC::Time", ...)`.
+
+A member is given by its attribute in Python: a descriptor, a generated class, or `member` where
+there is more to say than its type.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, Final, NamedTuple, TypeAlias, TypeVar
+
+from rtgen.facts.primitives import Primitive
+from rtgen.runtime.descriptors import (
+    NEXT,
+    AliasDescriptor,
+    ArrayDescriptor,
+    BitfieldDescriptor,
+    BitsetDescriptor,
+    BoxDescriptor,
+    BranchDescriptor,
+    Descriptor,
+    EnumDescriptor,
+    ExceptionDescriptor,
+    FixedDescriptor,
+    FlagsDescriptor,
+    LinkDescriptor,
+    MapDescriptor,
+    MemberDescriptor,
+    PrimitiveDescriptor,
+    SequenceDescriptor,
+    StringDescriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    ValueDescriptor,
+    register,
+)
+
+SHORT: Final = PrimitiveDescriptor(Primitive.SHORT)
+UNSIGNED_SHORT: Final = PrimitiveDescriptor(Primitive.UNSIGNED_SHORT)
+LONG: Final = PrimitiveDescriptor(Primitive.LONG)
+UNSIGNED_LONG: Final = PrimitiveDescriptor(Primitive.UNSIGNED_LONG)
+LONG_LONG: Final = PrimitiveDescriptor(Primitive.LONG_LONG)
+UNSIGNED_LONG_LONG: Final = PrimitiveDescriptor(Primitive.UNSIGNED_LONG_LONG)
+INT8: Final = PrimitiveDescriptor(Primitive.INT8)
+UINT8: Final = PrimitiveDescriptor(Primitive.UINT8)
+FLOAT: Final = PrimitiveDescriptor(Primitive.FLOAT)
+DOUBLE: Final = PrimitiveDescriptor(Primitive.DOUBLE)
+LONG_DOUBLE: Final = PrimitiveDescriptor(Primitive.LONG_DOUBLE)
+CHAR: Final = PrimitiveDescriptor(Primitive.CHAR)
+WCHAR: Final = PrimitiveDescriptor(Primitive.WCHAR)
+BOOLEAN: Final = PrimitiveDescriptor(Primitive.BOOLEAN)
+OCTET: Final = PrimitiveDescriptor(Primitive.OCTET)
+ANY: Final = PrimitiveDescriptor(Primitive.ANY)
+OBJECT: Final = PrimitiveDescriptor(Primitive.OBJECT)
+VALUE_BASE: Final = PrimitiveDescriptor(Primitive.VALUE_BASE)
+TYPE_CODE: Final = PrimitiveDescriptor(Primitive.TYPE_CODE)
+VOID: Final = PrimitiveDescriptor(Primitive.VOID)
+STRING: Final = StringDescriptor()
+WSTRING: Final = StringDescriptor(True)
+
+Described: TypeAlias = Any
+"""A descriptor, or a class that has one."""
+
+
+class Traits(NamedTuple):
+    """What few types have, and what differs from the usual.
+
+    `representation` is the version of XCDR that `to_cdr` gives, 0 for classic CDR.
+    """
+
+    repository_id: str | None = None
+    base: Any = None
+    extensibility: str = "final"
+    nested: bool = False
+    opaque: bool = False
+    representation: int = 0
+
+
+traits = Traits
+_USUAL = Traits()
+
+
+def string(bound: int) -> StringDescriptor:
+    """`string<bound>`."""
+    return StringDescriptor(False, bound)
+
+
+def wstring(bound: int) -> StringDescriptor:
+    """`wstring<bound>`."""
+    return StringDescriptor(True, bound)
+
+
+def fixed(digits: int, scale: int) -> FixedDescriptor:
+    """`fixed<digits,scale>`."""
+    return FixedDescriptor(digits, scale)
+
+
+def sequence(element: Described, bound: int | None = None) -> SequenceDescriptor:
+    """`sequence<element>` or `sequence<element,bound>`."""
+    return SequenceDescriptor(_descriptor(element), bound)
+
+
+def array(element: Described, *dimensions: int) -> ArrayDescriptor:
+    """An array; dimensions outermost first."""
+    return ArrayDescriptor(_descriptor(element), dimensions)
+
+
+def map_(key: Described, value: Described, bound: int | None = None) -> MapDescriptor:
+    """`map<key,value>` or `map<key,value,bound>`."""
+    return MapDescriptor(_descriptor(key), _descriptor(value), bound)
+
+
+def link(
+    name: str, target: Callable[[], Described], repository_id: str | None = None
+) -> LinkDescriptor:
+    """A type inside its own definition, or ahead of it."""
+    return LinkDescriptor(
+        repository_id or _id(name), name, lambda: _descriptor(target())
+    )
+
+
+def member(
+    type_: Described,
+    *,
+    name: str = "",
+    member_id: int = NEXT,
+    optional: bool = False,
+    key: bool = False,
+    must_understand: bool = False,
+    external: bool = False,
+    private: bool = False,
+) -> MemberDescriptor:
+    """A member with `name` in the definition, if that is not its attribute, or with traits."""
+    return MemberDescriptor(
+        name,
+        _descriptor(type_),
+        "",
+        member_id,
+        optional,
+        key,
+        must_understand,
+        external,
+        private,
+    )
+
+
+def struct(
+    name: str, traits: Traits = _USUAL, /, **members: Described
+) -> StructDescriptor:
+    """A struct: its members by their attributes, in order, behind those of its base."""
+    inherited = () if traits.base is None else traits.base._descriptor_.members
+    return StructDescriptor(
+        traits.repository_id or _id(name),
+        name,
+        (*inherited, *_members(members)),
+        traits.extensibility,
+        traits.nested,
+        traits.opaque,
+        representation=traits.representation,
+    )
+
+
+def exception(
+    name: str, traits: Traits = _USUAL, /, **members: Described
+) -> ExceptionDescriptor:
+    """A user exception."""
+    return ExceptionDescriptor(
+        traits.repository_id or _id(name),
+        name,
+        _members(members),
+        representation=traits.representation,
+    )
+
+
+def value(
+    name: str,
+    modifier: str = "",
+    bases: tuple[Any, ...] = (),
+    repository_id: str | None = None,
+    /,
+    **state: Described,
+) -> ValueDescriptor:
+    """A valuetype: its own state, its bases, and what it is: custom, abstract, truncatable."""
+    described = tuple(base._descriptor_ for base in bases)
+    return ValueDescriptor(
+        repository_id or _id(name), name, _members(state), described, modifier
+    )
+
+
+def box(name: str, type_: Described, repository_id: str | None = None) -> BoxDescriptor:
+    """A boxed value."""
+    return BoxDescriptor(repository_id or _id(name), name, _descriptor(type_))
+
+
+def alias(
+    name: str,
+    type_: Described,
+    repository_id: str | None = None,
+    representation: int = 0,
+) -> AliasDescriptor:
+    """A typedef."""
+    return AliasDescriptor(
+        repository_id or _id(name),
+        name,
+        _descriptor(type_),
+        representation=representation,
+    )
+
+
+def case(
+    type_: Described,
+    *labels: int | str | bool,
+    default: bool = False,
+    name: str = "",
+    member_id: int = NEXT,
+    external: bool = False,
+) -> BranchDescriptor:
+    """A branch of a union; `labels` are values of the discriminator."""
+    return BranchDescriptor(
+        labels, default, name, _descriptor(type_), "", member_id, external
+    )
+
+
+def union(
+    name: str, switch: Described, traits: Traits = _USUAL, /, **cases: BranchDescriptor
+) -> UnionDescriptor:
+    """A union: its discriminator and its branches by their attributes, in order."""
+    return UnionDescriptor(
+        traits.repository_id or _id(name),
+        name,
+        _descriptor(switch),
+        tuple(_named(branch, attribute) for attribute, branch in cases.items()),
+        traits.extensibility,
+        traits.nested,
+        representation=traits.representation,
+    )
+
+
+def bits(
+    width: int,
+    position: int,
+    *,
+    signed: bool = False,
+    boolean: bool = False,
+    name: str = "",
+) -> BitfieldDescriptor:
+    """A field of a bitset; its lowest bit is at `position`."""
+    return BitfieldDescriptor(name, width, position, signed, boolean)
+
+
+def bitset(
+    name: str,
+    bound: int,
+    repository_id: str | None = None,
+    /,
+    **fields: BitfieldDescriptor,
+) -> BitsetDescriptor:
+    """A bitset of so many bits, with its fields by their attributes."""
+    named = tuple(_named(field, attribute) for attribute, field in fields.items())
+    return BitsetDescriptor(repository_id or _id(name), name, named, bound)
+
+
+def enum(
+    class_: Any,
+    name: str,
+    names: Mapping[str, str] | None = None,
+    bound: int = 32,
+    repository_id: str | None = None,
+) -> None:
+    """Describes an enum, whose class body cannot; `names` are those that Python lacks."""
+    members = tuple(
+        ((names or {}).get(attribute, attribute), int(number))
+        for attribute, number in class_.__members__.items()
+    )
+    _bind(class_, EnumDescriptor(repository_id or _id(name), name, members, bound))
+
+
+def flags(
+    class_: Any,
+    name: str,
+    names: Mapping[str, str] | None = None,
+    bound: int = 32,
+    repository_id: str | None = None,
+) -> None:
+    """Describes a bitmask of so many bits."""
+    members = tuple(
+        ((names or {}).get(attribute, attribute), int(flag).bit_length() - 1)
+        for attribute, flag in class_.__members__.items()
+    )
+    _bind(class_, FlagsDescriptor(repository_id or _id(name), name, members, bound))
+
+
+def _bind(class_: Any, descriptor: EnumDescriptor | FlagsDescriptor) -> None:
+    class_._descriptor_ = descriptor
+    register(class_, descriptor)
+
+
+def _id(name: str) -> str:
+    """The repository id that a name has by default (CORBA 3.3 part 1, 14.7.1)."""
+    return f"IDL:{name.replace('::', '/')}:1.0"
+
+
+def _descriptor(described: Described) -> Descriptor:
+    descriptor: Any = getattr(described, "_descriptor_", described)
+    return descriptor  # type: ignore[no-any-return]
+
+
+def _members(members: Mapping[str, Described]) -> tuple[MemberDescriptor, ...]:
+    return tuple(
+        (
+            _named(described, attribute)
+            if isinstance(described, MemberDescriptor)
+            else MemberDescriptor(attribute, _descriptor(described), attribute)
+        )
+        for attribute, described in members.items()
+    )
+
+
+_E = TypeVar("_E", MemberDescriptor, BranchDescriptor, BitfieldDescriptor)
+
+
+def _named(entry: _E, attribute: str) -> _E:
+    """The entry with its attribute, which is its name where nothing else is said."""
+    object.__setattr__(entry, "attribute", attribute)
+    if not entry.name:
+        object.__setattr__(entry, "name", attribute)
+    return entry

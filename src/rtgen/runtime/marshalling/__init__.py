@@ -1,0 +1,1 @@
+"""The marshalling engine: codecs are compiled from descriptions of types, at first use."""

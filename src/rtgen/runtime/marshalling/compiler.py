@@ -1,0 +1,73 @@
+"""Compiles the codecs of a type from its description, when they are first used.
+
+The source text of each function stands in `linecache`, so that debuggers and tracebacks show it.
+What was compiled is kept with the descriptor.
+"""
+
+from __future__ import annotations
+
+import linecache
+from collections.abc import Callable
+from threading import RLock
+from typing import Any
+
+from rtgen.runtime.marshalling.functions import FUNCTIONS
+from rtgen.runtime.marshalling.references import References
+
+_LOCK = RLock()
+
+
+def compiled(kind: str, descriptor: Any) -> Callable[..., Any]:
+    """The function of that kind (a key of `FUNCTIONS`) for a type.
+
+    Raises TypeError for a type without a representation.
+    """
+    function: Callable[..., Any] | None = descriptor.codecs.get(kind)
+    if function is None:
+        with _LOCK:
+            _compile(kind, descriptor)
+        function = descriptor.codecs[kind]
+    return function
+
+
+def _compile(kind: str, descriptor: Any) -> None:
+    """Compiles a function and all that it calls; none is kept before all are complete."""
+    made: dict[tuple[str, int], tuple[Any, Callable[..., Any]]] = {}
+    calls: list[tuple[dict[str, Any], str, str, Any]] = []
+    waiting = [(kind, descriptor)]
+    while waiting:
+        kind, described = waiting.pop()
+        if (kind, id(described)) in made or kind in described.codecs:
+            continue
+        function, references = _function(kind, described)
+        made[kind, id(described)] = described, function
+        for name, needed, of in references.needed.values():
+            calls.append((function.__globals__, name, needed, of))
+            waiting.append((needed, of))
+    for namespace, name, needed, of in calls:
+        known = of.codecs.get(needed)
+        namespace[name] = made[needed, id(of)][1] if known is None else known
+    for (kind, _), (described, function) in made.items():
+        described.codecs.setdefault(kind, function)
+
+
+def _function(kind: str, descriptor: Any) -> tuple[Callable[..., Any], References]:
+    references = References()
+    head, lines = FUNCTIONS[kind](descriptor, references)
+    text = "".join(f"{line}\n" for line in [head, *(f"    {x}" for x in lines)])
+    file = _unused(f"<{kind} of {descriptor.name}>")
+    linecache.cache[file] = (len(text), None, text.splitlines(keepends=True), file)
+    namespace = references.namespace.values
+    namespace["__name__"] = __name__
+    exec(compile(text, file, "exec"), namespace)
+    function: Callable[..., Any] = namespace[head.split("(")[0].removeprefix("def ")]  # type: ignore[assignment]
+    return function, references
+
+
+def _unused(file: str) -> str:
+    number = 1
+    name = file
+    while name in linecache.cache:
+        number += 1
+        name = f"{file[:-1]} {number}>"
+    return name

@@ -1,0 +1,125 @@
+"""How single values are converted: an expression for its atom, and the way back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rtgen.runtime.cdr import BOOLEAN
+from rtgen.runtime.cdr_values import (
+    fixed_octets,
+    fixed_value,
+    flags_number,
+    quad_octets,
+    quad_value,
+    text_octets,
+    text_value,
+    wide_character,
+    wide_character_value,
+    wide_octets,
+    wide_value,
+)
+from rtgen.runtime.marshalling.layout import Atom, Form, Text
+from rtgen.runtime.marshalling.text import Namespace
+
+
+class Conversions:
+    """Writes the conversions of single values."""
+
+    def __init__(self, namespace: Namespace) -> None:
+        self._namespace = namespace
+
+    def _name(self, function: Callable[..., object]) -> str:
+        return self._namespace.bind(function.__name__, function)
+
+    def _boolean(self) -> str:
+        return self._namespace.bind("BOOLEAN", BOOLEAN)
+
+    def made(self, descriptor: Any) -> str:
+        """The class that values of the type are made as."""
+        class_ = descriptor.class_
+        return self._namespace.bind(class_.__name__, class_)
+
+    def _members(self, atom: Atom) -> str:
+        """The table of an enum's members by number, which refuses every other value."""
+        table = atom.type.codecs.get("members")
+        if table is None:
+            members = (atom.type.class_(number) for _, number in atom.type.members)
+            table = atom.type.codecs["members"] = {m.value: m for m in members}
+        return self._namespace.bind(f"{atom.type.class_.__name__}_members", table)
+
+    def packed(self, atom: Atom, value: str) -> str:
+        """The expression that `struct` packs for a value."""
+        name = self._name
+        match atom.form:
+            case Form.BOOLEAN:
+                return f"{self._boolean()}[{value}]"
+            case Form.ENUMERATOR:
+                return f"{self._members(atom)}[{value}]"
+            case Form.CHARACTER:
+                return f'{value}.encode("latin-1")'
+            case Form.WIDE_CHARACTER:
+                return f"{name(wide_character)}({value})"
+            case Form.QUAD:
+                return f"{name(quad_octets)}({value}, little_endian)"
+            case Form.FIXED:
+                return f"{name(fixed_octets)}({value}, {atom.digits}, {atom.scale})"
+            case Form.FLAGS if atom.digits != 8 * atom.size:
+                return f"{name(flags_number)}({value}, {atom.digits})"
+            case Form.BITS:
+                return f"{value}.to_number()"
+        return value
+
+    def unpacked(self, atom: Atom, raw: str) -> str:
+        """The value of what `struct` unpacked."""
+        name = self._name
+        match atom.form:
+            case Form.BOOLEAN:
+                return f"{self._boolean()}[{raw}]"
+            case Form.ENUMERATOR:
+                return f"{self._members(atom)}[{raw}]"
+            case Form.CHARACTER:
+                return f'{raw}.decode("latin-1")'
+            case Form.WIDE_CHARACTER:
+                return f"{name(wide_character_value)}({raw})"
+            case Form.QUAD:
+                return f"{name(quad_value)}({raw}, little_endian)"
+            case Form.FIXED:
+                return f"{name(fixed_value)}({raw}, {atom.digits}, {atom.scale})"
+            case Form.FLAGS:
+                flags = self.made(atom.type)
+                if atom.digits == 8 * atom.size:
+                    return f"{flags}({raw})"
+                return f"{flags}({name(flags_number)}({raw}, {atom.digits}))"
+            case Form.BITS:
+                return f"{self.made(atom.type)}.from_number({raw})"
+        return raw
+
+    def packed_text(self, text: Text, value: str) -> str:
+        """The octets of a text or of octets."""
+        name = self._name
+        conversions: dict[Text, str] = {
+            Text.OCTETS: value,
+            Text.CHARACTERS: f'{value}.encode("latin-1")',
+        }
+        if text in conversions:
+            return conversions[text]
+        function = text_octets if text is Text.STRING else wide_octets
+        return f"{name(function)}({value})"
+
+    def unpacked_text(self, text: Text, raw: str, bound: int | None = None) -> str:
+        """The way back; `bound` is that of a wide string, whose mark can be missing."""
+        name = self._name
+        if text is Text.OCTETS:
+            return raw
+        if text is Text.CHARACTERS:
+            return f'{raw}.decode("latin-1")'
+        if text is Text.STRING:
+            return f"{name(text_value)}({raw})"
+        return f"{name(wide_value)}({raw}{'' if bound is None else f', {bound}'})"
+
+
+def each(convert: Callable[[Atom, str], str], atom: Atom, items: str) -> str | None:
+    """A list of the converted items, or None if nothing has to be converted."""
+    converted = convert(atom, "item")
+    return None if converted == "item" else f"[{converted} for item in {items}]"

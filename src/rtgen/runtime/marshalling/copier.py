@@ -1,0 +1,75 @@
+"""The source text that copies a value."""
+
+from __future__ import annotations
+
+from rtgen.runtime.marshalling.layout import (
+    AtomArray,
+    AtomSequence,
+    Call,
+    Group,
+    Node,
+    Path,
+    Records,
+    Repeat,
+)
+from rtgen.runtime.marshalling.references import References
+from rtgen.runtime.marshalling.text import Body, Locals
+
+
+class Copier:
+    """Writes the body of `_snapshot_`."""
+
+    def __init__(self, references: References) -> None:
+        self._refer = references
+        self._locals = Locals(references.namespace)
+        self.body = Body(references.namespace)
+
+    def copy(self, node: Node, value: str, path: Path = ()) -> str:
+        """An expression for a copy that shares nothing that can change."""
+        match node:
+            case AtomSequence():
+                return f"list({value})"
+            case AtomArray(dimensions=dimensions):
+                return _copy_nested(value, len(dimensions))
+            case Repeat(key=key) if key is not None:
+                inner = self._inner(node.element)
+                return f"{{key: {inner} for key, item in {value}.items()}}"
+            case Records(element=element) | Repeat(element=element):
+                inner = self._inner(element)
+                return (
+                    f"list({value})"
+                    if inner == "item"
+                    else f"[{inner} for item in {value}]"
+                )
+            case Group(type=type_, members=members):
+                if path:
+                    variable = self._locals.name(path)
+                    self.body.add(f"{variable} = {value}")
+                    value = variable
+                copies = [self.copy(n, f"{value}.{m}", (*path, m)) for m, n in members]
+                return f"{self._refer.made(type_)}({', '.join(copies)})"
+            case Call():
+                return f"{value}._snapshot_()"
+        return value
+
+    def _inner(self, node: Node) -> str:
+        """The copy of `item`, within a comprehension."""
+        return _Inline(self._refer).copy(node, "item")
+
+
+class _Inline(Copier):
+    """Copies without variables."""
+
+    def copy(self, node: Node, value: str, path: Path = ()) -> str:
+        if isinstance(node, Group):
+            copies = [
+                self.copy(inner, f"{value}.{name}") for name, inner in node.members
+            ]
+            return f"{self._refer.made(node.type)}({', '.join(copies)})"
+        return super().copy(node, value)
+
+
+def _copy_nested(value: str, depth: int) -> str:
+    if depth == 1:
+        return f"list({value})"
+    return f"[{_copy_nested('row', depth - 1)} for row in {value}]"

@@ -1,0 +1,61 @@
+"""What a compiled function refers to: classes, functions, and other compiled functions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from rtgen.runtime.marshalling.text import Namespace
+
+
+class References:
+    """Binds names in the globals of a function.
+
+    `needed` are the compiled functions among them: (name, kind, descriptor).
+    """
+
+    def __init__(self) -> None:
+        self.namespace = Namespace()
+        self.needed: dict[tuple[str, int], tuple[str, str, Any]] = {}
+
+    def function(self, function: Callable[..., object]) -> str:
+        """A function of the runtime."""
+        return self.namespace.bind(function.__name__, function)
+
+    def made(self, descriptor: Any) -> str:
+        """The class that values of the type are made as."""
+        class_ = descriptor.class_
+        return self.namespace.bind(class_.__name__, class_)
+
+    def descriptor(self, descriptor: Any) -> str:
+        """The descriptor itself."""
+        return self.namespace.bind("descriptor", descriptor)
+
+    def compiled(self, kind: str, descriptor: Any) -> str:
+        """The function of a kind that is compiled for the type."""
+        key = (kind, id(descriptor))
+        if key not in self.needed:
+            made = descriptor.name.rpartition("::")[2]
+            name = self.namespace.free(f"{kind}_{made}".replace(" ", "_"))
+            self.needed[key] = (name, kind, descriptor)
+        return self.needed[key][0]
+
+    def writer(self, descriptor: Any) -> str:
+        """What appends a value of the type to a body."""
+        return self.compiled("write", descriptor)
+
+    def reader(self, descriptor: Any) -> str:
+        """What reads a value of the type at an offset."""
+        return self.compiled("read", descriptor)
+
+    def dynamic_writer(self) -> str:
+        """What appends a value whose type is known only at run time."""
+        from rtgen.runtime.cdr_writer import write_dynamic
+
+        return self.function(write_dynamic)
+
+    def dynamic_reader(self) -> str:
+        """What reads a value whose type is known only at run time."""
+        from rtgen.runtime.cdr_reader import read_dynamic
+
+        return self.function(read_dynamic)

@@ -1,0 +1,202 @@
+"""Tables of `struct` calls for the runs of a layout.
+
+A run is given as sections of tokens. `I`, `3d`, `*i` stand for `struct` codes: one, three, as many
+as the next count says; `*48s/8` for 48 octets each, aligned to 8. `@4` in front says that the
+section begins at an offset of 4 modulo 8; `=` that padding is settled and the rest is a `struct`
+format.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from struct import Struct
+from typing import Any, TypeAlias, TypeVar
+
+from rtgen.runtime.cdr import Buffer
+from rtgen.runtime.marshalling.layout import Records, Run
+
+_V = TypeVar("_V")
+_Reader: TypeAlias = tuple[Callable[..., tuple[Any, ...]], int]
+
+SHAPES_KEPT = 512
+"""How many shapes a table keeps before it begins anew."""
+
+_TOKEN = re.compile(r"(\*?)(\d*)([a-zA-Z])(?:/(\d+))?(?: |$)")
+_SIZES = {"b": 1, "B": 1, "c": 1, "s": 1, "h": 2, "H": 2, "i": 4, "I": 4, "f": 4}
+
+
+class Fixed:
+    """The layout of a value that always has the same size: one `Struct` for each byte order."""
+
+    __slots__ = (
+        "pack_big",
+        "pack_little",
+        "records_big",
+        "records_little",
+        "unpack_big",
+        "unpack_little",
+    )
+
+    def __init__(self, format_: str) -> None:
+        little, big = Struct(f"<{format_}"), Struct(f">{format_}")
+        self.pack_little: Callable[..., bytes] = little.pack
+        self.pack_big: Callable[..., bytes] = big.pack
+        self.unpack_little: Callable[[Buffer], tuple[Any, ...]] = little.unpack
+        self.unpack_big: Callable[[Buffer], tuple[Any, ...]] = big.unpack
+        self.records_little: Callable[[Buffer], Iterator[tuple[Any, ...]]] = (
+            little.iter_unpack
+        )
+        self.records_big: Callable[[Buffer], Iterator[tuple[Any, ...]]] = (
+            big.iter_unpack
+        )
+
+
+class Settled:
+    """The layout of a run without counts that is read in several sections.
+
+    `read_*` has the `unpack_from` of each section.
+    """
+
+    __slots__ = ("pack_big", "pack_little", "read_big", "read_little")
+
+    def __init__(self, *sections: str) -> None:
+        whole = "".join(section[1:] for section in sections)
+        self.pack_little: Callable[..., bytes] = Struct(f"<{whole}").pack
+        self.pack_big: Callable[..., bytes] = Struct(f">{whole}").pack
+        self.read_little = tuple(_reader("<", s) for s in sections)
+        self.read_big = tuple(_reader(">", s) for s in sections)
+
+
+class Layout:
+    """The layout of a run of values whose size follows from the counts in it.
+
+    `pack_*` is a table: counts (one alone, or a tuple) to the packer of that shape. `read_*` has
+    one reader for each section: of a settled one `unpack_from`, else a table of
+    (`unpack_from`, size) by count (0 if the section has none).
+    """
+
+    __slots__ = ("pack_big", "pack_little", "read_big", "read_little")
+
+    def __init__(self, *sections: str) -> None:
+        self.pack_little: Mapping[Any, Callable[..., bytes]] = _Shapes("<", *sections)
+        self.pack_big: Mapping[Any, Callable[..., bytes]] = _Shapes(">", *sections)
+        self.read_little = tuple(_reader("<", s) for s in sections)
+        self.read_big = tuple(_reader(">", s) for s in sections)
+
+
+class PhasedLayout:
+    """The same for a run that begins at an offset known only when it is reached.
+
+    `pack_*` takes the offset modulo 8 before the counts. A table of `read_*` is by count if its
+    section says where it begins (`@`), else by `count << 3 | offset & 7`.
+    """
+
+    __slots__ = ("pack_big", "pack_little", "read_big", "read_little")
+
+    def __init__(self, *sections: str) -> None:
+        little, big = _PhasedShapes("<", *sections), _PhasedShapes(">", *sections)
+        self.pack_little: Mapping[Any, Callable[..., bytes]] = little
+        self.pack_big: Mapping[Any, Callable[..., bytes]] = big
+        self.read_little = tuple(_reader("<", s) for s in sections)
+        self.read_big = tuple(_reader(">", s) for s in sections)
+
+
+def _reader(order: str, section: str) -> Any:
+    if section[0] == "=":
+        return Struct(order + section[1:]).unpack_from
+    kind = _Readers if section[0] == "@" else _PhasedReaders
+    return kind(order, section)
+
+
+class _Table(dict[Any, _V]):
+    """A table that is filled as keys are asked for, and emptied when it is full."""
+
+    def __init__(self, order: str, *sections: str) -> None:
+        self._order = order
+        self._sections = sections
+
+    def __missing__(self, key: Any) -> _V:
+        if len(self) >= SHAPES_KEPT:
+            self.clear()
+        value = self[key] = self._made(key)
+        return value
+
+    def _made(self, key: Any) -> _V:
+        raise NotImplementedError
+
+    def _struct(self, phase: int, counts: Iterable[int]) -> Struct:
+        return Struct(self._order + _arranged(self._sections, phase, iter(counts)))
+
+
+class _Shapes(_Table[Callable[..., bytes]]):
+    def _made(self, key: Any) -> Callable[..., bytes]:
+        return self._struct(0, key if isinstance(key, tuple) else (key,)).pack
+
+
+class _PhasedShapes(_Table[Callable[..., bytes]]):
+    def _made(self, key: Any) -> Callable[..., bytes]:
+        phase, *counts = key if isinstance(key, tuple) else (key,)
+        return self._struct(phase, counts).pack
+
+
+class _Readers(_Table[_Reader]):
+    def _made(self, key: int) -> _Reader:
+        made = self._struct(int(self._sections[0][1]), (key,))
+        return made.unpack_from, made.size
+
+
+class _PhasedReaders(_Table[_Reader]):
+    def _made(self, key: int) -> _Reader:
+        made = self._struct(key & 7, (key >> 3,))
+        return made.unpack_from, made.size
+
+
+def _arranged(sections: Iterable[str], phase: int, counts: Iterator[int]) -> str:
+    """The `struct` format of the sections from an offset of `phase` on."""
+    texts: list[str] = []
+    offset = phase
+    for section in sections:
+        if section[0] == "=":
+            texts.append(section[1:])
+            offset += struct.calcsize(f"<{section[1:]}")
+            continue
+        for star, digits, code, align in _TOKEN.findall(section):
+            number = int(digits or 1) * (next(counts) if star else 1)
+            size = _SIZES.get(code, 8)
+            padding = -offset % int(align or size) if number or not star else 0
+            texts.append(f"{padding}x{number}{code}")
+            offset += padding + number * size
+    return "".join(texts)
+
+
+class Layouts:
+    """The tables of the runs of one function, each with a number."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[int, int] = {}
+        self._kept: list[tuple[Run | Records, Any]] = []
+
+    def of(self, part: Run | Records, whole: bool = False) -> Any:
+        """The table of a run (`whole`: it is all of a value), or of an element of records."""
+        return self._kept[self._number(part, whole) - 1][1]
+
+    def variable(self, kind: str, part: Run | Records) -> str:
+        """A variable for something of it."""
+        return f"{kind}_{self._number(part)}"
+
+    def _number(self, part: Run | Records, whole: bool = False) -> int:
+        if id(part) not in self._numbers:
+            self._kept.append((part, _table(part, whole)))
+            self._numbers[id(part)] = len(self._kept)
+        return self._numbers[id(part)]
+
+
+def _table(part: Run | Records, whole: bool) -> Fixed | Settled | Layout | PhasedLayout:
+    if isinstance(part, Records):
+        return Fixed(part.format)
+    texts = [section.text for section in part.sections]
+    if all(section.settled for section in part.sections):
+        return Fixed(texts[0][1:]) if whole and len(texts) == 1 else Settled(*texts)
+    return Layout(*texts) if part.known else PhasedLayout(*texts)

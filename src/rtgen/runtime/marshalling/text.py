@@ -1,0 +1,94 @@
+"""Names and lines of compiled functions."""
+
+from __future__ import annotations
+
+from keyword import iskeyword
+from typing import Any
+
+from rtgen.runtime.marshalling.layout import Path
+
+_LONGEST = 32
+_FIXED = frozenset(
+    {"cls", "data", "discriminator", "failure", "inner", "item", "little_endian"}
+    | {"offset", "out", "same", "selected", "self", "size", "unpack", "value"}
+    | {"ValueError", "bytearray", "bytes", "len", "list", "range"}
+)
+
+
+class Namespace:
+    """The globals of a compiled function; no local variable of its may have their names."""
+
+    def __init__(self) -> None:
+        self.values: dict[str, object] = {}
+        self._names: dict[int, str] = {}
+        self._taken: set[str] = {*_FIXED}
+
+    def bind(self, wanted: str, value: object) -> str:
+        """The name of an object, which is `wanted` if that is free."""
+        known = self._names.get(id(value))
+        if known is None:
+            known = self._names[id(value)] = self.free(wanted)
+            self.values[known] = value
+        return known
+
+    def free(self, wanted: str) -> str:
+        """A name that nothing else has."""
+        name = wanted
+        while name in self._taken or iskeyword(name):
+            name += "_"
+        self._taken.add(name)
+        return name
+
+
+class Locals:
+    """Hands out variable names: the path of what they hold, with `_` between its parts."""
+
+    def __init__(self, namespace: Namespace) -> None:
+        self._namespace = namespace
+        self._names: dict[tuple[str, Path], str] = {}
+
+    def name(self, path: Path, prefix: str = "") -> str:
+        """The variable for a value; with a prefix, for something about it (`n_` its count)."""
+        key = (prefix, path)
+        if key not in self._names:
+            joined = "_".join(part for part in path if part.isidentifier()) or "value"
+            self._names[key] = self._namespace.free((prefix + joined)[:_LONGEST])
+        return self._names[key]
+
+
+class Body:
+    """Lines of a function. What depends on the byte order is chosen where `choose_here` says."""
+
+    def __init__(self, namespace: Namespace) -> None:
+        self._namespace = namespace
+        self.lines: list[str] = []
+        self._indent = 0
+        self._choices = (0, 0)
+
+    def add(self, statement: str) -> None:
+        """A statement at the present indent."""
+        self.lines.append("    " * self._indent + statement)
+
+    def block(self, head: str) -> None:
+        """A statement that opens a block; what follows stands inside of it."""
+        self.add(head)
+        self._indent += 1
+
+    def end(self) -> None:
+        """Closes the innermost block."""
+        self._indent -= 1
+
+    def choose_here(self) -> None:
+        """What is chosen from now on is chosen at this place, not at the beginning."""
+        self._choices = (len(self.lines), self._indent)
+
+    def choose(self, variable: str, name: str, layout: Any, attribute: str) -> None:
+        """`variable` becomes the layout's attribute for the byte order."""
+        one = self._namespace.bind(
+            f"{name}_little", getattr(layout, f"{attribute}_little")
+        )
+        other = self._namespace.bind(f"{name}_big", getattr(layout, f"{attribute}_big"))
+        place, indent = self._choices
+        text = f"{variable} = {one} if little_endian else {other}"
+        self.lines.insert(place, "    " * indent + text)
+        self._choices = (place + 1, indent)
