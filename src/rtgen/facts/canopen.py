@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from enum import IntEnum
 from typing import Final, Literal, TypeAlias
 
-SYNC: Final = 0x080
-EMERGENCY: Final = 0x080
-"""To be added to the node-id, as the following ones are (CiA 301, table 40)."""
 NMT: Final = 0x000
+SYNC: Final = 0x080
 TIME: Final = 0x100
+EMERGENCY: Final = 0x080
+"""To be added to the node-id, as SDO_RESPONSE to ERROR_CONTROL are (CiA 301, table 40)."""
 SDO_RESPONSE: Final = 0x580
 SDO_REQUEST: Final = 0x600
 ERROR_CONTROL: Final = 0x700
@@ -184,6 +184,8 @@ DAY: Final = 86_400_000
 """Milliseconds in a day."""
 EPOCH_DAYS: Final = 5113
 """1984-01-01, where TIME_OF_DAY and TIME begin, in days since 1970-01-01."""
+EPOCH: Final = EPOCH_DAYS * DAY
+"""1984-01-01 in milliseconds since 1970-01-01."""
 MAX_DAYS: Final = 0xFFFF
 MILLISECONDS: Final = (1 << 28) - 1
 """The bits of a time that are milliseconds; the other four of its first 32 are reserved."""
@@ -192,15 +194,3 @@ MILLISECONDS: Final = (1 << 28) - 1
 def milliseconds_of(raw: int) -> int:
     """The milliseconds of a TIME_DIFFERENCE (48 bits; CiA 301, 7.1.6.6)."""
     return (raw >> 32) * DAY + (raw & MILLISECONDS)
-
-
-def time_bits(milliseconds: int) -> int:
-    """The 48 bits of a TIME_DIFFERENCE: milliseconds, then days. Raises OverflowError."""
-    days, rest = divmod(milliseconds, DAY)
-    if not 0 <= days <= MAX_DAYS:
-        raise OverflowError(days)
-    return days << 32 | rest
-
-
-EPOCH: Final = EPOCH_DAYS * DAY
-"""1984-01-01 in milliseconds since 1970-01-01."""

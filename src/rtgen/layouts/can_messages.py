@@ -6,10 +6,20 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from rtgen.facts.canopen import (
+    EMERGENCY,
+    ERROR_CONTROL,
+    MAX_SYNC_CYCLIC,
+    NMT,
+    SDO_REQUEST,
+    SDO_RESPONSE,
+    SYNC,
+    can_id_of,
+)
 from rtgen.layouts.can_supervision import guard_time, heartbeat
 from rtgen.layouts.can_timing import NANOSECONDS, Message
 from rtgen.model.can_bus import Bus, BusNode
-from rtgen.model.canopen import EXTENDED, Pdo, PdoDirection, resolved
+from rtgen.model.canopen import Pdo, PdoDirection, resolved
 
 HOST = "host"
 """The queue of the manager and the proxies: what their process sends keeps its order."""
@@ -17,10 +27,7 @@ SPORADIC = 1.0
 """The least time in seconds between two messages that come now and then: NMT commands, the request
 and the answer of an SDO client and a node, emergencies without inhibit time."""
 
-_NMT, _SYNC, _EMERGENCY = 0x000, 0x080, 0x080
-_SDO_RESPONSE, _SDO_REQUEST, _ERROR_CONTROL = 0x580, 0x600, 0x700
 _EMERGENCY_INHIBIT = 0x1015
-_LAST_SYNCHRONOUS = 240
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,7 +48,7 @@ def identifier_of(pdo: Pdo, node: BusNode) -> int | None:
         return None
     told = resolved(pdo.cob_id, node.id)
     assert isinstance(told, int)
-    return told & (0x1FFFFFFF if told & EXTENDED else 0x7FF)
+    return can_id_of(told)
 
 
 def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
@@ -50,12 +57,12 @@ def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
     An RPDO that no link feeds comes from the node's proxy: a synchronous one once per SYNC, others
     as its inhibit time, `writings`, or else the bus file's `event` says.
     """
-    found = [_host("NMT", _NMT, 2, SPORADIC)] if bus.nodes else []
+    found = [_host("NMT", NMT, 2, SPORADIC)] if bus.nodes else []
     if bus.sync:
         octets = 1 if bus.sync_counter else 0
-        found.append(_host("SYNC", _SYNC, octets, bus.sync))
+        found.append(_host("SYNC", SYNC, octets, bus.sync))
     if bus.heartbeat:
-        can_id = _ERROR_CONTROL + bus.manager
+        can_id = ERROR_CONTROL + bus.manager
         found.append(_host("manager heartbeat", can_id, 1, bus.heartbeat))
     fed = {link.target for link in bus.links}
     for node in bus.nodes:
@@ -71,7 +78,7 @@ def messages(bus: Bus, writings: Writings | None = None) -> list[Message]:
 
 def _services(node: BusNode) -> Iterator[Message]:
     """What a node has besides PDOs: supervision, emergencies, SDO."""
-    name, can_id = node.name, _ERROR_CONTROL + node.id
+    name, can_id = node.name, ERROR_CONTROL + node.id
     if period := heartbeat(node):
         yield Message(f"{name} heartbeat", can_id, 1, _nanoseconds(period / 1000))
     if period := guard_time(node):
@@ -84,10 +91,10 @@ def _services(node: BusNode) -> Iterator[Message]:
     inhibit = node.device.find(_EMERGENCY_INHIBIT)
     told = None if inhibit is None else inhibit.current
     pause = told / 10_000 if isinstance(told, int) and told else SPORADIC
-    yield Message(f"{name} emergency", _EMERGENCY + node.id, 8, _nanoseconds(pause))
-    yield _host(f"{name} SDO request", _SDO_REQUEST + node.id, 8, SPORADIC)
+    yield Message(f"{name} emergency", EMERGENCY + node.id, 8, _nanoseconds(pause))
+    yield _host(f"{name} SDO request", SDO_REQUEST + node.id, 8, SPORADIC)
     sporadic = _nanoseconds(SPORADIC)
-    yield Message(f"{name} SDO answer", _SDO_RESPONSE + node.id, 8, sporadic)
+    yield Message(f"{name} SDO answer", SDO_RESPONSE + node.id, 8, sporadic)
 
 
 def _pdo(
@@ -95,7 +102,7 @@ def _pdo(
 ) -> Message:
     received = pdo.direction is PdoDirection.RPDO
     kind = pdo.transmission_type
-    synchronous = kind is not None and kind <= _LAST_SYNCHRONOUS and bus.sync > 0
+    synchronous = kind is not None and kind <= MAX_SYNC_CYCLIC and bus.sync > 0
     jitter = 0.0
     if synchronous:
         period = bus.sync * (1 if received else max(kind or 0, 1))

@@ -4,13 +4,21 @@ from __future__ import annotations
 
 import struct
 
-from rtgen.model.canopen import BITS, SIGNED, DataType, NodeRelative, Value
+from rtgen.facts.canopen import (
+    BITS,
+    CHARACTER_ENCODING,
+    KINDS,
+    REAL_CODES,
+    SIGNED,
+    WIDE_ENCODING,
+    DataType,
+    visible_octets,
+)
+from rtgen.model.canopen import NodeRelative, Value
 
-_REALS = {DataType.REAL32: "<f", DataType.REAL64: "<d"}
 _ENCODINGS = {
-    DataType.VISIBLE_STRING: "utf-8",
-    DataType.VISIBLE_CHAR: "latin-1",
-    DataType.UNICODE_STRING: "utf-16-le",
+    DataType.VISIBLE_CHAR: CHARACTER_ENCODING,
+    DataType.UNICODE_STRING: WIDE_ENCODING,
 }
 
 
@@ -26,10 +34,10 @@ def octets(data_type: int, value: Value) -> bytes:
         code = DataType(data_type)
         if isinstance(value, str):
             if code == DataType.VISIBLE_STRING:
-                return _visible(value)
+                return visible_octets(value)
             return value.encode(_ENCODINGS[code])
-        if code in _REALS:
-            return struct.pack(_REALS[code], value)
+        if KINDS[code] in REAL_CODES:
+            return struct.pack(REAL_CODES[KINDS[code]], value)
         if isinstance(value, int):
             size = (BITS[code] + 7) // 8
             return value.to_bytes(size, "little", signed=code in SIGNED)
@@ -42,16 +50,3 @@ def octets(data_type: int, value: Value) -> bytes:
     if isinstance(value, NodeRelative):
         raise CanValueError(f"{value} depends on the node-id, which is not known")
     raise CanValueError(f"{value!r} is no value of data type {data_type:04X}h")
-
-
-def _visible(text: str) -> bytes:
-    """Latin-1 unless that would be read back as UTF-8; as the runtime sends strings."""
-    try:
-        octets = text.encode("latin-1")
-    except UnicodeEncodeError:
-        return text.encode("utf-8")
-    try:
-        read_back = octets.decode("utf-8")
-    except UnicodeDecodeError:
-        return octets
-    return octets if read_back == text else text.encode("utf-8")

@@ -13,20 +13,18 @@ from functools import cached_property
 from typing import TypeAlias
 
 from rtgen.diagnostics import Span
-
-RPDO_COMMUNICATION = 0x1400
-RPDO_MAPPING = 0x1600
-TPDO_COMMUNICATION = 0x1800
-TPDO_MAPPING = 0x1A00
-PDOS = 512
-"""How many PDOs of one direction there can be."""
-
-INVALID = 1 << 31
-"""Flag of a PDO's COB-ID: the PDO does not exist."""
-NO_RTR = 1 << 30
-"""Flag of a TPDO's COB-ID: it does not answer remote frames."""
-EXTENDED = 1 << 29
-"""Flag of a COB-ID: it is a CAN identifier of 29 bits."""
+from rtgen.facts.canopen import BITS as BITS
+from rtgen.facts.canopen import EXTENDED as EXTENDED
+from rtgen.facts.canopen import INVALID as INVALID
+from rtgen.facts.canopen import NO_RTR as NO_RTR
+from rtgen.facts.canopen import PDOS as PDOS
+from rtgen.facts.canopen import RPDO_COMMUNICATION as RPDO_COMMUNICATION
+from rtgen.facts.canopen import RPDO_MAPPING as RPDO_MAPPING
+from rtgen.facts.canopen import SIGNED as SIGNED
+from rtgen.facts.canopen import TPDO_COMMUNICATION as TPDO_COMMUNICATION
+from rtgen.facts.canopen import TPDO_MAPPING as TPDO_MAPPING
+from rtgen.facts.canopen import UNSIGNED as UNSIGNED
+from rtgen.facts.canopen import DataType as DataType
 
 
 class ObjectType(IntEnum):
@@ -40,76 +38,6 @@ class ObjectType(IntEnum):
     ARRAY = 0x8
     RECORD = 0x9
 
-
-class DataType(IntEnum):
-    """The basic data types and their codes (CiA 301, table 44).
-
-    VISIBLE_CHAR is not of CiA 301: RTC-CANopen uses the code for a character.
-    """
-
-    BOOLEAN = 0x01
-    INTEGER8 = 0x02
-    INTEGER16 = 0x03
-    INTEGER32 = 0x04
-    UNSIGNED8 = 0x05
-    UNSIGNED16 = 0x06
-    UNSIGNED32 = 0x07
-    REAL32 = 0x08
-    VISIBLE_STRING = 0x09
-    OCTET_STRING = 0x0A
-    UNICODE_STRING = 0x0B
-    TIME_OF_DAY = 0x0C
-    TIME_DIFFERENCE = 0x0D
-    DOMAIN = 0x0F
-    INTEGER24 = 0x10
-    REAL64 = 0x11
-    INTEGER40 = 0x12
-    INTEGER48 = 0x13
-    INTEGER56 = 0x14
-    INTEGER64 = 0x15
-    UNSIGNED24 = 0x16
-    UNSIGNED40 = 0x18
-    UNSIGNED48 = 0x19
-    UNSIGNED56 = 0x1A
-    UNSIGNED64 = 0x1B
-    VISIBLE_CHAR = 0xA0
-
-
-SIGNED = {
-    DataType.INTEGER8: 8,
-    DataType.INTEGER16: 16,
-    DataType.INTEGER24: 24,
-    DataType.INTEGER32: 32,
-    DataType.INTEGER40: 40,
-    DataType.INTEGER48: 48,
-    DataType.INTEGER56: 56,
-    DataType.INTEGER64: 64,
-}
-"""The signed integer types and their widths in bits."""
-
-UNSIGNED = {
-    DataType.UNSIGNED8: 8,
-    DataType.UNSIGNED16: 16,
-    DataType.UNSIGNED24: 24,
-    DataType.UNSIGNED32: 32,
-    DataType.UNSIGNED40: 40,
-    DataType.UNSIGNED48: 48,
-    DataType.UNSIGNED56: 56,
-    DataType.UNSIGNED64: 64,
-}
-"""The unsigned integer types and their widths in bits."""
-
-BITS = {
-    DataType.BOOLEAN: 1,
-    **SIGNED,
-    **UNSIGNED,
-    DataType.REAL32: 32,
-    DataType.REAL64: 64,
-    DataType.TIME_OF_DAY: 48,
-    DataType.TIME_DIFFERENCE: 48,
-    DataType.VISIBLE_CHAR: 8,
-}
-"""The types of fixed width, in bits as in a PDO; over SDO a BOOLEAN takes a byte."""
 
 STRUCTURES = {
     0x20: "PDO_COMMUNICATION_PARAMETER",

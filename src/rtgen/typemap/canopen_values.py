@@ -1,33 +1,16 @@
-"""CANopen data types as the runtime's descriptions call them, and values as these hold them.
-
-The kinds are those of `rtgen.runtime.canopen.description.Kind`.
-"""
+"""CANopen data types as the runtime's descriptions call them, and values as these hold them."""
 
 from __future__ import annotations
 
-from rtgen.model.canopen import (
-    SIGNED,
-    UNSIGNED,
+from rtgen.facts.canopen import (
+    EPOCH,
+    KINDS,
+    MILLISECOND,
     DataType,
-    NodeRelative,
-    Value,
+    Kind,
+    milliseconds_of,
 )
-
-KINDS = {
-    DataType.BOOLEAN: "bool",
-    DataType.VISIBLE_CHAR: "char",
-    DataType.VISIBLE_STRING: "string",
-    DataType.UNICODE_STRING: "wstring",
-    DataType.OCTET_STRING: "octets",
-    DataType.DOMAIN: "octets",
-    DataType.TIME_OF_DAY: "time_of_day",
-    DataType.TIME_DIFFERENCE: "time_difference",
-    DataType.REAL32: "r32",
-    DataType.REAL64: "r64",
-    **{code: f"i{bits}" for code, bits in SIGNED.items()},
-    **{code: f"u{bits}" for code, bits in UNSIGNED.items()},
-}
-"""The kind of each data type."""
+from rtgen.model.canopen import NodeRelative, Value
 
 PYTHON_TYPES = {
     "bool": "bool",
@@ -40,13 +23,8 @@ PYTHON_TYPES = {
 }
 """What values of a kind are in Python; those of all others are int."""
 
-_MILLISECONDS = (1 << 28) - 1
-_DAY = 86_400_000
-_EPOCH_DAYS = 5113
-"""1984-01-01 in days since 1970."""
 
-
-def kind(data_type: int) -> str:
+def kind(data_type: int) -> Kind:
     """The kind of a data type; one that is not known is raw octets."""
     try:
         return KINDS[DataType(data_type)]
@@ -73,12 +51,7 @@ def object_value(
         case "char":
             return chr(value & 0xFF)
         case "time_of_day":
-            return _nanoseconds(value, _EPOCH_DAYS)
+            return (milliseconds_of(value) + EPOCH) * MILLISECOND
         case "time_difference":
-            return _nanoseconds(value, 0)
+            return milliseconds_of(value) * MILLISECOND
     return value
-
-
-def _nanoseconds(raw: int, days: int) -> int:
-    """The time that 48 bits are: milliseconds, then days."""
-    return (((raw >> 32) + days) * _DAY + (raw & _MILLISECONDS)) * 1_000_000

@@ -21,6 +21,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_object_values import BOUNDARIES
 
+from rtgen.facts.canopen import KIND_BITS
 from rtgen.runtime.canopen import sdo, values
 from rtgen.runtime.canopen.description import Kind, ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.frames import MILLISECOND, Frame
@@ -482,7 +483,7 @@ def test_sloppy_defaults_of_parameters_make_the_pdo_invalid() -> None:
 
 
 def bits_of(kind: Kind, octets: str) -> int:
-    return values.BITS.get(kind) or 8 * len(bytes.fromhex(octets)) or 8
+    return KIND_BITS.get(kind) or 8 * len(bytes.fromhex(octets)) or 8
 
 
 BY_PDO = [
@@ -516,7 +517,7 @@ def test_boundary_values_by_pdo_both_ways(
     assert bench.node.get(entry[0]) == value
 
 
-_FIELDS = [(kind, values.BITS[kind]) for kind in KINDS if kind in values.BITS]
+_FIELDS = [(kind, KIND_BITS[kind]) for kind in KINDS if kind in KIND_BITS]
 
 
 class Bits:

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from rtgen.facts.canopen import KIND_BITS, SIGNED_KINDS, UNSIGNED_KINDS
 from rtgen.runtime.canopen import sdo, values
 from rtgen.runtime.canopen.description import Kind, ObjectValue
 from rtgen.runtime.canopen.values import ObjectValueError, decode, encode
@@ -59,7 +60,7 @@ def test_boundaries(kind: Kind, value: ObjectValue, octets: str) -> None:
     assert type(back) is type(value)
 
 
-@pytest.mark.parametrize("kind", [*values.SIGNED_BITS, *values.UNSIGNED_BITS])
+@pytest.mark.parametrize("kind", [*SIGNED_KINDS, *UNSIGNED_KINDS])
 def test_integers_end_at_their_limits(kind: Kind) -> None:
     own = values.limits(kind)
     assert own is not None
@@ -73,7 +74,7 @@ def test_integers_end_at_their_limits(kind: Kind) -> None:
     assert caught.value.code == sdo.VALUE_TOO_LOW
 
 
-@pytest.mark.parametrize("kind", values.BITS)
+@pytest.mark.parametrize("kind", KIND_BITS)
 def test_lengths(kind: Kind) -> None:
     wanted = values.size(kind)
     assert wanted is not None
@@ -165,14 +166,14 @@ def test_time_of_day_is_utc() -> None:
     assert decode("time_of_day", reserved) == nanoseconds
 
 
-@pytest.mark.parametrize("kind", values.BITS)
+@pytest.mark.parametrize("kind", KIND_BITS)
 def test_zero_is_a_value(kind: Kind) -> None:
     assert decode(kind, bytes(values.size(kind) or 0)) == values.zero(kind)
 
 
 @settings(deadline=None)
 @given(
-    st.sampled_from([*values.SIGNED_BITS, *values.UNSIGNED_BITS]),
+    st.sampled_from([*SIGNED_KINDS, *UNSIGNED_KINDS]),
     st.integers(-(2**63), 2**64 - 1),
     st.integers(-(2**63), 2**64 - 1),
     st.integers(-(2**63), 2**64 - 1),
@@ -188,11 +189,11 @@ def test_limits_of_an_object(kind: Kind, value: int, low: int, high: int) -> Non
 
 
 @settings(deadline=None)
-@given(st.sampled_from([*values.SIGNED_BITS]), st.integers(1, 64), st.data())
+@given(st.sampled_from([*SIGNED_KINDS]), st.integers(1, 64), st.data())
 def test_fields_narrower_and_wider_than_their_object(
     kind: Kind, bits: int, data: st.DataObject
 ) -> None:
-    width = min(bits, values.SIGNED_BITS[kind])
+    width = min(bits, SIGNED_KINDS[kind])
     value = data.draw(st.integers(-(2 ** (width - 1)), 2 ** (width - 1) - 1))
     raw = values.to_bits(kind, value, bits)
     assert raw == value % 2**bits

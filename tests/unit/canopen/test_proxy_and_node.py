@@ -12,6 +12,7 @@ from proxy_bench import DriveProxy
 from stations import Recorder
 from test_object_values import BOUNDARIES
 
+from rtgen.facts.canopen import SIGNED_KINDS, UNSIGNED_KINDS
 from rtgen.runtime import LifeCycleState, System
 from rtgen.runtime.canopen import sdo, values
 from rtgen.runtime.canopen.description import Kind, ObjectNumber, ObjectValue
@@ -109,7 +110,7 @@ def test_boundaries_of_every_kind_round_trip(
     assert bench.proxy.read_octets(index, 0).hex() == octets
 
 
-@pytest.mark.parametrize("kind", [*values.SIGNED_BITS, *values.UNSIGNED_BITS])
+@pytest.mark.parametrize("kind", [*SIGNED_KINDS, *UNSIGNED_KINDS])
 def test_limits_of_integers_round_trip(bench: Bench, kind: Kind) -> None:
     own = values.limits(kind)
     assert own is not None

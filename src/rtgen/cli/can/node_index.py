@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import cached_property
 from pathlib import Path
-from typing import cast
 
 from rtgen.cli.can.drive_text import PROFILE, drive_words
 from rtgen.cli.common import Refusal
@@ -248,7 +247,7 @@ def describe_node(
         objects[number] = DescribedObject(
             number=number,
             name=names[number],
-            kind="octets" if v.domain else cast("Kind", kind(v.data_type)),
+            kind="octets" if v.domain else kind(v.data_type),
             access=v.access,
             unit=units.get(number, v.unit),
             factor=factors.get(number, v.factor),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtgen.diagnostics import Diagnostic, Related
+from rtgen.facts.canopen import EMERGENCY, SYNC
 from rtgen.frontends.bus import rules
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.pdos import PdoReader
@@ -15,9 +16,6 @@ from rtgen.layouts.can_supervision import heartbeat_timeout
 from rtgen.layouts.can_timing import load, response_times
 from rtgen.model.can_bus import Bus, BusNode
 from rtgen.model.canopen import Pdo, PdoDirection
-
-_SYNC = _EMERGENCY = 0x080
-"""Identifier of SYNC, and base identifier of emergency messages (CiA 301, table 40)."""
 
 _IMPOSSIBLE = {
     rule.code
@@ -104,9 +102,9 @@ def _supervision(node: BusNode) -> Iterator[Diagnostic]:
 
 
 def _cob_ids(bus: Bus) -> Iterator[Diagnostic]:
-    services = {_SYNC: "SYNC"}
+    services = {SYNC: "SYNC"}
     services |= {
-        _EMERGENCY + node.id: f"the emergency messages of {node.name}"
+        EMERGENCY + node.id: f"the emergency messages of {node.name}"
         for node in bus.nodes
     }
     for node in bus.nodes:

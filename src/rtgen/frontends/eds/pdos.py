@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 
 from rtgen.diagnostics import Span
+from rtgen.facts.canopen import can_id_of
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.rules import pdos as rules
 from rtgen.model.canopen import (
@@ -229,7 +230,7 @@ class PdoReader:
             declared = resolved(pdo.cob_id, self._node_id)
             offset = declared.offset if isinstance(declared, NodeRelative) else declared
             assert isinstance(offset, int)
-            identifier = offset & (0x1FFFFFFF if offset & EXTENDED else 0x7FF)
+            identifier = can_id_of(offset)
             key: Value = (
                 NodeRelative(identifier)
                 if isinstance(declared, NodeRelative)

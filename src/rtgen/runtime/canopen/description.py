@@ -6,13 +6,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, TypeAlias
 
-Kind: TypeAlias = Literal[
-    "bool", "char", "string", "wstring", "octets", "time_of_day", "time_difference",
-    "i8", "i16", "i24", "i32", "i40", "i48", "i56", "i64",
-    "u8", "u16", "u24", "u32", "u40", "u48", "u56", "u64",
-    "r32", "r64",
-]  # fmt: skip
-"""Type of a value: an integer of that many bits, a real, text, octets, or a time."""
+from rtgen.facts.canopen import Kind as Kind
 
 ObjectValue: TypeAlias = bool | int | float | str | bytes
 """A value of an object; times are ints in ns (time of day: since 1970, UTC), octets are bytes."""

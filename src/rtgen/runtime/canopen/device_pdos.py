@@ -5,6 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from typing import Final, TypeAlias
 
+from rtgen.facts.canopen import (
+    INVALID,
+    MAX_SYNC_CYCLIC,
+    RPDO_COMMUNICATION,
+    RPDO_MAPPING,
+    TPDO_COMMUNICATION,
+    TPDO_MAPPING,
+)
 from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue, PdoDescription
 from rtgen.runtime.canopen.emergency import (
@@ -26,7 +34,6 @@ from rtgen.runtime.canopen.pdo_mapping import (
 from rtgen.runtime.canopen.pdo_transmission import (
     EVENT_MANUFACTURER,
     EVENT_PROFILE,
-    MAX_SYNC_CYCLIC,
     RTR_SYNC,
     PdoParameters,
     Received,
@@ -41,9 +48,11 @@ IsEvent: TypeAlias = Callable[[bytes | None, bytes], bool]
 The old octets are None when the node enters OPERATIONAL.
 """
 
-_BASES: Final = {"rpdo": (0x1400, 0x1600), "tpdo": (0x1800, 0x1A00)}
+_BASES: Final = {
+    "rpdo": (RPDO_COMMUNICATION, RPDO_MAPPING),
+    "tpdo": (TPDO_COMMUNICATION, TPDO_MAPPING),
+}
 _COB_ID, _TYPE, _INHIBIT, _EVENT_TIMER, _SYNC_START = 1, 2, 3, 5, 6
-_INVALID: Final = 1 << 31
 _LOCKED: Final = 0x06010003
 """Abort code for mapping entries while sub-index 0 is not 0."""
 _LENGTH_ERRORS: Final = (PDO_TOO_SHORT, PDO_TOO_LONG)
@@ -56,7 +65,7 @@ class DevicePdo:
         self.description = pdo
         self.number = pdo.number
         self.mapping = Mapping()
-        self.cob_id = CobId(_INVALID)
+        self.cob_id = CobId(INVALID)
         communication, mapping = _BASES[pdo.direction]
         self.communication = communication + pdo.number - 1
         self.mapped = mapping + pdo.number - 1
@@ -74,7 +83,7 @@ class DevicePdo:
         pdo = self.description
         cob_id = pdo.cob_id_of(node_id)
         self._defaults = {
-            _COB_ID: _INVALID if cob_id is None else cob_id,
+            _COB_ID: INVALID if cob_id is None else cob_id,
             _TYPE: pdo.transmission_type,
             _INHIBIT: pdo.inhibit_time,
             _EVENT_TIMER: pdo.event_timer,
@@ -92,7 +101,7 @@ class DevicePdo:
 
     def configure(self) -> PdoParameters:
         """Read the current parameters from the object dictionary."""
-        self.cob_id = CobId(self._parameter(_COB_ID, _INVALID))
+        self.cob_id = CobId(self._parameter(_COB_ID, INVALID))
         if (self.mapped, 0) in self._dictionary:
             count = self._dictionary.number((self.mapped, 0))
         else:
@@ -103,14 +112,14 @@ class DevicePdo:
             self.mapping = Mapping()
         try:
             return PdoParameters(
-                cob_id=self._parameter(_COB_ID, _INVALID),
+                cob_id=self._parameter(_COB_ID, INVALID),
                 transmission_type=self._parameter(_TYPE),
                 inhibit_time=self._parameter(_INHIBIT),
                 event_timer=self._parameter(_EVENT_TIMER),
                 sync_start=self._parameter(_SYNC_START),
             )
         except ValueError:
-            return PdoParameters(cob_id=_INVALID, transmission_type=EVENT_PROFILE)
+            return PdoParameters(cob_id=INVALID, transmission_type=EVENT_PROFILE)
 
     def planned(self, count: int) -> Mapping:
         """The mapping of the first `count` entries. Raises SdoAbort if it is invalid."""

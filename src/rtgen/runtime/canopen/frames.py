@@ -9,26 +9,24 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Final
 
+from rtgen.facts.canopen import EMERGENCY as EMERGENCY
+from rtgen.facts.canopen import ERROR_CONTROL as ERROR_CONTROL
+from rtgen.facts.canopen import EXTENDED, INVALID, NO_RTR, can_id_of
+from rtgen.facts.canopen import INHIBIT_UNIT as INHIBIT_UNIT
+from rtgen.facts.canopen import LSS_REQUEST as LSS_REQUEST
+from rtgen.facts.canopen import LSS_RESPONSE as LSS_RESPONSE
+from rtgen.facts.canopen import MAX_NODE_ID as MAX_NODE_ID
+from rtgen.facts.canopen import MILLISECOND as MILLISECOND
+from rtgen.facts.canopen import NMT as NMT
+from rtgen.facts.canopen import SDO_REQUEST as SDO_REQUEST
+from rtgen.facts.canopen import SDO_RESPONSE as SDO_RESPONSE
+from rtgen.facts.canopen import SYNC as SYNC
+from rtgen.facts.canopen import TIME as TIME
+
 SECOND: Final = 1_000_000_000
 """Nanoseconds in a second."""
-MILLISECOND: Final = 1_000_000
-"""Nanoseconds in the unit of heartbeat and event times, 1 ms."""
-INHIBIT_UNIT: Final = 100_000
-"""Nanoseconds in the unit of the inhibit times, 100 us."""
 
-MAX_NODE_ID: Final = 127
 MAX_DATA: Final = 8
-
-NMT: Final = 0x000
-SYNC: Final = 0x080
-EMERGENCY: Final = 0x080
-"""Base identifier; the node-id is added to it, as to the following ones."""
-TIME: Final = 0x100
-SDO_RESPONSE: Final = 0x580
-SDO_REQUEST: Final = 0x600
-ERROR_CONTROL: Final = 0x700
-LSS_RESPONSE: Final = 0x7E4
-LSS_REQUEST: Final = 0x7E5
 
 _RESTRICTED: Final = (
     (0x000, 0x07F),
@@ -72,20 +70,20 @@ class CobId:
     def __post_init__(self) -> None:
         if not 0 <= self.value < 1 << 32:
             raise ValueError(f"no COB-ID: {self.value:#x}")
-        extended = bool(self.value & 1 << 29)
+        extended = bool(self.value & EXTENDED)
         object.__setattr__(self, "extended", extended)
-        can_id = self.value & (0x1FFFFFFF if extended else 0x7FF)
+        can_id = can_id_of(self.value)
         object.__setattr__(self, "can_id", can_id)
 
     @property
     def bit31(self) -> bool:
         """Whether bit 31 is set."""
-        return bool(self.value & 1 << 31)
+        return bool(self.value & INVALID)
 
     @property
     def bit30(self) -> bool:
         """Whether bit 30 is set."""
-        return bool(self.value & 1 << 30)
+        return bool(self.value & NO_RTR)
 
     @property
     def configurable(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from struct import Struct
 from typing import TYPE_CHECKING, cast
 
+from rtgen.facts.canopen import DAY, EPOCH, MAX_DAYS, milliseconds_of
 from rtgen.runtime.canopen.frames import SECOND
 
 if TYPE_CHECKING:
@@ -12,10 +13,7 @@ if TYPE_CHECKING:
 
 _F32, _U32 = Struct("<f"), Struct("<I")
 _F64, _U64 = Struct("<d"), Struct("<Q")
-_DAY = 86_400_000
-_MILLISECONDS = (1 << 28) - 1
-_EPOCH = 5113 * 86_400
-"""1984-01-01 in seconds since 1970."""
+_EPOCH_SECONDS = EPOCH // 1000
 
 
 class PdoError(ValueError):
@@ -98,24 +96,24 @@ def nanoseconds(time: Time) -> int:
 
 def seconds(raw: int) -> tuple[int, int]:
     """A TIME_DIFFERENCE (48 bits) in seconds and nanoseconds."""
-    total = (raw >> 32) * _DAY + (raw & _MILLISECONDS)
+    total = milliseconds_of(raw)
     return total // 1000, total % 1000 * 1_000_000
 
 
 def seconds_of_day(raw: int) -> tuple[int, int]:
     """A TIME_OF_DAY (48 bits) in seconds since 1970 (UTC) and nanoseconds."""
     whole, rest = seconds(raw)
-    return whole + _EPOCH, rest
+    return whole + _EPOCH_SECONDS, rest
 
 
 def time_bits(name: str, sec: int, nsec: int) -> int:
     """The 48 bits of a TIME_DIFFERENCE: milliseconds, then days."""
-    days, milliseconds = divmod(sec * 1000 + nsec // 1_000_000, _DAY)
-    if not 0 <= days <= 0xFFFF:
-        raise outside(name, days, 0, 0xFFFF)
+    days, milliseconds = divmod(sec * 1000 + nsec // 1_000_000, DAY)
+    if not 0 <= days <= MAX_DAYS:
+        raise outside(name, days, 0, MAX_DAYS)
     return days << 32 | milliseconds
 
 
 def day_bits(name: str, sec: int, nsec: int) -> int:
     """The 48 bits of a TIME_OF_DAY, of a time since 1970 (UTC)."""
-    return time_bits(name, sec - _EPOCH, nsec)
+    return time_bits(name, sec - _EPOCH_SECONDS, nsec)

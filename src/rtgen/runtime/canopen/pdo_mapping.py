@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final, Literal, TypeAlias
 
+from rtgen.facts.canopen import KIND_BITS, SIGNED_KINDS, Kind
 from rtgen.runtime.canopen import sdo, values
-from rtgen.runtime.canopen.description import DeviceDescription, Kind, ObjectNumber
+from rtgen.runtime.canopen.description import DeviceDescription, ObjectNumber
 from rtgen.runtime.canopen.sdo import SdoAbort
 
 Direction: TypeAlias = Literal["tpdo", "rpdo"]
@@ -78,8 +79,8 @@ def own_field(description: DeviceDescription, entry: int) -> MappedField:
 def _fits(kind: Kind, bits: int) -> bool:
     if kind == "bool":
         return bits in (1, 8)
-    if kind in values.BITS:
-        return bits == values.BITS[kind]
+    if kind in KIND_BITS:
+        return bits == KIND_BITS[kind]
     return 0 < bits <= MAX_BITS and bits % 8 == 0
 
 
@@ -116,7 +117,7 @@ class Mapping:
         raw = offset = 0
         for field in self.fields:
             if field.number is not None:
-                signed = field.kind in values.SIGNED_BITS
+                signed = field.kind in SIGNED_KINDS
                 value = int.from_bytes(octets(field.number), "little", signed=signed)
                 raw |= (value & (1 << field.bits) - 1) << offset
             offset += field.bits

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from rtgen.facts.canopen import MAX_SYNC_CYCLIC
 from rtgen.runtime.canopen.emergency import (
     PDO_TOO_LONG,
     PDO_TOO_SHORT,
@@ -22,7 +23,6 @@ from rtgen.runtime.canopen.frames import (
 )
 
 SYNC_ACYCLIC: Final = 0
-MAX_SYNC_CYCLIC: Final = 240
 RTR_SYNC: Final = 252
 RTR: Final = 253
 EVENT_MANUFACTURER: Final = 254

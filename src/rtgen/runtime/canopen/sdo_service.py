@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from rtgen.runtime.canopen import sdo, values
+from rtgen.facts.canopen import UNSIGNED_KINDS
+from rtgen.runtime.canopen import sdo
 from rtgen.runtime.canopen.description import ObjectValue
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.hooks import ProxyHooks
@@ -54,7 +55,7 @@ class SdoAccess:
         """The value of an object, behind its CANopen::ValueKind."""
         value: ObjectValue = self.get(index, subindex)
         described = self._proxy.description.by_number.get((index, subindex))
-        unsigned = described is not None and described.kind in values.UNSIGNED_BITS
+        unsigned = described is not None and described.kind in UNSIGNED_KINDS
         return value_kind(value, unsigned=unsigned), value
 
     def set(

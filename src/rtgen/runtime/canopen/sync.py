@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
 from typing import Final
 
-from rtgen.runtime.canopen.frames import MILLISECOND, SYNC, TIME, Frame
+from rtgen.facts.canopen import (
+    DAY,
+    EPOCH,
+    MAX_DAYS,
+    MILLISECOND,
+    SYNC,
+    TIME,
+    milliseconds_of,
+)
+from rtgen.runtime.canopen.frames import Frame
 
 MAX_SYNC_OVERFLOW: Final = 240
-_DAY: Final = 86_400_000
-_EPOCH: Final = int(datetime(1984, 1, 1, tzinfo=UTC).timestamp()) * 1000
-_LAST_DAY: Final = 0xFFFF
 
 
 class SyncProducer:
@@ -62,8 +67,8 @@ def sync_counter(frame: Frame) -> int | None:
 
 def time_frame(now: int) -> Frame:
     """The TIME message for a time in ns of UTC since 1970 (1984 to 2163, else ValueError)."""
-    days, milliseconds = divmod(now // MILLISECOND - _EPOCH, _DAY)
-    if not 0 <= days <= _LAST_DAY:
+    days, milliseconds = divmod(now // MILLISECOND - EPOCH, DAY)
+    if not 0 <= days <= MAX_DAYS:
         raise ValueError("TIME goes from 1984 on, for 65536 days")
     return Frame(TIME, milliseconds.to_bytes(4, "little") + days.to_bytes(2, "little"))
 
@@ -72,6 +77,4 @@ def decode_time(frame: Frame) -> int | None:
     """The time in a TIME message, in ns of UTC since 1970; None for any other frame."""
     if frame.can_id != TIME or frame.extended or frame.remote or len(frame.data) != 6:
         return None
-    milliseconds = int.from_bytes(frame.data[:4], "little") & 0x0FFFFFFF
-    days = int.from_bytes(frame.data[4:], "little")
-    return (_EPOCH + days * _DAY + milliseconds) * MILLISECOND
+    return (EPOCH + milliseconds_of(int.from_bytes(frame.data, "little"))) * MILLISECOND

@@ -7,41 +7,38 @@ from __future__ import annotations
 
 import operator
 import struct
+import sys
 from typing import Final
 
+from rtgen.facts.canopen import (
+    CHARACTER_ENCODING,
+    DAY,
+    EPOCH,
+    EPOCH_DAYS,
+    KIND_BITS,
+    MAX_DAYS,
+    MILLISECOND,
+    REAL_CODES,
+    SIGNED_KINDS,
+    UNSIGNED_KINDS,
+    WIDE_ENCODING,
+    Kind,
+    milliseconds_of,
+    visible_octets,
+    visible_text,
+)
+from rtgen.facts.primitives import FLOAT_LIMITS, Primitive
 from rtgen.runtime.canopen import sdo
-from rtgen.runtime.canopen.description import Kind, ObjectValue
-from rtgen.runtime.canopen.frames import MILLISECOND
-
-SIGNED_BITS: Final[dict[Kind, int]] = {
-    "i8": 8, "i16": 16, "i24": 24, "i32": 32,
-    "i40": 40, "i48": 48, "i56": 56, "i64": 64,
-}  # fmt: skip
-UNSIGNED_BITS: Final[dict[Kind, int]] = {
-    "u8": 8, "u16": 16, "u24": 24, "u32": 32,
-    "u40": 40, "u48": 48, "u56": 56, "u64": 64,
-}  # fmt: skip
+from rtgen.runtime.canopen.description import ObjectValue
 
 _TIMES: Final[tuple[Kind, ...]] = ("time_of_day", "time_difference")
 _REALS: Final[dict[Kind, tuple[struct.Struct, float]]] = {
-    "r32": (struct.Struct("<f"), 3.4028234663852886e38),
-    "r64": (struct.Struct("<d"), 1.7976931348623157e308),
+    "r32": (struct.Struct(REAL_CODES["r32"]), FLOAT_LIMITS[Primitive.FLOAT]),
+    "r64": (struct.Struct(REAL_CODES["r64"]), sys.float_info.max),
 }
-BITS: Final[dict[Kind, int]] = {
-    "bool": 1, "char": 8, "r32": 32, "r64": 64,
-    "time_of_day": 48, "time_difference": 48,
-    **SIGNED_BITS, **UNSIGNED_BITS,
-}  # fmt: skip
-"""Size of a value in bits; text and octets have variable length."""
-
 _ENCODINGS: Final[dict[Kind, str]] = {
-    "char": "latin-1", "string": "utf-8", "wstring": "utf-16-le",
+    "char": CHARACTER_ENCODING, "string": "utf-8", "wstring": WIDE_ENCODING,
 }  # fmt: skip
-_DAY: Final = 86_400_000
-_EPOCH_DAYS: Final = 5113
-"""1984-01-01 in days since 1970."""
-_MILLISECONDS: Final = (1 << 28) - 1
-_MAX_DAYS: Final = 0xFFFF
 
 
 class ObjectValueError(ValueError):
@@ -54,17 +51,17 @@ class ObjectValueError(ValueError):
 
 def size(kind: Kind) -> int | None:
     """Size of a value in SDO in octets; None for variable length."""
-    bits = BITS.get(kind)
+    bits = KIND_BITS.get(kind)
     return None if bits is None else (bits + 7) // 8
 
 
 def limits(kind: Kind) -> tuple[int, int] | None:
     """The range of an integer kind, None for others."""
-    if kind in SIGNED_BITS:
-        half = 1 << SIGNED_BITS[kind] - 1
+    if kind in SIGNED_KINDS:
+        half = 1 << SIGNED_KINDS[kind] - 1
         return -half, half - 1
-    if kind in UNSIGNED_BITS:
-        return 0, (1 << UNSIGNED_BITS[kind]) - 1
+    if kind in UNSIGNED_KINDS:
+        return 0, (1 << UNSIGNED_KINDS[kind]) - 1
     return None
 
 
@@ -80,15 +77,15 @@ def zero(kind: Kind) -> ObjectValue:
         return ""
     if kind == "octets":
         return b""
-    return _EPOCH_DAYS * _DAY * MILLISECOND if kind == "time_of_day" else 0
+    return EPOCH * MILLISECOND if kind == "time_of_day" else 0
 
 
 def encode(kind: Kind, value: ObjectValue) -> bytes:
     """Encode a value. Raises ObjectValueError if it does not fit the kind."""
-    if kind in SIGNED_BITS or kind in UNSIGNED_BITS:
+    if kind in SIGNED_KINDS or kind in UNSIGNED_KINDS:
         number = checked(kind, _integer(kind, value))
-        octets = BITS[kind] // 8
-        return int(number).to_bytes(octets, "little", signed=kind in SIGNED_BITS)
+        octets = KIND_BITS[kind] // 8
+        return int(number).to_bytes(octets, "little", signed=kind in SIGNED_KINDS)
     if kind == "bool":
         return bytes((_boolean(value),))
     if kind in _REALS:
@@ -113,9 +110,9 @@ def decode(kind: Kind, octets: bytes) -> ObjectValue:
     if wanted is not None and len(octets) != wanted:
         code = sdo.LENGTH_TOO_HIGH if len(octets) > wanted else sdo.LENGTH_TOO_LOW
         raise ObjectValueError(f"{kind} has {wanted} octets, not {len(octets)}", code)
-    if kind in SIGNED_BITS:
+    if kind in SIGNED_KINDS:
         return int.from_bytes(octets, "little", signed=True)
-    if kind in UNSIGNED_BITS:
+    if kind in UNSIGNED_KINDS:
         return int.from_bytes(octets, "little")
     if kind == "bool":
         return octets != b"\0"
@@ -124,7 +121,7 @@ def decode(kind: Kind, octets: bytes) -> ObjectValue:
     if kind == "char":
         return octets.decode("latin-1")
     if kind == "string":
-        return _decode_visible(octets.rstrip(b"\0"))
+        return visible_text(octets.rstrip(b"\0"))
     if kind == "wstring":
         return _decode_wide(octets)
     if kind in _TIMES:
@@ -167,7 +164,7 @@ def to_bits(kind: Kind, value: ObjectValue, bits: int) -> int:
     Longer fields are filled with the sign, or with zeros.
     """
     octets = encode(kind, value)
-    raw = int.from_bytes(octets, "little", signed=kind in SIGNED_BITS)
+    raw = int.from_bytes(octets, "little", signed=kind in SIGNED_KINDS)
     return raw & (1 << bits) - 1
 
 
@@ -176,10 +173,10 @@ def from_bits(kind: Kind, raw: int, bits: int) -> ObjectValue:
 
     Raises ObjectValueError for a value outside the kind's range.
     """
-    if kind in SIGNED_BITS:
+    if kind in SIGNED_KINDS:
         sign = 1 << bits - 1
         return checked(kind, (raw ^ sign) - sign)
-    if kind in UNSIGNED_BITS:
+    if kind in UNSIGNED_KINDS:
         return checked(kind, raw)
     if kind == "bool":
         return raw != 0
@@ -229,32 +226,10 @@ def _encode_text(kind: Kind, value: ObjectValue) -> bytes:
     text = _text(kind, value)
     try:
         if kind == "string":
-            return _visible_octets(text)
+            return visible_octets(text)
         return text.encode(_ENCODINGS[kind])
     except UnicodeEncodeError:
         raise _foreign(kind, value) from None
-
-
-def _visible_octets(text: str) -> bytes:
-    """Encode a VISIBLE_STRING: ASCII by CiA 301, else Latin-1, as used by many devices.
-
-    UTF-8 if Latin-1 lacks a character, or would be decoded as UTF-8.
-    """
-    try:
-        octets = text.encode("latin-1")
-    except UnicodeEncodeError:
-        octets = b""
-    if _decode_visible(octets) == text:
-        return octets
-    return text.encode("utf-8")
-
-
-def _decode_visible(octets: bytes) -> str:
-    """Decode text of a device: UTF-8 if valid, else Latin-1, which never fails."""
-    try:
-        return octets.decode("utf-8")
-    except UnicodeDecodeError:
-        return octets.decode("latin-1")
 
 
 def _decode_wide(octets: bytes) -> str:
@@ -269,18 +244,15 @@ def _decode_wide(octets: bytes) -> str:
 
 
 def _encode_time(kind: Kind, value: int) -> bytes:
-    days, milliseconds = divmod(value // MILLISECOND, _DAY)
+    days, milliseconds = divmod(value // MILLISECOND, DAY)
     if kind == "time_of_day":
-        days -= _EPOCH_DAYS
-    if not 0 <= days <= _MAX_DAYS:
+        days -= EPOCH_DAYS
+    if not 0 <= days <= MAX_DAYS:
         code = sdo.VALUE_TOO_LOW if days < 0 else sdo.VALUE_TOO_HIGH
-        raise ObjectValueError(f"{kind} has 0 to {_MAX_DAYS} days, not {days}", code)
+        raise ObjectValueError(f"{kind} has 0 to {MAX_DAYS} days, not {days}", code)
     return milliseconds.to_bytes(4, "little") + days.to_bytes(2, "little")
 
 
 def _decode_time(kind: Kind, octets: bytes) -> int:
-    milliseconds = int.from_bytes(octets[:4], "little") & _MILLISECONDS
-    days = int.from_bytes(octets[4:], "little")
-    if kind == "time_of_day":
-        days += _EPOCH_DAYS
-    return (days * _DAY + milliseconds) * MILLISECOND
+    time = milliseconds_of(int.from_bytes(octets, "little"))
+    return (time + EPOCH if kind == "time_of_day" else time) * MILLISECOND
