@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Rule
 from rtgen.frontends.cdl import tree
-from rtgen.frontends.cdl.expressions import Operand, Sort, limits, sort_of, width
+from rtgen.frontends.cdl.expressions import Expressions, limits, width
+from rtgen.frontends.cdl.operands import Operand, Sort, sort_of
 from rtgen.frontends.cdl.rules import constants as rules
 from rtgen.frontends.cdl.scopes import Kind, Scope
-from rtgen.frontends.cdl.types import is_const
+from rtgen.frontends.cdl.table import Table
+from rtgen.frontends.cdl.types import Types, is_const
 from rtgen.frontends.cdl.unit import Unit
 from rtgen.model.tecs import (
     AggregateExpression,
@@ -30,38 +31,34 @@ from rtgen.model.tecs import (
     resolve,
 )
 
-if TYPE_CHECKING:
-    from rtgen.frontends.cdl.analysis import Analysis
-
 _CHARACTERS = (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR)
 
 
 class Constants:
     """Declares constants, and checks initialisers."""
 
-    def __init__(self, analysis: Analysis) -> None:
-        self._analysis = analysis
+    def __init__(self, table: Table, types: Types) -> None:
+        self._table = table
+        self._types = types
 
     def declare(
         self, item: tree.Item, node: tree.Declaration, unit: Unit, scope: Scope
     ) -> None:
         """Declare the constants of a statement."""
-        base = self._analysis.types.of(node.type, unit, scope)
+        base = self._types.of(node.type, unit, scope)
         for declarator in node.declarators:
             name = declarator.declarator.name
             assert name is not None
-            entity = self._analysis.declare(Kind.CONSTANT, name, item, unit, scope)
-            type_ = self._analysis.types.declared(
-                base, declarator.declarator, unit, scope
-            )
+            entity = self._table.declare(Kind.CONSTANT, name, item, unit, scope)
+            type_ = self._types.declared(base, declarator.declarator, unit, scope)
             if entity is None or type_ is None:
                 continue
-            if not self._analysis.types.knows_struct(type_, unit, name):
+            if not self._types.knows_struct(type_, unit, name):
                 continue
             if not self._is_constant(type_, name, unit, declarator.value is not None):
                 continue
             assert declarator.value is not None
-            look = _Initial(self._analysis, unit, scope, {})
+            look = _Initial(self._types.expressions, unit, scope, {})
             value = look.of(declarator.value, type_)
             if value is None:
                 continue
@@ -70,11 +67,11 @@ class Constants:
                 name=entity.name,
                 file=unit.source.name,
                 span=entity.place,
-                doc=self._analysis.doc(unit, item.start, item.end),
+                doc=self._table.doc(unit, item.start, item.end),
                 type=type_,
                 value=value.value if isinstance(value, Literal) else None,
             )
-            self._analysis.declared(entity)
+            self._table.declared(entity)
 
     def _is_constant(
         self, type_: CType, name: tree.Name, unit: Unit, has_value: bool
@@ -89,7 +86,7 @@ class Constants:
                 else "write const before the type"
             )
             message = f"'{name.text}' is not const"
-            self._analysis.report(rules.NOT_CONST.at(span, message, hint=hint))
+            self._table.report(rules.NOT_CONST.at(span, message, hint=hint))
         elif sort_of(type_) not in (
             Sort.INTEGER,
             Sort.FLOAT,
@@ -97,10 +94,10 @@ class Constants:
             Sort.POINTER,
         ) or (isinstance(found, CArrayType)):
             message = f"a constant cannot be of type {type_}"
-            self._analysis.report(rules.CONSTANT_TYPE.at(span, message))
+            self._table.report(rules.CONSTANT_TYPE.at(span, message))
         elif not has_value:
             message = f"the constant '{name.text}' has no value"
-            self._analysis.report(rules.NO_INITIALISER.at(span, message))
+            self._table.report(rules.NO_INITIALISER.at(span, message))
         else:
             return True
         return False
@@ -114,14 +111,21 @@ class Constants:
         names: Mapping[str, CType] | None = None,
     ) -> Expression | None:
         """The model of an initialiser of that type; None if it does not fit, which is told."""
-        return _Initial(self._analysis, unit, scope, names or {}).of(value, type_)
+        return _Initial(self._types.expressions, unit, scope, names or {}).of(
+            value, type_
+        )
 
 
 class _Initial:
     def __init__(
-        self, analysis: Analysis, unit: Unit, scope: Scope, names: Mapping[str, CType]
+        self,
+        expressions: Expressions,
+        unit: Unit,
+        scope: Scope,
+        names: Mapping[str, CType],
     ) -> None:
-        self._analysis = analysis
+        self._expressions = expressions
+        self._table = expressions.table
         self._unit = unit
         self._scope = scope
         self._names = names
@@ -132,7 +136,7 @@ class _Initial:
         self, rule: Rule, node: tree.Initialiser, message: str, hint: str | None = None
     ) -> None:
         span = self._unit.span(node.start, node.end)
-        self._analysis.report(rule.at(span, message, hint=hint))
+        self._table.report(rule.at(span, message, hint=hint))
 
     def of(self, value: tree.Initialiser, type_: CType) -> Expression | None:
         """The model of a value of that type; None if it does not fit, which is told."""
@@ -143,9 +147,7 @@ class _Initial:
             return CExpression(value.text.text)
         if isinstance(value, tree.Aggregate):
             return self._aggregate(value, type_)
-        found = self._analysis.expressions.look(
-            value, self._unit, self._scope, self._names
-        )
+        found = self._expressions.look(value, self._unit, self._scope, self._names)
         if found is None:
             return None
         self.found = found
@@ -164,7 +166,7 @@ class _Initial:
                 return None
             wanted = [element] * len(value.items)
         elif isinstance(target, CStructType):
-            entity = self._analysis.tag(target.tag)
+            entity = self._table.tag(target.tag)
             if entity is None or not isinstance(entity.declaration, TecsStruct):
                 return None
             members = entity.declaration.members

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
-from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
 from rtgen.diagnostics import Rule
 from rtgen.frontends.cdl import tree
+from rtgen.frontends.cdl.operands import NUMBERS, BadError, Operand, Sort, sort_of
 from rtgen.frontends.cdl.rules import constants as rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.scopes import Entity, Kind, Scope
+from rtgen.frontends.cdl.table import Table
 from rtgen.frontends.cdl.unit import Unit
 from rtgen.frontends.suggestions import nearest
 from rtgen.model.tecs import (
@@ -35,8 +35,8 @@ from rtgen.model.tecs import (
     resolve,
 )
 
-if TYPE_CHECKING:
-    from rtgen.frontends.cdl.analysis import Analysis
+ReadType: TypeAlias = Callable[[tree.TypeName, Unit, Scope], CType | None]
+"""Reads the type of a cast; None if it has errors, which are reported."""
 
 MAX_DEPTH = 100
 """How deep operators may stand in one another where they have no value yet."""
@@ -51,64 +51,12 @@ _ESCAPES = {
 }  # fmt: skip
 
 
-class Sort(StrEnum):
-    """What an expression is, as far as operators ask."""
-
-    BOOL = "truth value"
-    INTEGER = "integer"
-    FLOAT = "floating-point number"
-    STRING = "string"
-    POINTER = "pointer"
-    STRUCT = "struct"
-    UNKNOWN = "value"
-
-    @property
-    def with_article(self) -> str:
-        """The sort in a sentence."""
-        return f"an {self}" if self is Sort.INTEGER else f"a {self}"
-
-
-@dataclass(frozen=True, slots=True)
-class Operand:
-    """An expression that was looked at. `value` is None where it is not constant.
-
-    `type` is what a name or what `*`, `[]` and `.` make of it has as its type.
-    """
-
-    sort: Sort
-    value: bool | int | float | str | None
-    model: Expression
-    type: CType | None = None
-
-
-_NUMBERS = (Sort.BOOL, Sort.INTEGER, Sort.FLOAT)
-
-
-class BadError(Exception):
-    """An expression with an error, which is told."""
-
-
-def sort_of(type_: CType) -> Sort:
-    """The sort of values of a type."""
-    found = resolve(type_)
-    if isinstance(found, CPointerType | CArrayType):
-        return Sort.POINTER
-    if isinstance(found, CStructType):
-        return Sort.STRUCT
-    if not isinstance(found, CScalarType):
-        return Sort.UNKNOWN
-    if found.kind is Scalar.BOOL:
-        return Sort.BOOL
-    if found.kind in (Scalar.FLOAT32, Scalar.DOUBLE64):
-        return Sort.FLOAT
-    return Sort.UNKNOWN if found.kind is Scalar.VOID else Sort.INTEGER
-
-
 class Expressions:
     """Looks at expressions in their scope."""
 
-    def __init__(self, analysis: Analysis) -> None:
-        self._analysis = analysis
+    def __init__(self, table: Table, read_type: ReadType) -> None:
+        self.table = table
+        self.read_type = read_type
 
     def look(
         self,
@@ -122,12 +70,12 @@ class Expressions:
         None if it has errors, which are told.
         """
         try:
-            found = Look(self._analysis, unit, scope, names or {}).at(written)
+            found = Look(self, unit, scope, names or {}).at(written)
         except BadError:
             return None
         if _depth(found.model) > MAX_DEPTH:
             message = f"this is nested for more than {MAX_DEPTH} levels"
-            self._analysis.report(syntax.TOO_DEEP.at(unit.place(written), message))
+            self.table.report(syntax.TOO_DEEP.at(unit.place(written), message))
             return None
         return found
 
@@ -143,7 +91,7 @@ class Expressions:
             )
             if found.value is None:
                 message = "this is not constant"
-            self._analysis.report(rule.at(unit.place(written), message))
+            self.table.report(rule.at(unit.place(written), message))
             return None
         return found.value
 
@@ -162,7 +110,7 @@ class Expressions:
         found = whole_number(found)
         if found.sort not in (Sort.INTEGER, Sort.UNKNOWN):
             message = f"a size is an integer, not {found.sort.with_article}"
-            self._analysis.report(rules.OPERATOR_KIND.at(unit.place(written), message))
+            self.table.report(rules.OPERATOR_KIND.at(unit.place(written), message))
             return None
         return found.model
 
@@ -172,12 +120,13 @@ class Look:
 
     def __init__(
         self,
-        analysis: Analysis,
+        expressions: Expressions,
         unit: Unit,
         scope: Scope,
         names: Mapping[str, CType],
     ) -> None:
-        self._analysis = analysis
+        self._table = expressions.table
+        self._read_type = expressions.read_type
         self._unit = unit
         self._scope = scope
         self._names = names
@@ -185,7 +134,7 @@ class Look:
     def bad(
         self, rule: Rule, node: tree.Expression, message: str, hint: str | None = None
     ) -> BadError:
-        self._analysis.report(rule.at(self._unit.place(node), message, hint=hint))
+        self._table.report(rule.at(self._unit.place(node), message, hint=hint))
         return BadError()
 
     def at(self, node: tree.Expression) -> Operand:
@@ -237,7 +186,7 @@ class Look:
             model = Reference("_".join(found.name)) if value is None else Literal(value)
             sort = sort_of(declaration.type)
             own = found.value
-            if own is not None and sort in _NUMBERS and own.sort in _NUMBERS:
+            if own is not None and sort in NUMBERS and own.sort in NUMBERS:
                 # tecsgen puts the value in place of the name as it is written.
                 return Operand(own.sort, own.value, model, declaration.type)
             return Operand(sort, value, model, declaration.type)
@@ -246,7 +195,7 @@ class Look:
         if found is not None:
             what = found.kind
             raise self.bad(rules.UNKNOWN_NAME, node, f"'{node}' is a {what}, no value")
-        near = self._analysis.guesses.nearest(
+        near = self._table.guesses.nearest(
             str(node), [*self._names, *self._scope.visible()]
         )
         hint = f"did you mean '{near}'?" if near else None
@@ -304,7 +253,7 @@ class Look:
         if not isinstance(found, CStructType):
             message = f"'.{name.text}' has no value before the program runs"
             raise self.bad(rules.CANNOT_EVALUATE, node, message)
-        entity = self._analysis.tag(found.tag)
+        entity = self._table.tag(found.tag)
         if entity is None or not isinstance(entity.declaration, TecsStruct):
             return Operand(Sort.UNKNOWN, None, model)
         for member in entity.declaration.members:
@@ -340,9 +289,7 @@ class Look:
 
     def _cast(self, node: tree.Cast) -> Operand:
         operand = self.at(node.operand)
-        types = self._analysis.types
-        base = types.of(node.type.type, self._unit, self._scope)
-        type_ = types.declared(base, node.type.declarator, self._unit, self._scope)
+        type_ = self._read_type(node.type, self._unit, self._scope)
         if type_ is None:
             raise BadError
         sort = sort_of(type_)

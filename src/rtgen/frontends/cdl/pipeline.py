@@ -17,6 +17,7 @@ from rtgen.frontends.cdl.header_file import HeaderFile
 from rtgen.frontends.cdl.reader import Reader
 from rtgen.frontends.cdl.rules import files
 from rtgen.frontends.cdl.source import Source
+from rtgen.frontends.cdl.table import Table
 from rtgen.frontends.cdl.unit import Unit
 from rtgen.frontends.library import Library, absolute_path
 from rtgen.frontends.suggestions import nearest
@@ -157,22 +158,22 @@ class _Run:
         names = frozenset(kernel.TYPES) if self._with_prelude else frozenset[str]()
         reader = Reader(self._library, self._headers, self._define, names, self._report)
         unit = reader.read(source)
-        analysis = Analysis(self._report, with_prelude=self._with_prelude)
-        analysis.lacking = reader.incomplete
-        analysis.run(unit)
-        self._note_prelude(analysis)
-        wrong = analysis.excused or self._counts[Severity.ERROR] > before
+        table = Table(self._report, with_prelude=self._with_prelude)
+        table.lacking = reader.incomplete
+        Analysis(table).run(unit)
+        self._note_prelude(table)
+        wrong = table.excused or self._counts[Severity.ERROR] > before
         reader.tell_missing(failed=wrong)
         for read in reader.units:
             self._note(read, main=read is unit)
-        return TecsUnit(source.name, source.key, analysis.model())
+        return TecsUnit(source.name, source.key, table.model())
 
-    def _note_prelude(self, analysis: Analysis) -> None:
-        if analysis.prelude_used:
-            names = list(analysis.prelude_used)
+    def _note_prelude(self, table: Table) -> None:
+        if table.prelude_used:
+            names = list(table.prelude_used)
             message = f"known without an import: {', '.join(names)}"
             hint = "tecsgen needs an import or import_C that declares them"
-            span = analysis.prelude_used[names[0]]
+            span = table.prelude_used[names[0]]
             self._report(files.PRELUDE.at(span, message, hint=hint))
 
     def _note(self, unit: Unit, *, main: bool) -> None:

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Span
 from rtgen.frontends.cdl import tree
+from rtgen.frontends.cdl.operands import Operand
 from rtgen.frontends.cdl.unit import Unit
 from rtgen.model.tecs import TecsDeclaration
 from rtgen.model.types import ScopedName
-
-if TYPE_CHECKING:
-    from rtgen.frontends.cdl.expressions import Operand
 
 
 class Kind(StrEnum):

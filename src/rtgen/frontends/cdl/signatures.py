@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from rtgen.diagnostics import Related, Rule
 from rtgen.frontends.cdl import tree
-from rtgen.frontends.cdl.expressions import Operand, Sort, whole_number
+from rtgen.frontends.cdl.expressions import whole_number
+from rtgen.frontends.cdl.operands import Operand, Sort
 from rtgen.frontends.cdl.rules import signatures as rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules import types as type_rules
 from rtgen.frontends.cdl.scopes import Entity, Kind, Scope
-from rtgen.frontends.cdl.types import is_const, is_void, pointer_depth
+from rtgen.frontends.cdl.table import Table
+from rtgen.frontends.cdl.types import Types, is_const, is_void, pointer_depth
 from rtgen.frontends.cdl.unit import Unit
 from rtgen.model.tecs import (
     CArrayType,
@@ -33,9 +33,6 @@ from rtgen.model.tecs import (
 )
 from rtgen.model.types import ScopedName
 
-if TYPE_CHECKING:
-    from rtgen.frontends.cdl.analysis import Analysis
-
 _CONTEXTS = ("task", "non-task", "any")
 _DIRECTIONS = {direction.value: direction for direction in TecsDirection}
 _LENGTHS = ("size_is", "count_is", "string")
@@ -48,8 +45,9 @@ _OUTWARD = (TecsDirection.OUT, TecsDirection.INOUT)
 class Signatures:
     """Makes signatures of the tree."""
 
-    def __init__(self, analysis: Analysis) -> None:
-        self._analysis = analysis
+    def __init__(self, table: Table, types: Types) -> None:
+        self._table = table
+        self._types = types
 
     def signature(
         self,
@@ -60,7 +58,7 @@ class Signatures:
         entity: Entity,
     ) -> Signature | None:
         """The model of a signature; None if it has errors, which are told."""
-        made = _Signature(self._analysis, unit, scope)
+        made = _Signature(self._table, self._types, unit, scope)
         context = made.context(item)
         deviate = item.specifier("deviate") is not None
         made.deviate = deviate
@@ -71,7 +69,7 @@ class Signatures:
             name=entity.name,
             file=unit.source.name,
             span=entity.place,
-            doc=self._analysis.doc(unit, item.start, item.end),
+            doc=self._table.doc(unit, item.start, item.end),
             functions=functions,
             context=context,
             callback=item.specifier("callback") is not None,
@@ -80,9 +78,10 @@ class Signatures:
 
 
 class _Signature:
-    def __init__(self, analysis: Analysis, unit: Unit, scope: Scope) -> None:
+    def __init__(self, table: Table, types: Types, unit: Unit, scope: Scope) -> None:
         self.deviate = False
-        self._analysis = analysis
+        self._table = table
+        self._types = types
         self._unit = unit
         self._scope = scope
 
@@ -101,7 +100,7 @@ class _Signature:
         hint: str | None = None,
     ) -> None:
         span = self._unit.span(node.start, node.end)
-        self._analysis.report(rule.at(span, message, hint=hint))
+        self._table.report(rule.at(span, message, hint=hint))
 
     def context(self, item: tree.Item) -> str:
         found: str | None = None
@@ -132,7 +131,7 @@ class _Signature:
             if function is None:
                 good = False
             elif function.name in found:
-                self._analysis.report(
+                self._table.report(
                     rules.FUNCTION_TWICE.at(
                         function.span,
                         f"the function '{function.name}' is declared already",
@@ -174,7 +173,7 @@ class _Signature:
                 "put its parameters behind it, or ( void )",
             )
             return None
-        types = self._analysis.types
+        types = self._types
         base = types.of(node.type, self._unit, self._scope)
         returned = tree.Declarator(
             node.declarator.pointers, None, (), node.start, node.end
@@ -183,7 +182,7 @@ class _Signature:
         if not suffix.items:
             message = f"'{name.text}' has no parameters"
             self._tell(rules.NO_VOID, suffix, message, "write ( void )")
-        reader = _Parameters(self._analysis, self._unit, self._scope)
+        reader = _Parameters(self._table, self._types, self._unit, self._scope)
         reader.deviate = self.deviate
         parameters = reader.of(suffix)
         if returns is None:
@@ -205,7 +204,7 @@ class _Signature:
             parameters=parameters,
             oneway=oneway,
             span=self._unit.place(name),
-            doc=self._analysis.doc(self._unit, item.start, item.end),
+            doc=self._table.doc(self._unit, item.start, item.end),
         )
 
     def _can_be_oneway(
@@ -223,7 +222,7 @@ class _Signature:
                     f"'{parameter.name}' of the oneway function '{name.text}' is "
                     f"{parameter.direction}"
                 )
-                self._analysis.report(
+                self._table.report(
                     rules.ONEWAY_PARAMETER.at(
                         parameter.span, message, hint="it can be in or send"
                     )
@@ -257,7 +256,7 @@ class _Parameters(_Signature):
                 good = False
             elif parameter.name.text in found:
                 first = found[parameter.name.text].name
-                self._analysis.report(
+                self._table.report(
                     rules.PARAMETER_TWICE.at(
                         self._unit.place(parameter.name),
                         f"the parameter '{parameter.name.text}' is declared already",
@@ -302,10 +301,8 @@ class _Parameters(_Signature):
             message = "a parameter has one qualifier at most"
             self._tell(syntax.QUALIFIER, item.type.qualifiers[1], message)
             return None
-        base = self._analysis.types.of(item.type, self._unit, self._scope)
-        type_ = self._analysis.types.declared(
-            base, item.declarator, self._unit, self._scope
-        )
+        base = self._types.of(item.type, self._unit, self._scope)
+        type_ = self._types.declared(base, item.declarator, self._unit, self._scope)
         if name is None:
             if type_ is not None and is_void(type_) and item.declarator is None:
                 self._tell_void(item)
@@ -332,7 +329,7 @@ class _Parameters(_Signature):
             self._tell(rules.FUNCTION_PARAMETER, name, message, "use a pointer to it")
             return None
         if isinstance(inner, CStructType | CArrayType | CPointerType):
-            parameter.good &= self._analysis.types.is_value(type_, self._unit, name)
+            parameter.good &= self._types.is_value(type_, self._unit, name)
         if isinstance(inner, CEnumType):
             message = f"'{name.text}' is an enum, which tecsgen cannot make code for"
             hint = "use an integer and constants"
@@ -346,7 +343,7 @@ class _Parameters(_Signature):
         message = (
             "'void' stands alone in the parentheses of a function without parameters"
         )
-        self._analysis.report(type_rules.VOID_VALUE.at(span, message))
+        self._table.report(type_rules.VOID_VALUE.at(span, message))
 
     def _specifiers(self, parameter: _Parameter, bracket: tree.Specifiers) -> None:
         for specifier in bracket.items:
@@ -520,7 +517,7 @@ class _Parameters(_Signature):
     ) -> Operand | None:
         written = specifier.arguments[0]
         assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
-        found = self._analysis.expressions.look(written, self._unit, self._scope, names)
+        found = self._types.expressions.look(written, self._unit, self._scope, names)
         if found is None:
             return None
         found = whole_number(found)
@@ -542,7 +539,7 @@ class _Parameters(_Signature):
     ) -> int | None:
         written = specifier.arguments[1]
         assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
-        found = self._analysis.expressions.look(written, self._unit, self._scope)
+        found = self._types.expressions.look(written, self._unit, self._scope)
         limit = whole_number(found).value if found is not None else None
         if type(limit) is not int or limit <= 0:
             if found is not None:

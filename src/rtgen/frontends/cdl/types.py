@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Related
 from rtgen.frontends.cdl import prelude, tree
+from rtgen.frontends.cdl.expressions import Expressions
 from rtgen.frontends.cdl.rules import signatures as signature_rules
 from rtgen.frontends.cdl.rules import syntax
 from rtgen.frontends.cdl.rules import types as rules
 from rtgen.frontends.cdl.scopes import Entity, Kind, Scope
+from rtgen.frontends.cdl.table import Table
 from rtgen.frontends.cdl.unit import Unit
 from rtgen.model.tecs import (
     CArrayType,
@@ -31,9 +32,6 @@ from rtgen.model.tecs import (
     TecsTypedef,
     resolve,
 )
-
-if TYPE_CHECKING:
-    from rtgen.frontends.cdl.analysis import Analysis
 
 _SCALARS = {kind: CScalarType(kind) for kind in Scalar}
 _CHAR = CScalarType(Scalar.CHAR, plain=True)
@@ -116,9 +114,10 @@ def _same(one: tuple[TecsMember, ...], other: tuple[TecsMember, ...]) -> bool:
 class Types:
     """Makes types of the tree, and declares the structs and enums that stand in it."""
 
-    def __init__(self, analysis: Analysis) -> None:
-        self._analysis = analysis
-        self._report = analysis.report
+    def __init__(self, table: Table) -> None:
+        self._table = table
+        self._report = table.report
+        self.expressions = Expressions(table, self.of_name)
         self._anonymous = 0
         self._later: list[tuple[tree.ScopedName, Unit, Scope]] = []
 
@@ -137,6 +136,11 @@ class Types:
             const=found.const or "const" in words,
             volatile=found.volatile or "volatile" in words,
         )
+
+    def of_name(self, written: tree.TypeName, unit: Unit, scope: Scope) -> CType | None:
+        """The type of a cast; None if it has errors, which are reported."""
+        base = self.of(written.type, unit, scope)
+        return self.declared(base, written.declarator, unit, scope)
 
     def _specified(
         self, written: tree.TypeSpecifier, unit: Unit, scope: Scope
@@ -164,7 +168,7 @@ class Types:
     def _signature(
         self, written: tree.ScopedName, unit: Unit, scope: Scope
     ) -> CType | None:
-        entity = self._analysis.find(
+        entity = self._table.find(
             written, unit, scope, (Kind.SIGNATURE,), "a descriptor"
         )
         return None if entity is None else DescriptorType(entity.name)
@@ -199,8 +203,8 @@ class Types:
                 if isinstance(entity.declaration, TecsTypedef):
                     return CTypedefType(entity.name, entity.declaration.type)
                 return None
-        if name in prelude.TYPES and self._analysis.with_prelude:
-            self._analysis.note_prelude(name, unit, written.name)
+        if name in prelude.TYPES and self._table.with_prelude:
+            self._table.note_prelude(name, unit, written.name)
             return CTypedefType((name,), prelude.TYPES[name])
         if name in unit.guessed:
             return CTypedefType((name,), opaque(name))
@@ -237,10 +241,10 @@ class Types:
             name=entity.name,
             file=unit.source.name,
             span=place,
-            doc=self._analysis.doc(unit, written.start, written.end),
+            doc=self._table.doc(unit, written.start, written.end),
             members=members,
         )
-        self._analysis.declared(entity)
+        self._table.declared(entity)
         return CStructType(entity.name)
 
     def _declare_tag(self, scope: Scope, tag: str, entity: Entity) -> bool:
@@ -334,7 +338,7 @@ class Types:
                 )
             )
             return None
-        expressions = self._analysis.expressions
+        expressions = self.expressions
         values = {
             word: expressions.size(specifier.arguments[0], unit, scope, members)
             for word, specifier in given.items()
@@ -362,9 +366,7 @@ class Types:
         value = -1
         for enumerator in written.enumerators:
             if enumerator.value is not None:
-                given = self._analysis.expressions.integer(
-                    enumerator.value, unit, scope
-                )
+                given = self.expressions.integer(enumerator.value, unit, scope)
                 if given is None:
                     return None
                 value = given
@@ -385,11 +387,11 @@ class Types:
             name=entity.name,
             file=unit.source.name,
             span=place,
-            doc=self._analysis.doc(unit, written.start, written.end),
+            doc=self._table.doc(unit, written.start, written.end),
             members=tuple(members),
             bits=bits,
         )
-        self._analysis.declared(entity)
+        self._table.declared(entity)
         return CEnumType(entity.name, bits)
 
     def declared(
@@ -434,7 +436,7 @@ class Types:
             return None
         if suffix.size is None:
             return CArrayType(element, None)
-        size = self._analysis.expressions.integer(suffix.size, unit, scope)
+        size = self.expressions.integer(suffix.size, unit, scope)
         if size is None:
             return None
         if size <= 0:
@@ -472,9 +474,9 @@ class Types:
             return False
         found = resolve(inner)
         if isinstance(found, CStructType) and not found.tag[0].startswith(_OPAQUE):
-            entity = self._analysis.tag(found.tag)
+            entity = self._table.tag(found.tag)
             if entity is None:
-                if not self._analysis.incomplete:
+                if not self._table.incomplete:
                     message = f"the members of {found} are not known"
                     hint = "declare it before"
                     span = unit.place(name)
@@ -498,10 +500,10 @@ class Types:
         if (
             not isinstance(target, CStructType)
             or target.tag[0].startswith(_OPAQUE)
-            or self._analysis.tag(target.tag) is not None
+            or self._table.tag(target.tag) is not None
         ):
             return True
-        if not self._analysis.incomplete:
+        if not self._table.incomplete:
             message = f"{target} is not known here"
             hint = "declare it before; only a struct member may point to a later one"
             span = unit.place(name)

@@ -1,37 +1,39 @@
-"""Types, constants and initialisers for celltypes and cells, from what `Analysis` knows."""
+"""Types, constants and initialisers for celltypes and cells."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Rule
 from rtgen.frontends.cdl import tree
+from rtgen.frontends.cdl.constants import Constants
 from rtgen.frontends.cdl.entities import Declared, Names, Place
-from rtgen.frontends.cdl.expressions import BadError, Look, Operand
+from rtgen.frontends.cdl.expressions import Expressions, Look
+from rtgen.frontends.cdl.operands import BadError, Operand
+from rtgen.frontends.cdl.table import Table
+from rtgen.frontends.cdl.types import Types
 from rtgen.model.tecs import CType, Expression
-
-if TYPE_CHECKING:
-    from rtgen.frontends.cdl.analysis import Analysis
 
 _MOST_NESTED = 20
 """How many attributes may be made of one another."""
 
 
-class AnalysisValues:
+class DeclaredValues:
     """The half of a unit that has no cells, as the other half sees it."""
 
-    def __init__(self, analysis: Analysis) -> None:
-        self._analysis = analysis
+    def __init__(self, table: Table, types: Types, constants: Constants) -> None:
+        self._table = table
+        self._types = types
+        self._constants = constants
 
     @property
     def incomplete(self) -> bool:
         """Whether an import is missing, which may declare what is not known."""
-        return self._analysis.incomplete
+        return self._table.incomplete
 
     def declare(self, declaration: tree.Declaration, place: Place) -> list[Declared]:
         """What a declaration of attributes or variables declares; its mistakes are reported."""
-        types, unit, scope = self._analysis.types, place.unit, place.scope
+        types, unit, scope = self._types, place.unit, place.scope
         base = types.of(declaration.type, unit, scope)
         found = []
         for part in declaration.declarators:
@@ -49,7 +51,9 @@ class AnalysisValues:
         """The value of a constant expression; None if it has none, and nothing is reported."""
         try:
             return (
-                _Quiet(self._analysis, place, names, _MOST_NESTED).at(expression).value
+                _Quiet(self._types.expressions, place, names, _MOST_NESTED)
+                .at(expression)
+                .value
             )
         except BadError:
             return None
@@ -62,16 +66,13 @@ class AnalysisValues:
         types: Mapping[str, CType],
     ) -> Expression | None:
         """The model of a value for something of that type; None if it does not fit."""
-        constants = self._analysis.constants
-        return constants.initial(value, type_, place.unit, place.scope, types)
+        return self._constants.initial(value, type_, place.unit, place.scope, types)
 
     def expression(
         self, expression: tree.Expression, place: Place, types: Mapping[str, CType]
     ) -> Expression | None:
         """The model of an expression; None if it has errors, which are told."""
-        found = self._analysis.expressions.look(
-            expression, place.unit, place.scope, types
-        )
+        found = self._types.expressions.look(expression, place.unit, place.scope, types)
         return None if found is None else found.model
 
 
@@ -79,9 +80,10 @@ class _Quiet(Look):
     """Evaluates without reports; attributes stand for their values."""
 
     def __init__(
-        self, analysis: Analysis, place: Place, values: Names | None, depth: int
+        self, expressions: Expressions, place: Place, values: Names | None, depth: int
     ) -> None:
-        super().__init__(analysis, place.unit, place.scope, {})
+        super().__init__(expressions, place.unit, place.scope, {})
+        self._expressions = expressions
         self._values = values
         self._depth = depth
 
@@ -97,6 +99,6 @@ class _Quiet(Look):
                 value, place = found
                 if self._depth == 0 or isinstance(value, tree.CExp | tree.Aggregate):
                     raise BadError
-                deeper = _Quiet(self._analysis, place, self._values, self._depth - 1)
+                deeper = _Quiet(self._expressions, place, self._values, self._depth - 1)
                 return deeper.at(value)
         return super().at(node)

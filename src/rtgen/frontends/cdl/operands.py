@@ -1,0 +1,70 @@
+"""Expressions that were read: what operators can do with them, their values and their types."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from rtgen.model.tecs import (
+    CArrayType,
+    CPointerType,
+    CScalarType,
+    CStructType,
+    CType,
+    Expression,
+    Scalar,
+    resolve,
+)
+
+
+class Sort(StrEnum):
+    """The class of an operand, for checking operators."""
+
+    BOOL = "truth value"
+    INTEGER = "integer"
+    FLOAT = "floating-point number"
+    STRING = "string"
+    POINTER = "pointer"
+    STRUCT = "struct"
+    UNKNOWN = "value"
+
+    @property
+    def with_article(self) -> str:
+        """The sort in a sentence."""
+        return f"an {self}" if self is Sort.INTEGER else f"a {self}"
+
+
+@dataclass(frozen=True, slots=True)
+class Operand:
+    """An expression that was read. `value` is None where it is not constant.
+
+    `type` is what a name or what `*`, `[]` and `.` make of it has as its type.
+    """
+
+    sort: Sort
+    value: bool | int | float | str | None
+    model: Expression
+    type: CType | None = None
+
+
+NUMBERS = (Sort.BOOL, Sort.INTEGER, Sort.FLOAT)
+
+
+class BadError(Exception):
+    """An expression with an error, which is told."""
+
+
+def sort_of(type_: CType) -> Sort:
+    """The sort of values of a type."""
+    found = resolve(type_)
+    if isinstance(found, CPointerType | CArrayType):
+        return Sort.POINTER
+    if isinstance(found, CStructType):
+        return Sort.STRUCT
+    if not isinstance(found, CScalarType):
+        return Sort.UNKNOWN
+    if found.kind is Scalar.BOOL:
+        return Sort.BOOL
+    if found.kind in (Scalar.FLOAT32, Scalar.DOUBLE64):
+        return Sort.FLOAT
+    return Sort.UNKNOWN if found.kind is Scalar.VOID else Sort.INTEGER
