@@ -13,7 +13,7 @@ from rtgen.model import Connection, PortReference, System
 from rtgen.runtime import connector_properties as runtime
 from rtgen.runtime.errors import ConnectorPropertyError
 from rtgen.runtime.service_connectors import read_properties
-from rtgen.system_checks import check_properties
+from rtgen.systems.checks import check_properties
 
 TEXTS = (
     *("", "0", "1", "8", "-1", "1.5", "0.0", "nan", "inf", "many", "0x10", "YES", "no"),
