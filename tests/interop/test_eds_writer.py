@@ -16,6 +16,8 @@ from rtgen.backends.canopen.eds_text import eds_text, value_text
 from rtgen.diagnostics import has_errors
 from rtgen.frontends.eds import load
 from rtgen.model.canopen import DataType, Device, Variable, resolved
+from rtgen.runtime.canopen.values import encode
+from rtgen.typemap.canopen_values import object_value
 
 ROOT = Path(__file__).parents[2]
 GOLDEN = ROOT.parent / "shared" / "golden" / "eds"
@@ -111,6 +113,41 @@ def same(ours: Variable, theirs: Any) -> None:
             told = told.partition(" ;")[0]
         not_finite = isinstance(told, float) and not math.isfinite(told)
         assert other == (None if not_finite else told), place
+
+
+REAL = """[FileInfo]
+FileName=real.eds
+[DeviceInfo]
+ProductName=Real
+[MandatoryObjects]
+SupportedObjects=0
+[ManufacturerObjects]
+SupportedObjects=1
+1=0x2000
+[2000]
+ParameterName=Gain
+ObjectType=0x7
+DataType=0x0008
+AccessType=rw
+DefaultValue={text}
+"""
+
+
+@pytest.mark.parametrize("text", ["12.345", "-0.1", "3.4028235e+38", "1e-45", "7"])
+def test_a_decimal_of_a_real32_keeps_its_bits(text: str, tmp_path: Path) -> None:
+    """From a default of an EDS to the octets on the wire, and to a DCF that is read again."""
+    file = tmp_path / "real.eds"
+    for _ in range(2):
+        file.write_text(REAL.format(text=text), encoding="ascii")
+        device = load([file], root=tmp_path).model.devices[0]
+        variable = device.find(0x2000, 0)
+        assert variable is not None
+        value = object_value(variable.data_type, variable.default)
+        assert isinstance(value, float)
+        assert encode("r32", value) == struct.pack("<f", float(text))
+        written = value_text(variable.default, variable.data_type)
+        assert written is not None
+        text = written
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,18 @@
-"""The table of faults in docs/canopen.md, done to a slave by hand over hub and pseudo-terminal."""
+"""The table of faults in docs/canopen.md, done to a slave by hand over hub and pseudo-terminal.
+
+Where the environment variable RTGEN_CANOPEN_NODE names a program, its node takes the slave's place
+in tests of its own. It has the objects and PDOs of `slave_peer/hand_slave.eds` from 1000h to 2004h,
+and is called as `PROGRAM NODE tcp HOST PORT CHANNEL` (socketcand's protocol) or as
+`PROGRAM NODE pty PATH` (slcan). Lines of its standard input are `mute`, `unmute`, `reset` (by
+itself, as after a watchdog), and `emcy CODE COUNT`; it ends with its input. It writes `running` at
+each boot.
+"""
 
 from __future__ import annotations
 
+import os
 import re
+import subprocess
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
@@ -80,10 +90,57 @@ class Node:
             self._thread.join()
             self._thread = None
 
+    def reset(self) -> None:
+        self.slave.obey(0x81)
+
+    def mute(self, *, on: bool) -> None:
+        self.slave.set(0x2006, int(on))
+
     def emergencies(self, *codes: int) -> None:
         for code in codes:
             data = code.to_bytes(2, "little") + bytes(6)
             self.slave.send(0x80 + NODE, data)
+
+
+class Program:
+    """The node of a program; killed where `cut` is its power."""
+
+    def __init__(self, program: str, connect: Callable[[], tuple[str, ...]]) -> None:
+        self._program = program
+        self._connect = connect
+        self._process: subprocess.Popen[str] | None = None
+
+    def power(self) -> None:
+        self._process = subprocess.Popen(
+            [self._program, str(NODE), *self._connect()],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert self._process.stdout is not None
+        assert self._process.stdout.readline() == "running\n"
+
+    def cut(self) -> None:
+        if self._process is not None:
+            process, self._process = self._process, None
+            process.kill()
+            process.communicate()
+
+    def reset(self) -> None:
+        self._say("reset")
+
+    def mute(self, *, on: bool) -> None:
+        self._say("mute" if on else "unmute")
+
+    def emergencies(self, *codes: int) -> None:
+        for code in codes:
+            self._say(f"emcy {code:x} 1")
+
+    def _say(self, line: str) -> None:
+        assert self._process is not None
+        assert self._process.stdin is not None
+        self._process.stdin.write(f"{line}\n")
+        self._process.stdin.flush()
 
 
 @dataclass
@@ -92,6 +149,7 @@ class Line:
 
     medium: str
     faults: tuple[str, ...] = ()
+    program: str = ""
     hub: HubProcess = field(init=False)
     bench: Bench = field(init=False)
 
@@ -100,9 +158,20 @@ class Line:
         self.options = (*(ptys if self.medium == "pty" else ()), *self.faults)
         self.hub = HubProcess(*self.options)
         self._used = iter(self.hub.ptys)
-        self.node, self.second = Node(self.connection()), Node(self.connection())
+        self.node, self.second = self.made(), self.made()
         self.bench = Bench(manager=True, hub=self.hub, own_slave=True, channel=CHANNEL)
         return self
+
+    def made(self) -> Node | Program:
+        """A node without power."""
+        if self.program:
+            if self.medium == "pty":
+                path = next(self._used)
+                return Program(self.program, lambda: ("pty", path))
+            port = str(self.hub.port)
+            place = ("tcp", self.hub.host, port, CHANNEL)
+            return Program(self.program, lambda: place)
+        return Node(self.connection())
 
     def connection(self) -> Callable[[], can.BusABC]:
         """What opens a connection of a node: a pseudo-terminal of its own, or a socket."""
@@ -171,14 +240,14 @@ def killed(line: Line) -> Callable[[], None]:
 
 def reset(line: Line) -> Callable[[], None]:
     working(line)
-    line.node.slave.obey(0x81)
+    line.node.reset()
     return lambda: None
 
 
 def silent(line: Line) -> Callable[[], None]:
     working(line)
-    line.node.slave.set(0x2006, 1)
-    return lambda: line.node.slave.set(0x2006, 0)
+    line.node.mute(on=True)
+    return lambda: line.node.mute(on=False)
 
 
 def doubled(line: Line) -> Callable[[], None]:
@@ -215,7 +284,7 @@ def bus_gone(line: Line) -> Callable[[], None]:
         line.node.cut()
         line.hub = HubProcess(*line.options, port=port)
         line._used = iter(line.hub.ptys)
-        line.node = Node(line.connection())
+        line.node = line.made()
         line.node.power()
         link = line.bench.manager.station.link
         line.bench.wait(lambda: link.up)
@@ -242,11 +311,11 @@ def test_every_fault_of_the_page_is_done() -> None:
 
 
 @contextmanager
-def line_of(name: str, medium: str) -> Iterator[Line]:
+def line_of(name: str, medium: str, program: str = "") -> Iterator[Line]:
     if medium == "pty":
         pytest.importorskip("serial", reason="pyserial, for slcan")
     lossy = ("--fault", "loss=0.02", "--seed", "1") if name == "losses" else ()
-    with Line(medium, lossy) as line:
+    with Line(medium, lossy, program) as line:
         yield line
 
 
@@ -255,23 +324,39 @@ def line_of(name: str, medium: str) -> Iterator[Line]:
 def test_a_fault_has_the_state_and_the_way_back_of_the_page(
     name: str, medium: str
 ) -> None:
-    row = TABLE[name]
     with line_of(name, medium) as line:
-        end = FAULTS[name](line)
-        line.expect(row)
-        system = line.bench.system
-        for step in row.back:
-            if step in ("power", "end of the fault"):
-                end()
-            elif step == "reset of the manager and the proxy":
-                system.reset("Manager0")
-                line.bench.until(INACTIVE_STATE, "Manager0")
-                system.activate("Manager0")
-                line.bench.until(ACTIVE_STATE, "Manager0")
-                system.reset("Proxy0")
-            else:
-                assert step == "reset of the proxy"
-                system.reset("Proxy0")
-        line.bench.until(ACTIVE_STATE)
-        seen = len(line.bench.samples)
-        line.bench.wait(lambda: len(line.bench.samples) > seen + 5)
+        fault(name, line)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("medium", ["hub", "pty"])
+@pytest.mark.parametrize("name", FAULTS)
+def test_a_fault_of_the_node_of_a_program(name: str, medium: str) -> None:
+    program = os.environ.get("RTGEN_CANOPEN_NODE")
+    if not program:
+        pytest.skip("RTGEN_CANOPEN_NODE names no program")
+    with line_of(name, medium, program) as line:
+        fault(name, line)
+
+
+def fault(name: str, line: Line) -> None:
+    """The fault, what becomes of it, and the way back."""
+    row = TABLE[name]
+    end = FAULTS[name](line)
+    line.expect(row)
+    system = line.bench.system
+    for step in row.back:
+        if step in ("power", "end of the fault"):
+            end()
+        elif step == "reset of the manager and the proxy":
+            system.reset("Manager0")
+            line.bench.until(INACTIVE_STATE, "Manager0")
+            system.activate("Manager0")
+            line.bench.until(ACTIVE_STATE, "Manager0")
+            system.reset("Proxy0")
+        else:
+            assert step == "reset of the proxy"
+            system.reset("Proxy0")
+    line.bench.until(ACTIVE_STATE)
+    seen = len(line.bench.samples)
+    line.bench.wait(lambda: len(line.bench.samples) > seen + 5)

@@ -44,6 +44,7 @@ class Configuration:
     options: str = ""
     node_id: int = NODE_ID
     merged_stop: bool = False
+    parameter_file: str = ""
 
 
 def _port(get: Getter, now: int, type_: type[Any], number: ObjectNumber) -> Any:

@@ -31,6 +31,8 @@ class MotorCoreUnitDeviceConfiguration:
     """The network: the name of its bus file; empty for none."""
     merged_stop: bool = False
     """Whether a stop command means what figure 111 of RTC-CANopen says."""
+    parameter_file: str = ""
+    """The file of stored parameters (1010h), name.json below the working folder; empty for none."""
 
 
 class MotorCoreUnitDeviceBase(MotorCoreUnitSlave):
@@ -169,6 +171,13 @@ class MotorCoreUnitDeviceBase(MotorCoreUnitSlave):
                 type="boolean",
                 default="0",
                 description="Whether a stop command means what figure 111 of RTC-CANopen says.",
+            ),
+            ParameterProfile(
+                name="parameter_file",
+                python_name="parameter_file",
+                type="string",
+                default="",
+                description="The file of stored parameters (1010h), name.json below the working folder; empty for none.",
             ),
         ),
     )

@@ -236,6 +236,14 @@ def _of_device(span: Span) -> Iterator[ConfigurationParameter]:
         False,
         "Whether a stop command means what figure 111 of RTC-CANopen says.",
     )
+    yield _parameter(
+        span,
+        "parameter_file",
+        _STRING,
+        "",
+        "The file of stored parameters (1010h), name.json below the working folder; "
+        "empty for none.",
+    )
 
 
 def _of_proxy(span: Span) -> Iterator[ConfigurationParameter]:

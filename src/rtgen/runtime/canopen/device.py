@@ -20,6 +20,7 @@ from rtgen.runtime.canopen.links import open_link
 from rtgen.runtime.canopen.nmt import NmtCommand, NmtState, Transition
 from rtgen.runtime.canopen.node import USER_SOFTWARE, DeviceNode
 from rtgen.runtime.canopen.node_events import NodeEvents
+from rtgen.runtime.canopen.parameter_file import ParameterFile
 from rtgen.runtime.canopen.pdo_transmission import RTR, RTR_SYNC
 from rtgen.runtime.component import Component
 from rtgen.runtime.data_ports import DataConnector, InPort, OutPort
@@ -135,6 +136,10 @@ class CanopenDevice(DeviceHooks, Component):
         node = self.node
         self.merged_stop = self.merged_stop or config.merged_stop
         node.self_start, node.merged_stop = self.self_start, self.merged_stop
+        if config.parameter_file:
+            self._keep_parameters(
+                ParameterFile(config.parameter_file, self.description)
+            )
         node.take_node_id(int(config.node_id))
         link = self._link = open_link(
             self, config.interface, config.channel, config.bitrate, config.options
@@ -144,6 +149,21 @@ class CanopenDevice(DeviceHooks, Component):
             link.attach(node)
         self._warn_of_requests(link)
         return link
+
+    def _keep_parameters(self, file: ParameterFile) -> None:
+        """Takes the stored parameters from a file, and writes them there when they change."""
+
+        def keep(stored: Mapping[ObjectNumber, bytes]) -> None:
+            try:
+                file.write(stored)
+            except OSError as error:
+                log.warning(
+                    "%s: parameters cannot be stored: %s", self.instance_name, error
+                )
+                raise
+
+        self.node.store.values = file.read()
+        self.node.store.keep = keep
 
     def _warn_of_requests(self, link: Link) -> None:
         """Warn of TPDOs that are only sent on remote frames, on a link that carries none."""

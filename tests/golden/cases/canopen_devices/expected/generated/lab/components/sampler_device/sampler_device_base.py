@@ -31,6 +31,8 @@ class SamplerDeviceConfiguration:
     """The network: the name of its bus file; empty for none."""
     merged_stop: bool = False
     """Whether a stop command means what figure 111 of RTC-CANopen says."""
+    parameter_file: str = ""
+    """The file of stored parameters (1010h), name.json below the working folder; empty for none."""
 
 
 class SamplerDeviceBase(SamplerSlave):
@@ -153,6 +155,13 @@ class SamplerDeviceBase(SamplerSlave):
                 type="boolean",
                 default="0",
                 description="Whether a stop command means what figure 111 of RTC-CANopen says.",
+            ),
+            ParameterProfile(
+                name="parameter_file",
+                python_name="parameter_file",
+                type="string",
+                default="",
+                description="The file of stored parameters (1010h), name.json below the working folder; empty for none.",
             ),
         ),
     )
