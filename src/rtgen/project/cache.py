@@ -17,6 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import rtgen
 from rtgen.backends import Artifact, Owner
 from rtgen.compiler import Compilation
 from rtgen.diagnostics import Diagnostic, Related, Severity, Span
@@ -31,7 +32,7 @@ _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 
 _MOST_ENTRIES = 128
 _MOST_BYTES = 64 * 1024 * 1024
-_PACKAGE = Path(__file__).parent
+_PACKAGE = Path(rtgen.__file__).parent
 _NOT_COMPILER = frozenset({"__pycache__", "cli", "runtime"})
 
 

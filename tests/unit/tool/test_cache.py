@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from small_pipeline import Pipeline
 
+import rtgen
 from rtgen import compiler
 from rtgen.cli import run
 from rtgen.compiler import Compilation, build
@@ -198,3 +199,19 @@ def test_a_file_that_hides_an_included_one_is_seen(
     Path("first/part.idl").write_text("struct New { long a; };\n")
     assert run(command) == 0
     assert "struct New" in capfd.readouterr().out
+
+
+def test_a_key_depends_on_every_file_of_the_compiler() -> None:
+    """Also on those of packages beside the cache's own."""
+    found = {
+        path.relative_to(Path(rtgen.__file__).parent).as_posix()
+        for path in cache._compiler_files()
+        if path.suffix != ".lark"
+    }
+    assert found >= {
+        "compiler.py",
+        "backends/python_text.py",
+        "frontends/idl/pipeline.py",
+        "templates/components/base.py.j2",
+    }
+    assert not any(path.startswith(("runtime/", "cli/")) for path in found)
