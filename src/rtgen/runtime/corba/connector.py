@@ -1,4 +1,4 @@
-"""A connection with a service port of another process."""
+"""Connections to service ports of other processes, with providers looked up by name."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from rtgen.runtime.transports import RemotePort
 
 _LOOK_AGAIN = 0.05
 _PAUSE = 0.2
-"""How long a provider that cannot be reached is left alone, in seconds."""
+"""Seconds between two attempts to reach a provider that did not answer."""
 
 
 class RemoteProvider:
-    """The provider that a consumer is connected with; looked up when it is first called.
+    """The provider that a consumer is connected to, looked up at the first call.
 
-    One that is lost is looked up again, since its process may have been started anew. A call that
-    may have been carried out is not repeated.
+    A lost provider is looked up again, since its process may have been restarted. A call that may
+    have been carried out is not repeated.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class RemoteProvider:
         return True
 
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """Carries out a call. Raises what the operation declares, CdrError and ServiceError."""
+        """Make a call. Raises what the operation declares, CdrError and ServiceError."""
         remote = self._remote or self._found(operation)
         try:
             return remote.attempt(operation, arguments)
@@ -77,7 +77,7 @@ class RemoteProvider:
             return another.call(operation, arguments)
 
     def find(self) -> bool:
-        """Looks the provider up; whether it is there. Raises TransportError, PortTypeError."""
+        """Look up the provider; return whether it exists. Raises TransportError, PortTypeError."""
         with self._looking:
             if self._remote is None:
                 try:
@@ -119,7 +119,7 @@ class RemoteProvider:
         return remote
 
     def _another(self, remote: Remote, error: Any) -> Remote | None:
-        """The provider that stands in for one that did not get the call, if there is one."""
+        """Another provider for a call that did not arrive, if there is one."""
         if not is_unsent(error):
             return None
         try:
@@ -136,9 +136,9 @@ class RemoteProvider:
         return error
 
     def _reference(self) -> Any:
-        """The reference that the naming service has; None if nobody serves the port."""
+        """The reference in the naming service; None if no process provides the port."""
         served = self._naming.providers((self.port.instance, self.port.port))
-        # omniORB answers `_is_a` by itself where it can, also for those that are gone.
+        # omniORB answers `_is_a` locally if it can, even for lost objects.
         found = {name: r for name, r in served.items() if is_alive(r)}
         if not found:
             return None
@@ -162,7 +162,9 @@ class RemoteProvider:
         return chosen
 
     def _chosen(self, found: Mapping[str, Any]) -> Any:
-        """The one told by property, else of equal name and type, else the only one of the type."""
+        """The provider named by a property, else that of the same name and type, else the only
+        one.
+        """
         identity = self._wanted.repository_id
         name = self.consumer.instance if self._told is None else self._told
         if name in found and found[name]._is_a(identity):
@@ -179,10 +181,10 @@ class RemoteProvider:
 
 
 class RemoteConnector:
-    """A connection of a service port here with one of another process.
+    """A connection between a local service port and one of another process.
 
-    `providers` are what the consumers of the port here call; those of the other port look up the
-    providers of this one.
+    `providers` are called by the consumers of the local port; those of the other port look up the
+    providers of the local port.
     """
 
     def __init__(
@@ -220,7 +222,7 @@ class RemoteConnector:
             )
 
     def attach(self) -> None:
-        """Makes the connection. Raises DuplicateConnectionError."""
+        """Establish the connection. Raises DuplicateConnectionError."""
         for provider in self.providers:
             if provider.consumer.connected:
                 raise DuplicateConnectionError(
@@ -231,10 +233,11 @@ class RemoteConnector:
             provider.consumer._provider = provider
 
     def await_providers(self, deadline: float) -> None:
-        """Waits until all providers are there, up to an instant of `time.monotonic`.
+        """Wait for all providers, until an instant of `time.monotonic`.
 
-        Raises TransportError if they are not in time, PortTypeError if they do not fit: with
-        `strict` all of them have to, else one, as in a connection within a process.
+        Raises TransportError after the deadline, PortTypeError for incompatible types: with
+        `strict` all interfaces must match, else at least one, as for a connection within a
+        process.
         """
         lonely: list[PortTypeError] = []
         for provider in self.providers:
@@ -256,7 +259,7 @@ class RemoteConnector:
             time.sleep(_LOOK_AGAIN)
 
     def detach(self) -> None:
-        """Cuts the connection; later calls raise ObjectNotExist."""
+        """Remove the connection; later calls raise ObjectNotExist."""
         self.connected = False
         for provider in self.providers:
             provider.consumer._provider = None
@@ -265,7 +268,7 @@ class RemoteConnector:
 def _told(
     named: dict[str, str], here: ServicePort, there: RemotePort, consumer: Consumer[Any]
 ) -> str | None:
-    """The instance name of the provider that the properties name for a consumer."""
+    """The instance name of the provider that the properties select for a consumer."""
     wish = end(here, "required", consumer)
     told = named.pop(wish, None)
     if told is None:

@@ -1,4 +1,4 @@
-"""Errors of calls as system exceptions of CORBA, and back."""
+"""Converts errors of calls to system exceptions of CORBA and back."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from rtgen.runtime.services import (
 )
 
 _OURS = 0
-"""The minor code of what our servants tell."""
+"""Minor code of exceptions raised by rtgen's servants."""
 _BEFORE_THE_CALL = (BadOperation, MarshalError, ObjectNotExist)
 
 
 def raised(error: ServiceError) -> Any:
-    """The exception for omniORB to tell the client of an error."""
+    """Convert an error to the exception that omniORB sends to the client."""
     kind = kind_of(error)
     begun = not isinstance(error, _BEFORE_THE_CALL)
     completed = CORBA.COMPLETED_MAYBE if begun else CORBA.COMPLETED_NO
@@ -30,7 +30,7 @@ def raised(error: ServiceError) -> Any:
 
 
 def caught(operation: str, error: Any) -> ServiceError:
-    """The error for a system exception of omniORB."""
+    """Convert a system exception of omniORB to an error."""
     kind = SYSTEM_EXCEPTIONS.get(error._NP_RepositoryId, ServiceError)
     minor = omniORB.minorCodeToString(error) or f"minor {error.minor}"
     if "Timedout" in minor:
@@ -41,10 +41,10 @@ def caught(operation: str, error: Any) -> ServiceError:
 
 
 def is_inactive(error: Any) -> bool:
-    """Whether the object is there, but its component is not ACTIVE: omniORB has minor codes."""
+    """Whether the object exists, but its component is not ACTIVE (by omniORB's minor code)."""
     return isinstance(error, CORBA.OBJECT_NOT_EXIST) and error.minor == _OURS
 
 
 def is_unsent(error: Any) -> bool:
-    """Whether a system exception says that the call was not carried out at all."""
+    """Whether a system exception implies that the call was not carried out."""
     return bool(error.completed == CORBA.COMPLETED_NO)

@@ -1,4 +1,4 @@
-"""A naming service of our own: omniNames in a process of its own, at this machine's loopback."""
+"""A private naming service: a process with omniNames on the loopback interface."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from rtgen.runtime.errors import TransportError
 
 _ATTEMPTS = 3
 _START = 10.0
-"""How long it may take to start, in seconds."""
+"""Seconds for omniNames to start."""
 _LOOK_AGAIN = 0.02
 
 
 class NameServer:
-    """omniNames at a port that is free; ends with `close`. Raises TransportError."""
+    """An omniNames process on a free port; `close` ends it. Raises TransportError."""
 
     def __init__(self) -> None:
         program = _program()
@@ -48,7 +48,7 @@ class NameServer:
         self.close()
 
     def close(self) -> None:
-        """Ends the process and forgets its names."""
+        """End the process and delete its data."""
         self._end()
         self._folder.cleanup()
 
@@ -58,7 +58,7 @@ class NameServer:
 
 
 def _program() -> str:
-    # The command that the wheel installs is a process around this one: it would outlive its end.
+    # The command installed by the wheel wraps this process, and would outlive it.
     spec = find_spec("jeteve_omniorb")
     if spec is not None and spec.origin is not None:
         inside = Path(spec.origin).with_name("bin") / "omniNames"
@@ -79,7 +79,7 @@ def _free_port() -> int:
 def _started(program: str, port: int, folder: str) -> subprocess.Popen[bytes]:
     command = [program, "-start", str(port), "-always", "-datadir", folder]
     command += ["-ignoreport", "-ORBendPoint", f"giop:tcp:{LOOPBACK}:{port}"]
-    # In a session of its own: Ctrl-C is for those who have names to take back.
+    # In a separate session: Ctrl-C is for the processes that still have to unbind their names.
     return subprocess.Popen(
         command,
         stdin=subprocess.DEVNULL,

@@ -1,7 +1,7 @@
-"""The naming service: where processes find each other's providers.
+"""Client of the naming service, by which processes find each other's providers.
 
-A provider is bound as `<instance>.<port>/<name>`: a context of the port (id: instance name, kind:
-port name), in it the provider under its instance name.
+A provider is bound as `<instance>.<port>/<name>`: a context for the port (id: instance name,
+kind: port name) that contains the provider under its instance name.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rtgen.runtime.errors import (
 _T = TypeVar("_T")
 
 PORT = 2809
-"""Where naming services listen by default (IANA: corbaloc)."""
+"""Default port of naming services (IANA: corbaloc)."""
 _AT_ONCE = 100
 
 _Context = CosNaming.NamingContext
@@ -30,7 +30,7 @@ _Context = CosNaming.NamingContext
 class Naming:
     """A naming service at `HOST` or `HOST:PORT`. Every method raises TransportError.
 
-    Raises NoNamingServiceError if there is none.
+    Raises NoNamingServiceError if none answers.
     """
 
     def __init__(self, orb: Any, address: str) -> None:
@@ -49,9 +49,9 @@ class Naming:
             )
 
     def bind(self, port: tuple[str, str], name: str, reference: Any) -> None:
-        """Makes a provider of a port known, in place of one that is gone.
+        """Bind a provider of a port, replacing one that no longer exists.
 
-        Raises ServedElsewhereError if there is one that answers.
+        Raises ServedElsewhereError if a bound provider still answers.
         """
 
         def bind() -> None:
@@ -69,7 +69,7 @@ class Naming:
         self._asked(bind, "bind")
 
     def unbind(self, port: tuple[str, str], name: str, reference: Any) -> None:
-        """Takes back what `bind` did, unless somebody else has bound the name since."""
+        """Unbind a provider, unless another one has been bound to the name since."""
 
         def unbind() -> None:
             context = self._context(port)
@@ -86,7 +86,7 @@ class Naming:
         self._asked(unbind, "unbind")
 
     def providers(self, port: tuple[str, str]) -> dict[str, Any]:
-        """The providers of a port by name; none if nobody serves it."""
+        """The bound providers of a port by name."""
 
         def providers() -> dict[str, Any]:
             context = self._context(port)
@@ -126,7 +126,7 @@ def _resolved(context: Any, id_: str, kind: str = "") -> Any:
 
 
 def is_alive(reference: Any) -> bool:
-    """Whether the process of an object answers, whatever it says."""
+    """Whether the process of an object answers."""
     if reference is None:
         return False
     try:

@@ -1,4 +1,4 @@
-"""Objects of one process: servants that omniORB calls, references, stubs that call through them."""
+"""CORBA objects of one process: servants called by omniORB, references, and stubs."""
 
 from __future__ import annotations
 
@@ -35,8 +35,7 @@ from rtgen.runtime.services import (
 )
 
 _REPORTED = (ObjectNotExist, UnknownException)
-"""Clients may ask as often as they like whether a component is ACTIVE; what a servant raised is
-reported by its skeleton."""
+"""Operations without failure reports: polling for ACTIVE is harmless, skeletons report."""
 
 _S = TypeVar("_S", bound=Servant)
 
@@ -55,14 +54,14 @@ class Remote:
         return True
 
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """Carries out a call. Raises what the operation declares, CdrError and ServiceError."""
+        """Make a call. Raises what the operation declares, CdrError and ServiceError."""
         try:
             return self.attempt(operation, arguments)
         except CORBA.SystemException as error:
             raise caught(operation, error) from error
 
     def attempt(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """The same; system exceptions are left as they are."""
+        """Make a call, without converting system exceptions."""
         found = self._operations.of.get(operation) or self._operations.find(operation)
         given = arguments
         try:
@@ -86,15 +85,15 @@ class Remote:
 
 
 _SIGNATURES = "_rtgen_operations"
-"""What our objects answer beside the operations of their interface: its signatures."""
+"""Additional operation of rtgen's objects: the signatures of the interface."""
 _TEXTS = (tcInternal.tv_sequence, (tcInternal.tv_string, 0), 0)
 _TELLING = ((), (_TEXTS,), None)
 
 
 def signatures(reference: Any) -> list[str] | None:
-    """The signatures of an object's interface; None if it is not one of ours.
+    """The signatures of an object's interface; None for an object not served by rtgen.
 
-    Raises what omniORB raises if it cannot be asked.
+    Raises omniORB's exception if the object cannot be reached.
     """
     try:
         told: list[str] = reference._obj.invoke(_SIGNATURES, _TELLING, ())
@@ -104,13 +103,13 @@ def signatures(reference: Any) -> list[str] | None:
 
 
 def _tell_fault(operation: str, found: Any, arguments: tuple[object, ...]) -> None:
-    """Raises CdrError or BadOperation with the place, if our codecs refuse the arguments, too."""
+    """Raise CdrError or BadOperation with the place, if the codecs reject the arguments, too."""
     plain = tuple(None if isinstance(a, Servant) else a for a in arguments)
     encoded_arguments(operation, found.call, plain)
 
 
 class Objects:
-    """The objects of one process and the references that it holds."""
+    """The objects of one process, and its references."""
 
     def __init__(self, orb: Orb) -> None:
         self._orb = orb.orb
@@ -135,7 +134,7 @@ class Objects:
         call: Invoker,
         exists: Callable[[], bool] = lambda: True,
     ) -> Any:
-        """A reference to an object whose calls are handed over.
+        """Create an object that delegates its calls; return a reference.
 
         Raises ServiceError if the interface is local.
         """
@@ -147,11 +146,11 @@ class Objects:
         return self._poa.id_to_reference(self._poa.activate_object(servant))
 
     def withdraw(self, reference: Any) -> None:
-        """Ends an object that `serve` made."""
+        """Remove an object created by `serve`."""
         self._poa.deactivate_object(self._poa.reference_to_id(reference))
 
     def remote(self, interface: type[Servant], reference: Any) -> Remote:
-        """What calls the object of a reference as one of the interface."""
+        """A caller of the object, using an interface."""
         return Remote(reference, self.operations(interface))
 
     def stub(self, interface: type[_S], reference: Any) -> _S:
@@ -160,7 +159,9 @@ class Objects:
         return made
 
     def exported(self, value: Any, interface: Interface) -> Any:
-        """omniORBpy's reference for a servant, a stub or an `ObjectReference`; None for nil."""
+        """Convert a servant, a stub or an `ObjectReference` to omniORBpy's reference, None to
+        nil.
+        """
         if value is None:
             return None
         if isinstance(value, Stub):
@@ -176,7 +177,7 @@ class Objects:
         return self._orb.string_to_object(f"IOR:{octets.hex()}")
 
     def imported(self, reference: Any, interface: Interface) -> Any:
-        """A stub for omniORBpy's reference; an `ObjectReference` without interface."""
+        """Convert omniORBpy's reference to a stub, or to an `ObjectReference` without interface."""
         if reference is None:
             return None
         if interface is not None:
@@ -185,7 +186,7 @@ class Objects:
         return read_reference(octets, 0, True)[0]
 
     def _servant(self, servant: Servant) -> Any:
-        """A reference to a servant that is passed in a call; it lives as long as the ORB."""
+        """A reference to a servant passed in a call; it exists as long as the ORB."""
         with self._exporting:
             known = self._exported.get(id(servant))
             if known is None:
@@ -201,12 +202,12 @@ def _interface_of(servant: Servant) -> type[Servant]:
 
 
 class _Skeleton:
-    """What omniORB looks at to learn which interfaces a servant has."""
+    """The attribute by which omniORB finds the interfaces of a servant."""
 
     def __init__(self, descriptor: InterfaceDescriptor, operations: Any) -> None:
         self._NP_RepositoryId = descriptor.repository_id
         self._omni_op_d = operations
-        # The name under which it looks for the bases.
+        # The name that omniORB looks up for the base interfaces.
         self.__bases__ = tuple(_Skeleton(base, {}) for base in descriptor.bases)
 
 
@@ -264,7 +265,7 @@ def _method(name: str, operation: Any) -> Callable[..., Any]:
         except BaseException as error:
             if not ends_run(error):
                 raise
-            # This is a thread of the ORB's; the run ends in the main thread.
+            # This is a thread of the ORB; the run ends in the main thread.
             interrupt_main()
             raise raised(UnknownException(f"{name}: {described(error)}")) from error
         finally:

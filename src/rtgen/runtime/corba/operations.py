@@ -1,4 +1,4 @@
-"""The operations of an interface as omniORBpy takes them."""
+"""Converts operations of an interface to omniORBpy's descriptors."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ _CONTEXT = "_context"
 
 
 class Operation:
-    """One operation: `descriptor` for omniORBpy, and the values on their ways.
+    """An operation: its `descriptor` for omniORBpy, and conversions of its values.
 
-    `count` arguments, `results` results. A value is converted on its way out of this process and
-    into it; None instead of a function where all travel as they are.
+    It has `count` arguments and `results` results. Values are converted on leaving and on
+    entering this process; None instead of a function if no value needs it.
     """
 
     def __init__(self, call: Call, types: WireTypes) -> None:
         given = _types(call.request, call.request_objects, types)
         got = _types(call.reply, call.reply_objects, types)
-        # The strings of a context follow the arguments; nobody passes any.
+        # The strings of a context clause follow the arguments; they are never passed.
         context = [wire for name, wire in given if name == _CONTEXT]
         arguments = [wire for name, wire in given if name != _CONTEXT]
         results = [wire for _, wire in got]
@@ -48,7 +48,7 @@ class Operation:
         self.values = _converting([w.incoming for w in results], [])
 
     def raised(self, error: UserException) -> Any:
-        """omniORBpy's exception for one of ours; None if the operation does not declare it."""
+        """Convert an exception to omniORBpy's; None if the operation does not declare it."""
         for kind in type(error).__mro__:
             identity = getattr(kind, "_descriptor_", error._descriptor_).repository_id
             if identity in self._exceptions:
@@ -56,7 +56,7 @@ class Operation:
         return None
 
     def caught(self, error: Any) -> Exception:
-        """Ours for an exception that omniORBpy raised."""
+        """Convert an exception raised by omniORBpy."""
         exception: Exception = self._exceptions[error._NP_RepositoryId].caught(error)
         return exception
 
@@ -64,7 +64,8 @@ class Operation:
 class Operations:
     """The operations of an interface and its bases, by name.
 
-    Raises ServiceError for a local interface. `refused` says why an operation cannot travel.
+    Raises ServiceError for a local interface. `refused` has the reasons of operations that cannot
+    be marshalled.
     """
 
     def __init__(self, interface: type[Servant], types: WireTypes) -> None:
@@ -79,7 +80,7 @@ class Operations:
                 self.refused[name] = str(error)
 
     def find(self, name: str) -> Operation:
-        """An operation. Raises BadOperation, MarshalError if it cannot travel."""
+        """Find an operation. Raises BadOperation, or MarshalError if it cannot be marshalled."""
         found = self.of.get(name)
         if found is not None:
             return found
@@ -106,7 +107,10 @@ def _types(
 def _converting(
     converts: Sequence[Callable[[Any], Any] | None], rest: Sequence[Any]
 ) -> Callable[[Values], Values] | None:
-    """What converts values one by one and appends the rest; None if there is nothing to do."""
+    """A function that converts values one by one and appends the rest.
+
+    None if nothing is converted.
+    """
     if not rest and not any(converts):
         return None
     pairs = tuple(converts)

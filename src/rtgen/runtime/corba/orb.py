@@ -1,4 +1,4 @@
-"""The ORB of this process."""
+"""The ORB (omniORB) of this process."""
 
 from __future__ import annotations
 
@@ -17,11 +17,10 @@ _numbers = itertools.count()
 
 
 class Orb:
-    """omniORB with an object adapter of its own; `timeout` [s] bounds every call.
+    """omniORB with a separate object adapter; `timeout` [s] bounds every call.
 
-    It listens at `host` (by default at the loopback interface only) on a port that the system
-    chooses. omniORB has one ORB for each process: one that runs already is used as it is. Raises
-    TransportError.
+    It listens at `host` (default: the loopback interface only) on a free port. omniORB allows one
+    ORB for each process, so a running ORB is used unchanged. Raises TransportError.
     """
 
     def __init__(self, host: str = LOOPBACK, timeout: float = 2.0) -> None:
@@ -38,7 +37,7 @@ class Orb:
         words = ["rtgen", *(word for pair in options.items() for word in pair)]
         self._timeout = timeout
         self.busy: list[None] = []
-        """An item for each call that is carried out at the moment."""
+        """One item for each call in progress."""
         self.orb: Any = None
         try:
             self.orb = CORBA.ORB_init(words, CORBA.ORB_ID)
@@ -51,15 +50,15 @@ class Orb:
             raise TransportError(f"omniORB cannot listen at {host}: {error}") from error
 
     def close(self) -> None:
-        """Ends all objects, and the ORB if it began here.
+        """Remove all objects, and shut down the ORB if it was started here.
 
-        Waits for calls that are carried out, but no longer than the time-out: an ORB with a servant
-        that never returns is left as it is.
+        Waits for calls in progress up to the time-out; an ORB with a servant that never returns
+        is left running.
         """
         self.poa.destroy(False, False)
         deadline = time.monotonic() + self._timeout
         while self.busy and time.monotonic() < deadline:
             time.sleep(_LOOK_AGAIN)
-        # In this thread: another one could still be at its end when the interpreter is.
+        # In this thread: another one might still be running when the interpreter ends.
         if self._owned and not self.busy:
             self.orb.destroy()

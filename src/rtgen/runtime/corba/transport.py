@@ -1,4 +1,4 @@
-"""Service calls of a system over omniORB."""
+"""Transport of a system's service calls over omniORB."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ log = logging.getLogger("rtgen.runtime")
 
 
 class CorbaTransport:
-    """Carries service calls over omniORB; objects are known by a naming service.
+    """Carries service calls over omniORB; objects are found by a naming service.
 
-    `host`: where other processes reach this one; `timeout` [s] of every call; `naming`: whether
-    there is a naming service at all, `name_server` its address, else the one at the usual port of
-    this machine, else one of our own. All methods raise TransportError.
+    `host`: address for other processes; `timeout` [s] of every call; `naming`: whether to use a
+    naming service, at `name_server`, defaulting to the usual port of this machine, falling back
+    on a private one. All methods raise TransportError.
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class CorbaTransport:
         self.close()
 
     def close(self) -> None:
-        """Ends the objects, the ORB, and a naming service of our own."""
+        """Remove the objects, and shut down the ORB and a private naming service."""
         for provider in list(self._references):
             self._withdraw(provider)
         self._closing.close()
@@ -84,10 +84,10 @@ class CorbaTransport:
         """The address of the naming service; empty without one."""
         return "" if self._naming is None else self._naming.address
 
-    # What a system asks for.
+    # Interface to the system
 
     def serve(self, component: Component) -> None:
-        """Makes the providers of a component reachable."""
+        """Publish the providers of a component."""
         for (port, name), provider in component.providers.items():
             reference = self._objects.serve(
                 provider.interface, provider.carry_out, partial(_exists, provider)
@@ -97,7 +97,7 @@ class CorbaTransport:
                 self._naming.bind((component.instance_name, port), name, reference)
 
     def withdraw(self, component: Component) -> None:
-        """Ends that. What the naming service does not take back is logged."""
+        """Withdraw the providers of a component. Failures of the naming service are logged."""
         for provider in component.providers.values():
             if provider in self._references:
                 self._withdraw(provider)
@@ -113,7 +113,7 @@ class CorbaTransport:
         self._objects.withdraw(reference)
 
     def reach(self, interface: Any, provider: Provider[Any]) -> Carrier:
-        """What carries calls to a provider of this process, by the ORB, too."""
+        """The carrier of calls to a provider of this process, which also go through the ORB."""
         return self._objects.remote(interface, self._references[provider])
 
     def connector(
@@ -123,7 +123,7 @@ class CorbaTransport:
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> RemoteConnector:
-        """A connection with a port of another process. Raises ConnectError."""
+        """A connection to a port of another process. Raises ConnectError."""
         if self._naming is None:
             raise TransportError(f"{there} is in no process that could be asked")
         made = RemoteConnector(
@@ -132,12 +132,12 @@ class CorbaTransport:
         self._connectors.append(made)
         return made
 
-    # Other processes.
+    # Other processes
 
     def await_others(self, seconds: float) -> None:
-        """Waits until all providers that are connected are there.
+        """Wait for all connected providers.
 
-        Raises PortTypeError if they do not fit.
+        Raises PortTypeError for incompatible types.
         """
         deadline = time.monotonic() + seconds
         for connector in self._connectors:
@@ -148,7 +148,7 @@ class CorbaTransport:
         return [p for c in self._connectors if c.connected for p in c.providers]
 
     def is_ready(self, instance: str, before: Collection[str]) -> bool:
-        """Whether the providers of an instance that other processes activate first are ACTIVE."""
+        """Whether the providers are ACTIVE that other processes activate before an instance."""
         return all(
             provider.exists
             for provider in self._wanted()

@@ -1,9 +1,9 @@
-"""Our types as omniORBpy takes them: its type descriptors, and what is converted on the way.
+"""omniORBpy's type descriptors for generated types, with conversions of values.
 
-omniORBpy marshals whatever has the attributes that a descriptor names, and makes what it reads by
-calling what stands in the descriptor. So data classes, enums and unions travel as they are. What
-omniORBpy keeps in classes of its own (`any`, type codes, `fixed`, object references), and what
-holds such a thing, is converted. Values of `any` change sides as octets, which are the same.
+omniORBpy marshals any object with the attributes named by a descriptor, and constructs values by
+calling the class in the descriptor. So data classes, enums and unions need no conversion. What
+omniORBpy represents by its own classes (`any`, type codes, `fixed`, object references), and types
+that contain them, are converted. Values of `any` are passed as octets, which are the same.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ _PRIMITIVES = {
     "float": tcInternal.tv_float,
     "double": tcInternal.tv_double,
 }
-"""What is the same on both sides."""
+"""Types with the same representation on both sides."""
 
 _SWITCHES = (
     "short",
@@ -69,13 +69,13 @@ _SWITCHES = (
 )
 _CHAR = PrimitiveDescriptor("char")
 _WIDE_CHARACTER = (tcInternal.tv_array, tcInternal.tv_octet, 3)
-"""A wchar as GIOP 1.2 has it. omniORBpy 4.3.3 cannot read the ones that it writes."""
+"""A wchar in the encoding of GIOP 1.2: omniORBpy 4.3.3 cannot read those that it writes."""
 _DIGITS = Context(prec=31)
 
 
 @dataclass(frozen=True, slots=True)
 class WireType:
-    """A descriptor of omniORBpy; values are converted unless `outgoing`, `incoming` are None."""
+    """A descriptor of omniORBpy; `outgoing` and `incoming` convert values, None if unnecessary."""
 
     descriptor: Any
     outgoing: Convert | None = None
@@ -84,7 +84,7 @@ class WireType:
 
 @dataclass(frozen=True, slots=True)
 class WireException:
-    """A user exception: `raised` makes omniORBpy's of ours, `caught` ours of omniORBpy's."""
+    """A user exception: `raised` converts to omniORBpy's class, `caught` from it."""
 
     descriptor: Any
     raised: Convert
@@ -92,27 +92,27 @@ class WireException:
 
 
 class Objects(Protocol):
-    """What knows the objects that references stand for."""
+    """Resolves object references."""
 
     def exported(self, value: Any, interface: Interface) -> Any:
-        """omniORBpy's reference for a servant, a stub or an `ObjectReference`."""
+        """Convert a servant, a stub or an `ObjectReference` to omniORBpy's reference."""
 
     def imported(self, reference: Any, interface: Interface) -> Any:
-        """A stub for omniORBpy's reference; an `ObjectReference` without interface."""
+        """Convert omniORBpy's reference to a stub, or to an `ObjectReference` without interface."""
 
 
 class WireTypes:
-    """The types of one ORB. `of` and `exception` raise MarshalError for what cannot travel."""
+    """The types of one ORB. `of` and `exception` raise MarshalError for unsupported types."""
 
     def __init__(self, objects: Objects) -> None:
         self._objects = objects
-        # With each descriptor itself, so that no other one can get its identity.
+        # Keeps each descriptor alive, so that its id stays unique.
         self._made: dict[int, tuple[Descriptor, WireType]] = {}
         self._exceptions: dict[type[UserException], WireException] = {}
         self._begun: dict[int, list[Any]] = {}
 
     def of(self, descriptor: Any, interface: Interface = None) -> WireType:
-        """The type of a descriptor; that of a reference to an object of an interface, if told."""
+        """The type of a descriptor; with an interface, that of a reference to its objects."""
         if interface is not None:
             return self._reference(descriptor, interface)
         found = self._made.get(id(descriptor))
@@ -121,7 +121,7 @@ class WireTypes:
         return found[1]
 
     def exception(self, class_: type[UserException]) -> WireException:
-        """The form of an exception."""
+        """The wire form of an exception."""
         found = self._exceptions.get(class_)
         if found is None:
             found = self._exceptions[class_] = self._exception(class_)
@@ -186,7 +186,7 @@ class WireTypes:
         return made
 
     def _link(self, descriptor: LinkDescriptor) -> WireType:
-        """A type inside its own definition, which may be complete or not."""
+        """A type used within its own definition, possibly still incomplete."""
         target = plain(descriptor)
         cell = self._begun.get(id(target))
         if cell is None:
@@ -194,7 +194,7 @@ class WireTypes:
         made = tcInternal.tv__indirect, cell
         if not _converted([target], set()):
             return WireType(made)
-        # What is read is converted where the whole is made.
+        # Values are converted when the enclosing value is constructed.
         return WireType(made, lambda value: self.of(target).outgoing(value))  # type: ignore[misc]
 
     def _struct(self, descriptor: StructDescriptor) -> WireType:
@@ -299,7 +299,7 @@ class WireTypes:
 
 
 class _Members:
-    """The members of a struct or an exception: name, attribute of ours, type."""
+    """The members of a struct or an exception: name, attribute, type."""
 
     def __init__(self, entries: Sequence[tuple[str, str, WireType]]) -> None:
         self.entries = entries
@@ -308,19 +308,19 @@ class _Members:
         ]
 
     def outgoing(self, value: Any) -> SimpleNamespace:
-        """What omniORBpy can read the members from."""
+        """An object with the members for omniORBpy to read."""
         made = SimpleNamespace()
         for name, attribute, wire in self.entries:
             setattr(made, name, _through(wire.outgoing, getattr(value, attribute)))
         return made
 
     def incoming(self, values: Iterable[Any]) -> Iterable[Any]:
-        """Ours of the values of the members in order."""
+        """Convert the values of the members in order."""
         for (_, _, wire), value in zip(self.entries, values, strict=True):
             yield _through(wire.incoming, value)
 
     def maker(self, class_: Callable[..., Any]) -> Convert:
-        """What omniORBpy calls to make a struct."""
+        """The function by which omniORBpy constructs a struct."""
         return lambda *values: class_(*self.incoming(values))
 
 
@@ -409,7 +409,7 @@ def _unused(switch: Descriptor, union: UnionDescriptor) -> Any:
 
 
 def _converted(descriptors: Iterable[Descriptor], seen: set[int]) -> bool:
-    """Whether values of the types are converted on either way."""
+    """Whether values of these types are converted in either direction."""
     return any(_is_converted(descriptor, seen) for descriptor in descriptors)
 
 
@@ -437,7 +437,7 @@ def _is_converted(descriptor: Descriptor, seen: set[int]) -> bool:
 def _items(
     element: Descriptor, wire: WireType
 ) -> tuple[Convert | None, Convert | None]:
-    """How the items of a sequence or an array are converted, on their way out and in."""
+    """Conversions for the items of a sequence or an array, outgoing and incoming."""
     if plain(element) == _CHAR:
         return _latin_octets, _latin_text
     return _each(wire.outgoing), _each(wire.incoming)
@@ -449,7 +449,7 @@ def _each(convert: Convert | None) -> Convert | None:
     return lambda items: [convert(item) for item in items]
 
 
-# Octets, since omniORB would convert characters between code sets; here they are ISO 8859-1.
+# As octets, because omniORB would convert characters between code sets; they are ISO 8859-1.
 
 
 def _latin_octet(character: str) -> int:

@@ -1,4 +1,4 @@
-"""What a caller needs of a channel, and a channel without a connection."""
+"""Interface of channels for callers, and a channel without a connection."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ class Channel(Protocol):
 
 
 class ExchangeChannel:
-    """A channel over a function that takes a request packet and gives the whole reply.
+    """A channel over a function that maps a request packet to the complete reply.
 
     For servers in the same process: `ExchangeChannel(PacketServer(unmarshaller.handlers))`. The
-    function raises `ChannelError` where the reply is cut off or the link is down.
+    function raises `ChannelError` if the reply is incomplete or the link is down.
     """
 
     def __init__(self, exchange: Callable[[bytes], bytes]) -> None:

@@ -1,6 +1,6 @@
-"""What generated codecs are made with: their base class, texts, checks of sizes, C arithmetic.
+"""Base class and helpers of generated codecs: texts, checks of sizes, C arithmetic.
 
-`rtgen.runtime.opaque_rpc.functions` has the base of what a codec has for each function.
+`rtgen.runtime.opaque_rpc.functions` has the base class of the messages of one function.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ _T = TypeVar("_T")
 _S = TypeVar("_S", bound=Sized)
 
 More: TypeAlias = Callable[[int], bytes]
-"""Gives exactly so many bytes of the message, or raises ChannelError."""
+"""Returns exactly n octets of the message, or raises ChannelError."""
 
 ReplyOrder: TypeAlias = Literal["tecsgen", "paper"]
 """`tecsgen` sends the return value before the outs, `paper` after them."""
 
 REQUEST_LIMIT: Final = 4096
-"""Bytes that arrays and texts of one request may need in a server, unless told otherwise."""
+"""Default limit of the octets of arrays and texts in one request at a server."""
 
 REPLY_LIMIT: Final = 1 << 24
 """The same for a reply in a client."""
@@ -52,7 +52,7 @@ FAILURES: Final = (
     TypeError,
     ValueError,
 )
-"""What a value of the wrong type, range or length may raise when it is encoded."""
+"""Exceptions raised by encoding a value of a wrong type, range or length."""
 
 
 class Codec:
@@ -105,10 +105,10 @@ class Room:
         self._left = size
 
     def take(self, count: int, width: int, most: int | None = None) -> int:
-        """The size in bytes of so many elements, taken off the room.
+        """The size of `count` elements in octets, subtracted from the remaining room.
 
         Raises ProtocolError: E_PAR if the count is negative or over `most`, E_NOMEM if there is
-        not that much room.
+        not enough room.
         """
         if count < 0:
             raise ProtocolError(E_PAR, f"a size of {count}")
@@ -129,10 +129,10 @@ class Text:
         self._encoding = encoding
 
     def units(self, text: str, most: int | None = None) -> bytes:
-        """What follows the length: the units and a zero.
+        """The octets after the length: code units and a zero.
 
-        With `most`, the size of the buffer, C peers send one zero more if there is room, and none
-        if the text fills it. Raises ValueError if the text is longer or has a NUL inside.
+        With `most`, the size of the buffer, C peers send another zero if there is room, and none
+        if the text fills it. Raises ValueError if the text is longer or contains NUL.
         """
         data = text.encode(self._encoding)
         if 0 in data:
@@ -195,7 +195,7 @@ def _sent(length: int, most: int) -> int:
 
 
 def exactly(values: _S, count: int) -> _S:
-    """The values, which have to be so many; raises ValueError."""
+    """The values, after a check of their number. Raises ValueError."""
     if len(values) != count:
         raise ValueError(f"{len(values)} elements, {count} are needed")
     return values
@@ -229,7 +229,7 @@ def present(value: _T | None) -> _T:
 
 
 def element(values: Sequence[_T], index: int) -> _T:
-    """C's subscript; raises ValueError where there is no such element."""
+    """C's subscript. Raises ValueError for an index out of range."""
     return values[within(index, len(values) - 1)]
 
 
@@ -263,14 +263,14 @@ def cast(value: float, bits: int, signed: bool) -> int:
 def argument_error(
     function: str, failure: Exception, values: Mapping[str, object]
 ) -> ArgumentError:
-    """What to raise when the values cannot be encoded."""
+    """The exception for values that cannot be encoded."""
     shown = ", ".join(f"{name}={_short(value)}" for name, value in values.items())
     what = f"{failure} is out of range" if isinstance(failure, KeyError) else failure
     return ArgumentError(f"{function}({shown}): {what}")
 
 
 def size_error(function: str, failure: Exception) -> ProtocolError:
-    """What to raise when the sizes of a message cannot be worked out from its values."""
+    """The exception for message sizes that cannot be computed from the values."""
     return ProtocolError(E_PAR, f"{function}: {failure}")
 
 

@@ -12,12 +12,12 @@ from rtgen.runtime.opaque_rpc.messages import log
 
 SMALL_BLOCK = 448
 BLOCK = 65536
-"""How many bytes a read asks for that is likely to get few, and at most.
+"""Octets requested by a read that is likely to return few, and at most.
 
-A small block comes from Python's own allocator, which is faster.
+Small blocks come from Python's own allocator, which is faster.
 """
 TIME_OVER = (BlockingIOError, TimeoutError)
-"""What a send or receive raises whose time is over."""
+"""Exceptions raised by a send or receive on time-out."""
 
 _NATIVE_TIMES = sys.platform in ("linux", "darwin")
 """Whether SO_RCVTIMEO takes a timeval; it spares the poll() that settimeout puts before a call."""

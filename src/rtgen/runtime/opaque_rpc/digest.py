@@ -1,8 +1,8 @@
-"""The digest of a signature on the wire: whether a peer was made from the same signature.
+"""The digest of a signature on the wire: whether a peer was generated from the same signature.
 
-The question is a request of function 32767, the last id that fits, which no signature has: ids
-count from 1. Unmarshallers of rtgen and boards made with `RTCPlugin.rb` answer it; other boards
-take it for an unknown function and close the connection. So it is asked on request only.
+It is requested by function 32767, the highest id, which no signature has because ids count from
+1. Unmarshallers of rtgen and boards made with `RTCPlugin.rb` answer it; other boards treat it as
+an unknown function and close the connection. So it is only requested on demand.
 docs/opaque-rpc.md describes the messages.
 """
 
@@ -26,9 +26,9 @@ _MARK = 2
 
 
 def peer_digest(channel: Channel, codec: Codec) -> str:
-    """Ask a peer for the digest of its signature, 16 hexadecimal digits.
+    """Request a peer's digest of its signature, 16 hexadecimal digits.
 
-    Raises ChannelError if there is no answer, ProtocolError if it is another one.
+    Raises ChannelError without an answer, ProtocolError for an unexpected one.
     """
     request = codec.request_head(DIGEST) + codec.awaiting_reply
     reply = channel.begin(request, _MARK + _SIZE + _MARK)
@@ -59,7 +59,7 @@ def check_signature(channel: Channel, codec: Codec) -> None:
 
 
 def digest_handler(codec: Codec) -> Handler:
-    """What answers the question in a server."""
+    """The handler of the request in a server."""
     tdr = codec.tdr
     value = int(codec.digest, 16).to_bytes(_SIZE, tdr.byte_order)
     reply = tdr.int16(SOP_REPLY) + value + codec.nothing_follows

@@ -16,7 +16,7 @@ E_PAR: Final = -17
 E_ID: Final = -18
 """There is no function of that id."""
 E_NOMEM: Final = -33
-"""A message needs more memory than there is for it."""
+"""A message needs more memory than is available."""
 E_OBJ: Final = -41
 """The channel fails in a way that has no code of its own."""
 E_NOEXS: Final = -42
@@ -27,7 +27,7 @@ E_WBLK: Final = -57
 E_BOVR: Final = -58
 """The stream ended before the message did."""
 E_RPC: Final = -68
-"""The call failed on the way; the sub code tells why."""
+"""The call failed in transit; the sub code gives the reason."""
 E_RESET: Final = -101
 E_MAGIC: Final = -102
 """A message does not begin or end as it has to."""

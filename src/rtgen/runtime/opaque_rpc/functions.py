@@ -98,9 +98,9 @@ class Messages(Generic[_P, _R]):
         self.call = call
 
     def wrong_mark(self, mark: str, expected: int, found: int | bytes) -> ProtocolError:
-        """What to raise when a message does not begin or end as it has to.
+        """The exception for a wrong start or end of a message.
 
-        `mark` is `SOP` or `EOP`, `found` what the message has there.
+        `mark` is `SOP` or `EOP`, `found` the octets of the message there.
         """
         have = self.tdr.int16(found) if isinstance(found, int) else found
         wanted = self.tdr.int16(expected).hex(" ")
@@ -171,7 +171,7 @@ class Messages(Generic[_P, _R]):
         return error.code
 
     def handler(self, target: Callable[_P, _R]) -> Handler:
-        """What serves requests of the function by calling `target`."""
+        """The handler that serves requests of the function by calling `target`."""
         read, kept, results = self.read_request, self.kept, self.results
         function: Callable[..., Any] = target
 
@@ -200,7 +200,7 @@ class Messages(Generic[_P, _R]):
 
 
 class RecordCodec:
-    """Base of what writes and reads a struct whose size depends on values."""
+    """Base class for structs whose size depends on values."""
 
     def __init__(self, codec: Codec) -> None:
         self.tdr = codec.tdr

@@ -80,7 +80,7 @@ class _OctetsReply(_Body):
 
 @dataclass(slots=True)
 class _FailedReply(_Body):
-    """The reply that tells of `OpaqueRpc::Failed`."""
+    """The reply that represents the exception `OpaqueRpc::Failed`."""
 
     _descriptor_: ClassVar[StructDescriptor] = StructDescriptor(
         "IDL:OpaqueRpc/Failed:1.0",

@@ -1,4 +1,4 @@
-"""A channel whose settings may change: what a communication RTC offers."""
+"""A channel with changeable settings, provided by a communication RTC."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 log = logging.getLogger("rtgen.runtime.opaque_rpc")
 
 NONE = "none"
-"""What stands in a parameter that is not used; OpenRTM binds no empty text."""
+"""Value of an unused parameter, because OpenRTM cannot bind empty texts."""
 _SERIAL = ("SERIA", "SERIAL")
 _TCP = "TCP"
 _FASTEST = 100_000_000
@@ -92,9 +92,9 @@ def _number(name: str, text: str, most: int) -> int:
 
 
 class Link:
-    """A channel over the one that its settings tell. See `Channel`.
+    """A channel that follows changes of its settings. See `Channel`.
 
-    A change of the settings waits for the end of the call under way; the next call connects.
+    A change waits for the end of the current call; the next call reconnects.
     """
 
     def __init__(self) -> None:
@@ -107,7 +107,7 @@ class Link:
     def use(
         self, settings: LinkSettings, network: SimulatedNetwork | None = None
     ) -> None:
-        """Makes these the settings. Raises ValueError if they tell no channel."""
+        """Apply these settings. Raises ValueError if they describe no channel."""
         if settings == self._settings:
             return
         channel = settings.open(network)
@@ -159,7 +159,7 @@ class Link:
         return self._channel
 
     def _chosen(self) -> ClosableChannel:
-        """The channel of the newest settings; the lock is held."""
+        """The channel for the latest settings; the lock must be held."""
         with self._change:
             wanted, self._wanted = self._wanted, None
         if wanted is not None:

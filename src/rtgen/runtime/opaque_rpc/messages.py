@@ -1,4 +1,4 @@
-"""The server's message loop, free of sockets: takes bytes, calls handlers, gives replies."""
+"""The server's message loop, without I/O: receives octets, calls handlers, returns replies."""
 
 from __future__ import annotations
 
@@ -34,9 +34,9 @@ log = logging.getLogger("rtgen.runtime.opaque_rpc")
 
 
 class Unmarshaller(Protocol):
-    """What a generated unmarshaller offers: handlers by the 4 leading bytes of their requests.
+    """Interface of generated unmarshallers: handlers by the first 4 octets of their requests.
 
-    A handler reads the rest of the request, checks its end, calls the target, and gives the
+    A handler reads the rest of the request, checks its end, calls the target, and returns the
     reply, or None for a oneway function.
     """
 
@@ -180,9 +180,9 @@ def serve_message(reader: MessageReader, handlers: Handlers) -> bytes | None:
 
 
 def find_handler(head: bytes, more: More, handlers: Handlers) -> Handler:
-    """The handler of a message whose head is perhaps not here as a whole, or wrong.
+    """The handler of a message whose head may be incomplete or wrong.
 
-    A wrong byte is told at once, without waiting for the rest of the head.
+    A wrong octet is reported immediately, without waiting for the rest of the head.
     """
     while (handler := handlers.get(head)) is None:
         if not any(key.startswith(head[:_SOP]) for key in handlers):
@@ -196,9 +196,9 @@ def find_handler(head: bytes, more: More, handlers: Handlers) -> Handler:
 class SharedUnmarshaller:
     """Several signatures on one connection (SharedOpaqueRPC), by sub-channel number.
 
-    What is no start of an exchange is passed over in steps of 2 bytes, and an error inside an
-    exchange does not end the connection (opaque-rpc-wire, section 12). `order` is that of the
-    representation, which is the native one of the peer.
+    Octets that start no exchange are skipped in steps of 2, and an error inside an exchange does
+    not end the connection. `order` is the byte order of the representation: the native one of the
+    peer.
     """
 
     def __init__(

@@ -48,7 +48,7 @@ class CommunicationChannel:
             raise self._error(error) from error
 
     def reset(self) -> None:
-        """See `Channel`; nothing is left to do where the communication RTC is gone."""
+        """See `Channel`; no effect if the communication RTC is gone."""
         try:
             self._service.reset()
         except ServiceError:

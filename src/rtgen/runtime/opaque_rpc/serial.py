@@ -1,8 +1,8 @@
 """OpaqueRPC over a serial line: a channel for callers, and a server. Needs pyserial.
 
-A line has no connections to close. After an error either end discards what comes until the line
-is silent, then looks for the start of a message. What remains: noise that happens to be a
-complete message is taken for one, since OpaqueRPC has no check sum.
+A line has no connections to close. After an error both ends discard input until the line is
+silent, then wait for the start of a message. OpaqueRPC has no check sum, so noise that happens to
+be a complete message is accepted.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class _Line:
             raise ChannelError(E_OBJ, f"{device}: {_reason(error)}") from error
 
     def read(self, size: int, seconds: float) -> bytes:
-        """What is there, at least one byte; empty when time is over."""
+        """The available octets, at least one; empty on time-out."""
         port = self._port
         with _as_os_errors():
             if port.timeout != seconds:
@@ -99,7 +99,7 @@ class _Line:
         return data
 
     def write(self, data: bytes, seconds: float) -> None:
-        """Writes all of it."""
+        """Write all octets."""
         with _as_os_errors():
             if self._port.write_timeout != seconds:
                 self._port.write_timeout = seconds
@@ -129,7 +129,7 @@ class _Line:
 class SerialChannel:
     """A caller's end of a serial line, opened by the first call. See `Channel`.
 
-    `timeout` [s] is for a whole call. Without pyserial calls raise ChannelError (E_OBJ).
+    `timeout` [s] applies to a whole call. Without pyserial calls raise ChannelError (E_OBJ).
     """
 
     def __init__(
@@ -298,8 +298,8 @@ class _SerialReader(MessageReader):
 class SerialServer:
     """Serves a serial line. Parameters as those of `TcpServer`.
 
-    After an error it discards what comes until the line is silent; there is no reply. A line that
-    is lost, such as an adapter that was pulled out, raises ChannelError from `serve_forever`.
+    After an error it discards input until the line is silent; there is no reply. A lost line,
+    such as an unplugged adapter, raises ChannelError from `serve_forever`.
     """
 
     def __init__(

@@ -20,7 +20,7 @@ from rtgen.runtime.opaque_rpc.errors import E_BOVR, E_OBJ, E_TMOUT, ChannelError
 from rtgen.runtime.opaque_rpc.messages import log
 
 _IDLE = 0.05
-"""So many seconds after a call began, a connection is looked at before it is used again."""
+"""Seconds after the start of a call when a connection is checked before it is used again."""
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.005, 0.1
 _LASTING = (errno.EACCES, errno.EPERM, errno.EADDRNOTAVAIL, errno.ENODEV)
 """Why a connect fails that is not worth another try."""
@@ -163,7 +163,7 @@ class TcpChannel:
         return data[:n]
 
     def _ready(self, idle: float) -> Connection:
-        """The connection with its time limited, looked at after a pause, or a new one."""
+        """The connection with its time limit set, checked after a pause, or a new one."""
         connection = self._connection
         if connection is None or (idle > _IDLE and not connection.is_quiet()):
             self._drop()
@@ -201,7 +201,7 @@ class TcpChannel:
             peer.settimeout(max(self._deadline - monotonic(), 1e-6))
             peer.connect(address)
             if peer.getsockname() == peer.getpeername():
-                # TCP connects a socket to itself if it was given the free port that it asks for.
+                # TCP connects a socket to itself if it was given the port that it connects to.
                 raise ConnectionRefusedError(
                     errno.ECONNREFUSED, os.strerror(errno.ECONNREFUSED)
                 )

@@ -119,9 +119,9 @@ def _pass_silence(error: OSError) -> None:
 
 
 class _Door:
-    """Where clients come in, one after the other; those who wait stand in the system's queue.
+    """Listener that serves one client at a time; the rest wait in the accept queue.
 
-    Who had to wait for longer than `patience` [s] and has left is not served.
+    A client that waited for longer than `patience` [s] and has left is not served.
     """
 
     def __init__(self, host: str, port: int, patience: float) -> None:

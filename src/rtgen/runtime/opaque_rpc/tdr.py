@@ -1,7 +1,8 @@
-"""TDR, the data representation of TECS RPC: how basic values become bytes.
+"""TDR, the data representation of TECS RPC: octets of basic values.
 
-Two kinds exist: `tNBOTDR`, network byte order with widths that macros fix, and `tTDR`, byte order
-and widths of the machine. Nothing on the wire tells them; both ends have to be told.
+There are two kinds: `tNBOTDR`, network byte order with widths fixed by macros, and `tTDR`, byte
+order and widths of the machine. They cannot be distinguished on the wire; both ends have to be
+configured.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ SOP_REPLY: Final = 0x561E
 EOP_REPLY_FOLLOWS: Final = 0x5A3C
 EOP_NOTHING_FOLLOWS: Final = 0x6D5E
 SHARED_BEGIN: Final = 0x3141
-"""What a shared channel writes before the number of the sub-channel."""
+"""Marker of a shared channel before the number of the sub-channel."""
 SHARED_END: Final = 0x2718
-"""What a shared channel writes after an exchange."""
+"""Marker of a shared channel after an exchange."""
 
 _INTEGERS = {16: ("h", "H"), 32: ("i", "I"), 64: ("q", "Q")}
 
@@ -58,8 +59,8 @@ class Tdr:
         """The compiled form of a run of values.
 
         A kind is a letter of the `struct` module of a fixed size (`?bBhHiIqQfds`, counts too), or
-        one whose width is the TDR's: `k` short, `n` int, `l` long, `p` intptr_t, upper case
-        where unsigned.
+        one whose width is defined by the TDR: `k` short, `n` int, `l` long, `p` intptr_t, upper
+        case if unsigned.
         """
         return struct.Struct(
             ("<" if self.order == "little" else ">") + self._own(kinds)

@@ -1,8 +1,8 @@
-"""What generated modules and systems for OpenRTM-aist-Python share.
+"""Shared code of modules and systems generated for OpenRTM-aist-Python.
 
-A behaviour runs there as it is: its life cycle, ports, configuration and services are those of the
-embedded runtime, driven and fed by OpenRTM's. Nothing imports OpenRTM before it is used; the
-conversions (`wire`) and what connects systems need omniORBpy.
+A behaviour runs there unchanged: its life cycle, ports, configuration and services are those of
+the embedded runtime, driven by OpenRTM. OpenRTM is only imported when used; the conversions
+(`wire`) and the connection of systems need omniORBpy.
 """
 
 from __future__ import annotations

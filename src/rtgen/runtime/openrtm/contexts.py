@@ -1,4 +1,4 @@
-"""OpenRTM's execution contexts as behaviours see them."""
+"""Adapters of OpenRTM's execution contexts for behaviours."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _LOOK_AGAIN = 0.001
 
 
 class PollingGuard:
-    """A guard for what nobody announces: samples wait in OpenRTM until they are looked for."""
+    """A guard without notifications: samples wait in OpenRTM until they are polled."""
 
     def __init__(self) -> None:
         self._condition = threading.Condition()
@@ -41,7 +41,7 @@ class PollingGuard:
     def wait_for(
         self, predicate: Callable[[], bool], timeout: float | None = None
     ) -> bool:
-        """Looks every millisecond whether the predicate holds, at most `timeout` seconds long."""
+        """Poll the predicate every millisecond, for at most `timeout` seconds."""
         end = None if timeout is None else time.monotonic() + timeout
         while not predicate():
             if end is not None and time.monotonic() >= end:
@@ -74,15 +74,15 @@ class HostContext(ExecutionContext):
         self._wake = wake
 
     def get_rate(self) -> float:
-        """The rate in Hz that OpenRTM's context has now."""
+        """The current rate of OpenRTM's context in Hz."""
         return float(self._reference().get_rate())
 
     def set_rate(self, rate: float) -> ReturnCode_t:
-        """Sets the rate of OpenRTM's context; see `ExecutionContext`."""
+        """Set the rate of OpenRTM's context; see `ExecutionContext`."""
         return ReturnCode_t[str(self._reference().set_rate(float(rate)))]
 
     def set_running(self, running: bool) -> None:
-        """Notes that OpenRTM has started or stopped the context."""
+        """Record that OpenRTM has started or stopped the context."""
         self._running = running
 
     def activate_component(self, component: Component) -> ReturnCode_t:

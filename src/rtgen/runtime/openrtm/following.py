@@ -1,4 +1,4 @@
-"""What OpenRTM does not do: ticks of INACTIVE components, and to follow what a behaviour does."""
+"""Complements OpenRTM: ticks for INACTIVE components, and state changes by a behaviour."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ _STEPS = {
     (ERROR_STATE, INACTIVE_STATE): "reset_component",
     (ERROR_STATE, ACTIVE_STATE): "reset_component",
 }
-"""What OpenRTM's context is asked for, by its state of the component and the behaviour's.
+"""Requests to OpenRTM's context, by its state of the component and that of the behaviour.
 
-A behaviour in ERROR refuses to be activated, which leads to ERROR there as well.
+A behaviour in ERROR rejects activation, which leads to ERROR there as well.
 """
 
 
 class Follower:
-    """A thread that works while there is something to do, begun by `wake`.
+    """A thread that runs while there is work, started by `wake`.
 
-    It makes the ticks of a component that OpenRTM has as INACTIVE, as far as something waits for
-    them (requests, the end of a cycle), and asks OpenRTM to follow the behaviour's state.
+    It executes ticks of a component that is INACTIVE in OpenRTM if something depends on them
+    (requests, the end of a cycle), and requests OpenRTM to follow the behaviour's state.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class Follower:
         rtc: Any,
     ) -> None:
         self.states: dict[int, LifeCycleState] = {}
-        """The component's state in each of OpenRTM's contexts."""
+        """The component's state in each context of OpenRTM."""
         self._behaviour = behaviour
         self._participants = participants
         self._context = context
@@ -58,13 +58,13 @@ class Follower:
         self._thread: threading.Thread | None = None
 
     def look(self, ec_id: int) -> None:
-        """Begins to work if there is something to do in a context."""
+        """Start to work if a context needs it."""
         participant = self._participants.get(ec_id)
         if participant is not None and self._has_work(ec_id, participant):
             self.wake()
 
     def wake(self) -> None:
-        """Begins to work."""
+        """Start to work."""
         with self._lock:
             self._again = True
             if self._thread is None and not self._ended.is_set():
@@ -76,7 +76,7 @@ class Follower:
                 self._thread.start()
 
     def end(self) -> None:
-        """Ends the thread, after what it may be doing."""
+        """End the thread, after its current work."""
         with self._lock:
             self._ended.set()
             thread = self._thread
@@ -100,7 +100,7 @@ class Follower:
                     return
 
     def _tell(self, failure: str) -> None:
-        # Work that fails is tried again and again; why is worth telling once.
+        # Work that fails is repeated; its error is logged once.
         if failure != self._told:
             log.warning("%s: %s", self._behaviour.instance_name, failure)
         self._told = failure
@@ -112,14 +112,14 @@ class Follower:
                 participant.finish()
             step = self._step(ec_id, participant)
         if step is not None:
-            # Not in the behaviour's turn: OpenRTM's callback takes it.
+            # Outside the behaviour's turn, because OpenRTM's callback takes it.
             getattr(self._context(ec_id), step)(self._rtc.getObjRef())
 
     def _state(self, ec_id: int) -> LifeCycleState:
         return self.states.get(ec_id, INACTIVE_STATE)
 
     def _step(self, ec_id: int, participant: Participant) -> str | None:
-        """What OpenRTM's context is to be asked for; nothing while the behaviour has a request."""
+        """The request for OpenRTM's context; none while the behaviour has a request itself."""
         if participant._requests:
             return None
         return _STEPS.get((self._state(ec_id), participant.state))

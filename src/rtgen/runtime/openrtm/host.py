@@ -1,4 +1,4 @@
-"""A behaviour as an OpenRTM component: OpenRTM's callbacks drive the runtime's life cycle."""
+"""Runs a behaviour as an OpenRTM component: OpenRTM's callbacks drive the runtime's life cycle."""
 
 from __future__ import annotations
 
@@ -31,23 +31,25 @@ from rtgen.runtime.return_codes import (
 _T = TypeVar("_T")
 
 _PATIENCE = 0.3
-"""How long, in s, a transition may take that OpenRTM waits for: it gives up after 0.5 s."""
+"""Seconds that a callback waits for a transition: OpenRTM gives up after 0.5 s."""
 
 FOLDER = "rtgen.folder"
-"""The component property with the folder that relative file names start from."""
+"""Component property with the folder that relative file names are resolved against."""
 
 
 class Host:
     """Runs a behaviour in an OpenRTM component.
 
-    The life cycle is that of the embedded runtime (`docs/life-cycle.md`), in OMG's order: OpenRTM's
-    calls of `onDeactivated` on the way to ERROR, and of `onAborting`, which has been called then,
-    do not reach the behaviour. A transition that takes long goes on while OpenRTM has made it
-    already; and what the behaviour brings about by itself, OpenRTM is asked to follow.
+    The life cycle is that of the embedded runtime (`docs/life-cycle.md`), in the order of OMG RTC
+    1.0: OpenRTM's calls of `onDeactivated` on the way to ERROR, and of `onAborting`, which has
+    already been called, are not forwarded. A long transition continues after OpenRTM has
+    completed it; state changes by the behaviour itself are requested from OpenRTM.
     """
 
     def __init__(self, rtc: Any, factory: Callable[[str], Component]) -> None:
-        """`rtc` is the OpenRTM component, `factory` makes a behaviour of an instance name."""
+        """`rtc` is the OpenRTM component; `factory` constructs a behaviour from its instance
+        name.
+        """
         self._rtc = rtc
         self._factory = factory
         self._codes = import_module("RTC")
@@ -57,10 +59,10 @@ class Host:
         self._follower: Follower | None = None
         self._consumers: dict[tuple[str, str], Callable[[], Any]] = {}
 
-    # Making the component, in its onInitialize.
+    # Construction, in the component's onInitialize
 
     def begin(self) -> Host:
-        """Makes the behaviour: the component has its instance name now."""
+        """Construct the behaviour, once the component has its instance name."""
         log_to_manager()
         made = self._factory(self._rtc.getInstanceName())
         made._join(MachineClock())
@@ -81,8 +83,8 @@ class Host:
     def parameter(self, name: str) -> Callable[[Any, str], tuple[bool, Any]]:
         """The converter of a parameter for `bindParameter`.
 
-        A text that is no value of the parameter, or is not allowed, leaves the old one, and the
-        log says why. The behaviour sees the value in its next callback.
+        An invalid text leaves the old value, and is logged. The behaviour sees the new value in
+        its next callback.
         """
         sets = self.behaviour.configuration_sets
 
@@ -101,7 +103,10 @@ class Host:
     def in_port(
         self, name: str, port: Any, datum: Any, convert: Callable[[Any], Any]
     ) -> None:
-        """Feeds the behaviour's InPort; `convert` makes a sample of a wire object as `datum`."""
+        """Connect an InPort of the behaviour.
+
+        `convert` makes a sample of a wire object such as `datum`.
+        """
         Inflow(self.behaviour.in_ports[name], port, datum, convert)
 
     def out_port(
@@ -112,7 +117,10 @@ class Host:
         fill: Callable[[Any, Any], None],
         make: Callable[[Any], Any],
     ) -> None:
-        """Sends what the behaviour's OutPort gets: `datum`, filled by `fill`, or `make`'s."""
+        """Connect an OutPort of the behaviour.
+
+        Its samples are sent as `datum` filled by `fill`, or by `make`.
+        """
         Outflow(self.behaviour.out_ports[name], port, datum, fill, make)
 
     def servant(self, port: str, instance: str) -> Any:
@@ -126,7 +134,7 @@ class Host:
         consumer: Any,
         stub: Callable[[Callable[[], Any]], Any],
     ) -> None:
-        """Lets the behaviour's consumer call through OpenRTM's; see `RemoteProvider`."""
+        """Connect a consumer of the behaviour to OpenRTM's; see `RemoteProvider`."""
         inner = self.behaviour.consumers[port, instance]
 
         def reference() -> Any:
@@ -136,9 +144,10 @@ class Host:
         self._consumers[port, instance] = reference
 
     def service_port(self, name: str, port: Any) -> None:
-        """Logs a warning for each consumer that a connection of the port leaves empty.
+        """Log a warning for each consumer that a connection of the port leaves unconnected.
 
-        OpenRTM answers RTC_OK for such a connection, as where type names differ by a scope.
+        OpenRTM answers RTC_OK for such a connection, for instance if type names differ by a
+        scope.
         """
 
         def connected(profile: Any) -> None:
@@ -162,17 +171,17 @@ class Host:
 
         port.setOnConnected(connected)
 
-    # OpenRTM's callbacks.
+    # OpenRTM's callbacks
 
     def on_initialize(self) -> Any:
-        """`onInitialize`, after everything is bound: CREATED to INACTIVE."""
+        """`onInitialize`, after all ports and parameters are bound: CREATED to INACTIVE."""
         behaviour = self.behaviour
         behaviour._do_chores()
         behaviour._last_code = RTC_OK
         return self._code(behaviour.initialize() is not RTC_OK)
 
     def on_finalize(self) -> Any:
-        """`onFinalize`: leaves all contexts, deactivated if need be, then ends."""
+        """`onFinalize`: leave all contexts, deactivating if necessary, and finalize."""
         if self._follower is not None:
             self._follower.end()
         behaviour = self._behaviour
@@ -187,23 +196,23 @@ class Host:
         return self._started(ec_id, True, Request.STARTUP)
 
     def on_shutdown(self, ec_id: int) -> Any:
-        """`onShutdown`: of a component that has ended it was called before."""
+        """`onShutdown`; a component that has ended was notified before."""
         return self._started(ec_id, False, Request.SHUTDOWN)
 
     def on_activated(self, ec_id: int) -> Any:
-        """`onActivated`: RTC_OK as well where it takes longer, and may fail later."""
+        """`onActivated`; RTC_OK also if the transition takes longer, and may fail later."""
         return self._requested(ec_id, Request.ACTIVATE, ACTIVE_STATE)
 
     def on_deactivated(self, ec_id: int) -> Any:
-        """`onDeactivated`; nothing on the way to ERROR. Ends the wait for an activation."""
+        """`onDeactivated`; ignored on the way to ERROR. Ends the wait for an activation."""
         return self._requested(ec_id, Request.DEACTIVATE, INACTIVE_STATE)
 
     def on_reset(self, ec_id: int) -> Any:
-        """`onReset`: the component stays in ERROR unless it is RTC_OK."""
+        """`onReset`; the component stays in ERROR unless the result is RTC_OK."""
         return self._requested(ec_id, Request.RESET, INACTIVE_STATE)
 
     def on_aborting(self, ec_id: int) -> Any:
-        """`onAborting`: the behaviour's was called at the transition."""
+        """`onAborting`; the behaviour's callback was called at the transition."""
         self._started_follower.states[ec_id] = ERROR_STATE
         return self._codes.RTC_OK
 
@@ -243,7 +252,7 @@ class Host:
             return self._code(self.behaviour._last_code is not RTC_OK)
 
     def on_rate_changed(self, ec_id: int) -> Any:
-        """`onRateChanged`: called at the next tick where there is one, else at once."""
+        """`onRateChanged`; forwarded at the next tick if there is one, else immediately."""
         with self._turn(ec_id) as participant:
             if participant is None:
                 return self._codes.RTC_OK
@@ -253,10 +262,10 @@ class Host:
             participant.carry_out_requests()
             return self._ended(ec_id, participant)
 
-    # The life cycle.
+    # Life cycle
 
     def _participant(self, ec_id: int) -> Participant:
-        """The behaviour in a context of OpenRTM's."""
+        """The behaviour's participant in a context of OpenRTM."""
         found = self._participants.get(ec_id)
         if found is not None:
             return found
@@ -269,7 +278,7 @@ class Host:
         if context.add_component(behaviour) is not RTC_OK:
             raise RuntimeError(f"{behaviour.instance_name} is not alive")
         participant = context.participants[0]
-        # Handles are OpenRTM's, in whatever order its contexts come here.
+        # Handles are OpenRTM's, in any order of its contexts.
         behaviour._contexts[ec_id] = behaviour._contexts.pop(participant.handle)
         participant.handle = ec_id
         self._participants[ec_id] = participant
@@ -277,9 +286,9 @@ class Host:
 
     @contextmanager
     def _turn(self, ec_id: int) -> Iterator[Participant | None]:
-        """The behaviour's turn, with who is to be called; no callback has failed yet.
+        """The behaviour's turn with its participant; no callback has failed yet.
 
-        Nobody of a behaviour that has ended: OpenRTM stops the context of a component later.
+        None for a behaviour that has ended: OpenRTM stops the context of a component later.
         """
         behaviour = self.behaviour
         with behaviour._turn:
@@ -306,7 +315,7 @@ class Host:
             return self._code(self.behaviour._last_code is not RTC_OK)
 
     def _requested(self, ec_id: int, request: Request, goal: LifeCycleState) -> Any:
-        """A transition that OpenRTM makes; it is waited for a while if it takes time."""
+        """A transition made by OpenRTM; waits for a while if it takes time."""
         follower = self._started_follower
         with self._turn(ec_id) as participant:
             if participant is None:
@@ -330,7 +339,7 @@ class Host:
         return code
 
     def _ended(self, ec_id: int, participant: Participant) -> Any:
-        """The end of a tick: RTC_OK unless the behaviour is in ERROR, and is to stay there."""
+        """The end of a tick: RTC_OK unless the behaviour is, and remains, in ERROR."""
         participant.finish()
         self._started_follower.look(ec_id)
         return self._code(
@@ -339,13 +348,13 @@ class Host:
         )
 
     def _apply(self) -> None:
-        """Brings what OpenRTM has set into the configuration object."""
+        """Copy parameters set by OpenRTM to the configuration object."""
         if self._unapplied:
             self._unapplied = False
             self.behaviour.configuration_sets.apply()
 
     def _code(self, failed: bool) -> Any:
-        """OpenRTM's code: for a failure what the behaviour has told, if it has."""
+        """OpenRTM's return code; for a failure that of the behaviour, if it returned one."""
         if not failed:
             return self._codes.RTC_OK
         told = self.behaviour._last_code

@@ -1,4 +1,4 @@
-"""Data ports of OpenRTM behind those of a behaviour."""
+"""Connects data ports of OpenRTM to those of a behaviour."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ _OK = 0
 """`PORT_OK` of OpenRTM's connectors."""
 
 _ENDED = -1
-"""None of their codes."""
+"""A code that connectors never return."""
 
 
 class Inflow:
-    """Brings samples from the connections of OpenRTM's InPort into a behaviour's, when asked for.
+    """Reads samples from the connections of OpenRTM's InPort into a behaviour's InPort on demand.
 
-    A sample stays in OpenRTM's buffer until the behaviour looks for it, so that lengths and
-    policies of the connections hold. All connections are looked at, not only the first.
+    A sample stays in OpenRTM's buffer until the behaviour reads it, so that lengths and policies
+    of the connections apply. All connections are read, not only the first.
     """
 
     lost = 0
-    """Samples that were lost on the way: OpenRTM does not count them."""
+    """Number of lost samples, which OpenRTM does not count."""
 
     def __init__(
         self, target: InPort[Any], port: Any, datum: Any, convert: Callable[[Any], Any]
@@ -49,10 +49,10 @@ class Inflow:
         target._feed = self.feed
 
     def _rewire(self) -> None:
-        """What an InPort asks of the OutPort behind a connector: nothing to do here."""
+        """Hook of an InPort before it is fed; no effect here."""
 
     def feed(self) -> None:
-        """Brings one sample, if one waits."""
+        """Read one sample, if one waits."""
         with self.buffer.guard:
             if self.buffer.samples:
                 return
@@ -65,7 +65,7 @@ class Inflow:
                 self.buffer.write(sample)
 
     def _look_at(self, connectors: list[Any]) -> None:
-        """Notes what the connections are asked for: it does not change while they last."""
+        """Cache the settings of the connections, which never change."""
         self._known = connectors
         self._next = 0
         self._pulled = {}
@@ -75,10 +75,10 @@ class Inflow:
         self.buffer.settings = _reading(told)
 
     def _pushed(self) -> Any:
-        """The next value that was pushed, or handed over in the process; None if there is none."""
+        """The next value that was pushed, or passed within the process; None without one."""
         count = len(self._known)
         for turn in range(count):
-            # In turn, so that none of several buffers waits for ever.
+            # Round robin, so that no buffer starves.
             place = (self._next + turn) % count
             if self._pulling[place]:
                 continue
@@ -94,9 +94,9 @@ class Inflow:
         return None
 
     def _pull(self) -> Any:
-        """The value of a connection that is pulled; None if it is the same as the last time.
+        """The value of a pull connection; None if it is unchanged.
 
-        OpenRTM's OutPort gives its last value again and again, and does not tell that it does.
+        OpenRTM's OutPort returns its last value repeatedly, without an indication.
         """
         for place, connector in enumerate(self._known):
             if not self._pulling[place]:
@@ -115,7 +115,7 @@ class Inflow:
         try:
             status, wire = connector.read(self._datum)
         except AttributeError:
-            # OpenRTM takes its buffer and its peer away, without a lock.
+            # OpenRTM removes its buffer and its peer without a lock.
             return _ENDED, None
         return int(status), wire
 
@@ -128,17 +128,17 @@ class Inflow:
 
 
 def _word(properties: Any, key: str) -> str:
-    """What a connection says, in lower case; empty for nothing."""
+    """A property of a connection in lower case; empty if it is missing."""
     return str(properties.getProperty(key) or "").strip().lower()
 
 
 def _is_direct(properties: Any) -> bool:
-    """Whether a value itself is handed over, within a process."""
+    """Whether the value object itself is passed, within a process."""
     return _word(properties, "interface_type") == "direct"
 
 
 def _reading(properties: Sequence[Any]) -> BufferSettings:
-    """What a read does with nothing unread: as the first connection says."""
+    """The behaviour of a read without new samples, from the first connection."""
     if not properties:
         return BufferSettings(length=1)
     policy = _word(properties[0], "buffer.read.empty_policy")
@@ -156,11 +156,11 @@ def _reading(properties: Sequence[Any]) -> BufferSettings:
 
 
 class Outflow:
-    """Sends what a behaviour writes through OpenRTM's OutPort.
+    """Sends samples of a behaviour through OpenRTM's OutPort.
 
-    One wire object is kept for the port and filled in place, since OpenRTM marshals within
-    `write`. A `direct` connection hands the object itself to the receiver, which would then see
-    the next sample in it: there every sample is a new one.
+    A single wire object is filled in place for each sample, since OpenRTM marshals within
+    `write`. A `direct` connection passes the object itself to the receiver, so a new object is
+    made for each sample.
     """
 
     def __init__(
@@ -172,7 +172,7 @@ class Outflow:
         make: Callable[[Any], Any],
     ) -> None:
         self.target = None
-        """No InPort of this process."""
+        """Raises ValueError: no InPort of this process."""
         self._source = source
         self._port = port
         self._kept = kept
@@ -184,11 +184,11 @@ class Outflow:
         source._attach(self)  # type: ignore[arg-type]  # as much of a connector as it needs
 
     def short_way(self) -> Callable[[Any], PortStatus]:
-        """What the OutPort calls for each sample."""
+        """The function that the OutPort calls for each sample."""
         return self.send
 
     def send(self, value: Any) -> PortStatus:
-        """Sends a sample; see `OutPort.write` for what it answers."""
+        """Send a sample; returns the status of `OutPort.write`."""
         self._source._checked(value)
         port = self._port
         with self._lock:

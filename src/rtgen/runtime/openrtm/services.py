@@ -1,4 +1,4 @@
-"""Service ports of OpenRTM behind the providers and consumers of a behaviour."""
+"""Connects service ports of OpenRTM to the providers and consumers of a behaviour."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from rtgen.runtime.services import ServiceError, Skeleton
 
 
 def servant_of(provider: Provider[Any]) -> Any:
-    """A servant that calls the provider's, while its component is ACTIVE.
+    """A CORBA servant that delegates to the provider's servant while its component is ACTIVE.
 
-    What the IDL does not allow is raised as a system exception of CORBA.
+    Undeclared exceptions are raised as system exceptions of CORBA.
     """
 
     def call(operation: str, arguments: tuple[object, ...]) -> object:
@@ -27,9 +27,9 @@ def servant_of(provider: Provider[Any]) -> Any:
 
 
 class RemoteProvider:
-    """Carries a consumer's calls to the object that OpenRTM has connected it to.
+    """Carries a consumer's calls to the object that OpenRTM has connected.
 
-    `stub` makes a servant of a function that gives the object's reference, or None.
+    `stub` constructs a stub from a function that returns the object's reference, or None.
     """
 
     def __init__(

@@ -1,4 +1,4 @@
-"""How an emitted module starts as a program, and where its messages go."""
+"""Starts a generated module as a program, and forwards log messages to OpenRTM."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ _LEVELS = (
 
 
 def main(init: Callable[[Any], None], folder: Path, category: str, name: str) -> None:
-    """Runs a manager with one component of a module until it ends.
+    """Run a manager with one component of a module until it ends.
 
-    `init` makes the component, of the type `name`. The arguments are those of an OpenRTM manager,
-    and `--instance_name=NAME`. Where neither they nor the environment nor the working folder has
-    a configuration, that of the module's `folder` is taken.
+    `init` creates the component, of the type `name`. The arguments are those of an OpenRTM
+    manager, and `--instance_name=NAME`. The configuration in the module's `folder` is the default
+    if arguments, environment and working folder have none.
     """
     logging.basicConfig(format="%(message)s")
     manager = import_module("OpenRTM_aist").Manager.init(
@@ -37,7 +37,7 @@ def main(init: Callable[[Any], None], folder: Path, category: str, name: str) ->
 
 
 def arguments(argv: list[str], folder: Path, category: str, name: str) -> list[str]:
-    """The arguments for `Manager.init`; our own are left out, since it stops at unknown ones."""
+    """The arguments for `Manager.init`, without rtgen's own: it stops at unknown ones."""
     kept = [each for each in argv if not each.startswith(_INSTANCE)]
     told = any(each.startswith("-f") for each in kept[1:])
     if told or "RTC_MANAGER_CONFIG" in os.environ or Path("rtc.conf").is_file():
@@ -47,7 +47,7 @@ def arguments(argv: list[str], folder: Path, category: str, name: str) -> list[s
 
 
 def instance_arguments(argv: list[str]) -> str:
-    """What `createComponent` is given behind the component's type: the instance name, if any."""
+    """The suffix of the type name in `createComponent` with the instance name, if any."""
     for each in argv[1:]:
         if each.startswith(_INSTANCE):
             return f"?instance_name={each.removeprefix(_INSTANCE)}"
@@ -55,7 +55,7 @@ def instance_arguments(argv: list[str]) -> str:
 
 
 class ManagerLog(logging.Handler):
-    """Hands the runtime's messages to the log of OpenRTM's manager."""
+    """Forwards log records of the runtime to the log of OpenRTM's manager."""
 
     def __init__(self) -> None:
         super().__init__(logging.INFO)
@@ -69,6 +69,6 @@ class ManagerLog(logging.Handler):
 
 
 def log_to_manager() -> None:
-    """Makes the manager's log hold the runtime's messages, too; once for each process."""
+    """Install `ManagerLog`, once for each process."""
     if not any(isinstance(handler, ManagerLog) for handler in log.handlers):
         log.addHandler(ManagerLog())

@@ -1,8 +1,8 @@
-"""A system on OpenRTM-aist: its components found, connected, configured, activated, and ended.
+"""Starts and stops a system on OpenRTM-aist: find, connect, configure, activate, end components.
 
-The client side of `connect.py`: names are resolved in one naming service, everything else is CORBA
-calls by OpenRTM_aist's own functions. All waiting has a limit. What is done already is left as it
-is, so that the script may run again.
+The client side of `connect.py`: names are resolved in one naming service, everything else is
+CORBA calls by functions of OpenRTM_aist. All waits are bounded. Completed steps are kept, so that
+the script can be run again.
 """
 
 from __future__ import annotations
@@ -24,16 +24,15 @@ OK, FAILED = 0, 3
 _STRICTNESS = "port.connection.strictness"
 _PAUSE = 0.05
 _CALL_TIMEOUT = 10_000
-"""Milliseconds, as OpenRTM's managers have it."""
+"""Milliseconds, the unit of OpenRTM's managers."""
 
 
 @dataclass(frozen=True, slots=True)
 class Instance:
-    """A component: `rate` in Hz, the values of its sets, the set that is active, how long to wait
-    before it is activated [s].
+    """A component: `rate` in Hz, configuration sets, active set, wait before activation [s].
 
-    `per_cycle` are parameters that are meant for one execution, with their values at `rate`: they
-    grow as the rate is scaled down.
+    `per_cycle` are parameters in units of one execution, with their values at `rate`: they grow
+    when the rate is scaled down.
     """
 
     name: str
@@ -46,9 +45,10 @@ class Instance:
 
 @dataclass(frozen=True, slots=True)
 class Connection:
-    """A connection of two ports, each `INSTANCE.PORT`, data ports or service ports.
+    """A connection of two ports `INSTANCE.PORT`, both data ports or both service ports.
 
-    `id` is that of the system's connector, by which OpenRTM's tools cut it; empty for the name.
+    `id` is that of the system's connector, by which OpenRTM's tools remove it; defaults to the
+    name.
     """
 
     name: str
@@ -60,7 +60,7 @@ class Connection:
 
 @dataclass(frozen=True, slots=True)
 class System:
-    """A system: `instances` in the order of their activation."""
+    """A system: `instances` in order of activation."""
 
     name: str
     instances: Sequence[Instance]
@@ -68,11 +68,11 @@ class System:
 
 
 class StartError(Exception):
-    """Why a system does not come up."""
+    """The reason why a system does not start."""
 
 
 def main(system: System, arguments: Sequence[str] | None = None) -> int:
-    """Carries out the command line; gives the exit code."""
+    """Run the command line; return the exit code."""
     options = _options(system, arguments)
     try:
         client = Client(options.nameserver, options.timeout, options.run)
@@ -171,7 +171,7 @@ class Client:
         return naming
 
     def start(self, system: System, rate_scale: float = 1.0) -> Iterator[str]:
-        """Brings a system up, and tells each step. Raises StartError."""
+        """Start a system, and yield a message for each step. Raises StartError."""
         self._find(system)
         for connection in system.connections:
             for consumer in self._connect(connection):
@@ -187,7 +187,7 @@ class Client:
         yield "ready"
 
     def stop(self, system: System) -> Iterator[str]:
-        """Deactivates and ends the components that there still are, the last one first."""
+        """Deactivate and end the remaining components, in reverse order."""
         naming = self.naming()
         for instance in reversed(system.instances):
             component = self._resolved(naming, instance.name)
@@ -198,12 +198,12 @@ class Client:
                     self._openrtm.deactivate(component)
                 component.exit()
             except self._corba.SystemException as error:
-                # A component that ends may not be there any more to answer.
+                # A component that ends may not be able to answer any more.
                 yield f"{instance.name} does not answer: {_told(error)}"
             else:
                 yield f"{instance.name} ended"
 
-    # Components.
+    # Components
 
     def _find(self, system: System) -> None:
         naming = self.naming()
@@ -224,7 +224,7 @@ class Client:
             raise StartError(f"not in the naming service {self._nameserver}: {names}")
 
     def _require_process(self, name: str) -> None:
-        """Raises StartError if the process of a component has ended."""
+        """Raise StartError if the process of a component has ended."""
         if self._run is None:
             return
         try:
@@ -236,7 +236,7 @@ class Client:
             return  # not started by start.sh, or not ours
 
     def _last_line(self, name: str) -> str:
-        """The last line that a component's process has printed; empty if it is not known."""
+        """The last line printed by a component's process; empty if unknown."""
         if self._run is None:
             return ""
         try:
@@ -248,7 +248,7 @@ class Client:
         )
 
     def _resolved(self, naming: Any, name: str) -> Any:
-        """The living component that a name is bound to, else None."""
+        """The living component bound to a name, else None."""
         try:
             found = naming.resolve(f"{name}.rtc")
             component = None if found is None else found._narrow(self._rtc.RTObject)
@@ -277,8 +277,8 @@ class Client:
         with _Step(f"{name} cannot be activated"):
             if self._state(component) == inactive:
                 code = self._openrtm.activate(component)
-                # RTC_ERROR: it takes longer than OpenRTM waits, half a second.
-                # PRECONDITION_NOT_MET: it is in ERROR already.
+                # RTC_ERROR: it takes longer than OpenRTM's half second. PRECONDITION_NOT_MET:
+                # already in ERROR.
                 if code == self._rtc.BAD_PARAMETER:
                     raise StartError(f"{code}")
             if not self._wait(lambda: self._state(component) != inactive):
@@ -289,13 +289,13 @@ class Client:
         return str(state).removesuffix("_STATE")
 
     def _with_reason(self, text: str, name: str) -> str:
-        """The text, and the last line that the component's process has printed."""
+        """The text with the last line printed by the component's process."""
         return f"{text}: {self._last_line(name)}".removesuffix(": ")
 
     def _require_active(self, system: System) -> None:
-        """Raises StartError if a component is in ERROR once all have had time for two ticks.
+        """Raise StartError if a component is in ERROR after two ticks of all components.
 
-        In OpenRTM a component is ACTIVE before `onActivated`, until the tick after that fails.
+        In OpenRTM a component is ACTIVE before `onActivated`, until the tick after its failure.
         """
         with _Step("a component does not answer"):
             contexts = map(self._context, self._components.values())
@@ -311,7 +311,7 @@ class Client:
             reasons = (self._with_reason(f"{n} is in ERROR_STATE", n) for n in failed)
             raise StartError("; ".join(reasons))
 
-    # Configuration.
+    # Configuration
 
     def _configure(self, instance: Instance, scale: float) -> None:
         component = self._components[instance.name]
@@ -345,10 +345,10 @@ class Client:
         ]
         sets.set_configuration_set_values(found)
 
-    # Connections.
+    # Connections
 
     def _connect(self, connection: Connection) -> list[str]:
-        """Makes a connection; gives the consumers that stay without a provider."""
+        """Connect two ports; return the consumers that remain without a provider."""
         with _Step(f"{connection.source} and {connection.target} cannot be joined"):
             ports = [self._port(end) for end in (connection.source, connection.target)]
             lonely = self._require_providers(connection, ports)
@@ -374,9 +374,9 @@ class Client:
     ) -> list[str]:
         """The consumers that the connection leaves without a provider.
 
-        OpenRTM takes a provider by its names where the one that a property names is missing, and
-        answers RTC_OK for a consumer without any unless the connection is strict. Raises StartError
-        for both, and for a property about a consumer that there is not.
+        OpenRTM falls back on names if the provider that a property selects is missing, and
+        answers RTC_OK for an unconnected consumer unless the connection is strict. Raises
+        StartError for both, and for a property about an unknown consumer.
         """
         profiles = [port.get_port_profile() for port in ports]
         provided = {
@@ -413,7 +413,7 @@ class Client:
         return lonely
 
     def _interfaces(self, profile: Any, polarity: Any) -> Iterator[tuple[str, str]]:
-        """Key in connectors' properties, and type and instance name, of a port's interfaces."""
+        """Key in connectors' properties, type and instance name of a port's interfaces."""
         instance = self._instance(profile.name)
         port = profile.name.removeprefix(f"{instance}.")
         word = "provided" if polarity == self._rtc.PROVIDED else "required"
@@ -427,19 +427,19 @@ class Client:
         ports = self._components[instance].get_ports()
         names = [port.get_port_profile().name for port in ports]
         own = end.removeprefix(f"{instance}.")
-        # OpenRTM calls a port by what is behind the last dot of the name that it was given.
+        # OpenRTM names a port by the part of its name after the last dot.
         for wanted in (end, own, f"{instance}.{own.rpartition('.')[2]}"):
             if wanted in names:
                 return ports[names.index(wanted)]
         raise StartError(f"{instance} has the ports {', '.join(names)}")
 
     def _instance(self, end: str) -> str:
-        """The instance that the name of a port begins with."""
+        """The instance at the start of a port's name."""
         names = (name for name in self._components if end.startswith(f"{name}."))
         return max(names, key=len)
 
     def _cut(self, connector_id: str, ports: Sequence[Any]) -> None:
-        """Cuts the connector of an id, such as one with a component that was started again."""
+        """Remove the connector with an id, such as one with a component that was restarted."""
         for port in ports:
             known = [each.connector_id for each in port.get_connector_profiles()]
             if connector_id in known:
@@ -454,7 +454,7 @@ class Client:
 
 
 class _Step:
-    """What is tried: CORBA's exceptions and StartErrors in it begin with its text."""
+    """The step in progress: prefixes its text to CORBA exceptions and StartErrors."""
 
     def __init__(self, text: str) -> None:
         self._text = text
