@@ -19,7 +19,7 @@ class TablesHook(BuildHookInterface):  # type: ignore[type-arg]
         if self.target_name == "wheel":
             root = Path(self.root)
             sys.path.insert(0, str(root / "src"))
-            from rtgen.frontends.lalr_tables import write
+            from rtgen.frontends.kit.lalr_tables import write
 
             for grammar in sorted((root / "grammars").glob("*.lark")):
                 write(grammar)

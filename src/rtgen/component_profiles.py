@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from rtgen.frontends import FrontendResult, rtc_profile
-from rtgen.frontends.library import VirtualFile
+from rtgen.frontends.kit.library import VirtualFile
 from rtgen.frontends.rtc_profile import Profiles
 from rtgen.standard_idl import standard_idl
 

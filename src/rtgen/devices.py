@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.frontends import Dependency, FrontendResult, together
-from rtgen.frontends.library import VirtualFile
+from rtgen.frontends.kit.library import VirtualFile
 from rtgen.model import Component, Model
 from rtgen.resources import idl_file
 

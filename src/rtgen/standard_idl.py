@@ -7,7 +7,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from rtgen.frontends import Dependency
-from rtgen.frontends.library import VirtualFile
+from rtgen.frontends.kit.library import VirtualFile
 from rtgen.model import Model
 from rtgen.resources import idl_file
 

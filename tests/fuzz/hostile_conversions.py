@@ -17,7 +17,8 @@ from rtgen.cli.adopted import adopted
 from rtgen.cli.component_text import component_idl, component_profile
 from rtgen.compiler import compile_project
 from rtgen.diagnostics import Diagnostic, has_errors
-from rtgen.frontends import idl, located_xml, profile_yaml
+from rtgen.frontends import idl, profile_yaml
+from rtgen.frontends.kit import located_xml
 from rtgen.model import Component
 from rtgen.project import load
 from rtgen.resources import idl_file

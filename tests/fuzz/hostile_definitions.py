@@ -175,7 +175,7 @@ def profile(texts: Texts, count: int) -> Files:
 
 def profile_yaml(texts: Texts, count: int) -> Files:
     """The same components in YAML."""
-    from rtgen.frontends import located_xml
+    from rtgen.frontends.kit import located_xml
     from rtgen.frontends.profile_yaml import to_yaml
 
     return {

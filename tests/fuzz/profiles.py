@@ -15,7 +15,8 @@ from rtgen.backends.components.checks import check, components_of
 from rtgen.backends.rtc_profile import profile_text
 from rtgen.diagnostics import Diagnostic, InputError, has_errors
 from rtgen.diagnostics.report import report
-from rtgen.frontends import idl, located_xml, profile_yaml, rtc_profile, rts_profile
+from rtgen.frontends import idl, profile_yaml, rtc_profile, rts_profile
+from rtgen.frontends.kit import located_xml
 from rtgen.frontends.rtc_profile.rules import RULES
 from rtgen.inspection.models import inspect
 from rtgen.model import Model

@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 from lark import Lark, Token, Tree
 
-from rtgen.frontends import lalr, lalr_tables
 from rtgen.frontends.idl.keywords import RESERVED, TERMINALS
 from rtgen.frontends.idl.preprocessor import Preprocessor, predefined
 from rtgen.frontends.idl.source import Library
+from rtgen.frontends.kit import lalr, lalr_tables
 from rtgen.resources import grammar_file
 
 ROOT = Path(__file__).parents[2]

@@ -21,7 +21,7 @@ from rtgen.diagnostics import (
     has_errors,
 )
 from rtgen.facts.connector_properties import own_properties
-from rtgen.frontends.suggestions import nearest
+from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import Connection, System, SystemComponent
 from rtgen.runtime.conf_file import read as read_conf
 from rtgen.runtime.watchdog import calling

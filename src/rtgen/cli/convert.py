@@ -70,7 +70,8 @@ def _wrong_form(form: str, forms: tuple[str, ...], what: str) -> InputError:
 
 
 def _system(console: Console, path: Path, form: str) -> int:
-    from rtgen.frontends import located_xml, profile_yaml, rts_profile
+    from rtgen.frontends import profile_yaml, rts_profile
+    from rtgen.frontends.kit import located_xml
     from rtgen.systems.checks import as_warnings, check_properties
 
     shown = path.as_posix()
@@ -155,7 +156,8 @@ def _profile(
     path: Path, form: str, model: Model, component: Component, project: Project
 ) -> str | bytes:
     from rtgen.cli.component_text import component_profile
-    from rtgen.frontends import located_xml, profile_yaml, rtc_profile
+    from rtgen.frontends import profile_yaml, rtc_profile
+    from rtgen.frontends.kit import located_xml
 
     shown = path.as_posix()
     if not is_component_profile(path):

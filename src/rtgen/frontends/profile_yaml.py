@@ -16,7 +16,7 @@ from typing import Any
 from xml.sax.saxutils import escape, quoteattr
 
 from rtgen.diagnostics import InputError, Rule, Severity, Span
-from rtgen.frontends.located_xml import Element
+from rtgen.frontends.kit.located_xml import Element
 
 YAML_SUFFIXES = (".yaml", ".yml")
 

@@ -20,8 +20,9 @@ from rtgen.diagnostics import (
     Span,
     has_errors,
 )
-from rtgen.frontends import located_xml, profile_yaml
-from rtgen.frontends.located_xml import Element
+from rtgen.frontends import profile_yaml
+from rtgen.frontends.kit import located_xml
+from rtgen.frontends.kit.located_xml import Element
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.model import Activation, Connection, PortReference, System, SystemComponent
 from rtgen.model.components import NO_DATE

@@ -88,7 +88,7 @@ def _ports(file: str, text: str, base: str) -> Iterator[Diagnostic]:
 
 def _nearest(word: str, candidates: Iterable[str]) -> str | None:
     # Loaded only when there is something to report.
-    from rtgen.frontends.suggestions import nearest
+    from rtgen.frontends.kit.suggestions import nearest
 
     return nearest(word, sorted(candidates))
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from rtgen.backends.rtc_profile import profile_id
 from rtgen.diagnostics import Diagnostic, Rule, Severity, Span
 from rtgen.facts import connector_properties
-from rtgen.frontends.suggestions import nearest
+from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import (
     ConfigurationParameter,
     Connection,

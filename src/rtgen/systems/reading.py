@@ -9,7 +9,8 @@ from hashlib import sha256
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic
-from rtgen.frontends import Dependency, key_of, located_xml, rts_profile
+from rtgen.frontends import Dependency, key_of, rts_profile
+from rtgen.frontends.kit import located_xml
 from rtgen.model import Model, System, SystemComponent
 from rtgen.model.system_links import known_components
 from rtgen.systems.checks import check

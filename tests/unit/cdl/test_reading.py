@@ -10,7 +10,7 @@ from rtgen.cli import run
 from rtgen.diagnostics import Severity
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl import load, read_text
-from rtgen.frontends.cdl.encodings import decode
+from rtgen.frontends.cdl.text.encodings import decode
 from rtgen.model.tecs import (
     Cell,
     Celltype,

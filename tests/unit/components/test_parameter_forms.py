@@ -11,7 +11,8 @@ from component_models import OPTIONS
 from rtgen.backends.components.checks import check_component
 from rtgen.backends.rtc_profile import profile_text
 from rtgen.cli import run
-from rtgen.frontends import idl, located_xml
+from rtgen.frontends import idl
+from rtgen.frontends.kit import located_xml
 from rtgen.model import Component
 
 TYPES = (

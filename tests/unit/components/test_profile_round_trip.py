@@ -16,7 +16,8 @@ from random_components import FILES, Definition, definitions
 from rtgen import compiler
 from rtgen.cli.component_text import component_idl, component_profile
 from rtgen.diagnostics import Diagnostic, has_errors
-from rtgen.frontends import located_xml, profile_yaml
+from rtgen.frontends import profile_yaml
+from rtgen.frontends.kit import located_xml
 from rtgen.inspection.models import inspect
 from rtgen.model import Component, Model
 from rtgen.project import Project

@@ -9,8 +9,9 @@ import pytest
 from lxml import etree
 
 from rtgen.cli import run
-from rtgen.frontends import located_xml, profile_yaml, rts_profile
-from rtgen.frontends.located_xml import Element
+from rtgen.frontends import profile_yaml, rts_profile
+from rtgen.frontends.kit import located_xml
+from rtgen.frontends.kit.located_xml import Element
 
 GOLDEN = Path(__file__).parents[4] / "shared" / "golden" / "rtc_profiles"
 PROFILES = sorted(GOLDEN.glob("rtc/*.xml"))

@@ -12,7 +12,8 @@ from rts_rules import broken_rules
 
 from rtgen.backends.rts_profile import system_text
 from rtgen.diagnostics import Span
-from rtgen.frontends import located_xml, profile_yaml, rts_profile
+from rtgen.frontends import profile_yaml, rts_profile
+from rtgen.frontends.kit import located_xml
 from rtgen.model import (
     Activation,
     Connection,

@@ -10,7 +10,7 @@ from rtgen.frontends.bus import rules
 from rtgen.frontends.eds.findings import Findings
 from rtgen.frontends.eds.pdos import PdoReader
 from rtgen.frontends.eds.rules import pdos as pdo_rules
-from rtgen.frontends.located_toml import Toml
+from rtgen.frontends.kit.located_toml import Toml
 from rtgen.layouts.can_messages import identifier_of, messages
 from rtgen.layouts.can_supervision import heartbeat_timeout
 from rtgen.layouts.can_timing import load, response_times

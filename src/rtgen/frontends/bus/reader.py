@@ -16,8 +16,8 @@ from rtgen.frontends.bus.checks import check
 from rtgen.frontends.bus.schema import problems
 from rtgen.frontends.bus.values import BadValueError, configured, number_of
 from rtgen.frontends.eds.rules.lexical import MISSING_FILE, UNREADABLE
-from rtgen.frontends.located_toml import Path as Place
-from rtgen.frontends.located_toml import Toml
+from rtgen.frontends.kit.located_toml import Path as Place
+from rtgen.frontends.kit.located_toml import Toml
 from rtgen.model.can_bus import Bus, BusNode, DeviceKind, PdoLink
 from rtgen.model.canopen import (
     INVALID,

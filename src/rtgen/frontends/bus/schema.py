@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from rtgen.frontends.eds.information import BIT_RATES
-from rtgen.frontends.located_toml import Path
+from rtgen.frontends.kit.located_toml import Path
 
 _OBJECT = "^[0-9A-Fa-f]{4}(:[0-9A-Fa-f]{1,2})?$"
 _NAME = "^[A-Za-z_][A-Za-z0-9_]*$"

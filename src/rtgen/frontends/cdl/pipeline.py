@@ -10,17 +10,17 @@ from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, Severity, Span, in_order
 from rtgen.frontends import FrontendResult
-from rtgen.frontends.cdl import parser
-from rtgen.frontends.cdl import prelude as kernel
-from rtgen.frontends.cdl.analysis import Analysis
-from rtgen.frontends.cdl.header_file import HeaderFile
+from rtgen.frontends.cdl.c_headers.file import HeaderFile
+from rtgen.frontends.cdl.names.table import Table
+from rtgen.frontends.cdl.passes import prelude as kernel
+from rtgen.frontends.cdl.passes.analysis import Analysis
 from rtgen.frontends.cdl.reader import Reader
 from rtgen.frontends.cdl.rules import files
-from rtgen.frontends.cdl.source import Source
-from rtgen.frontends.cdl.table import Table
-from rtgen.frontends.cdl.unit import Unit
-from rtgen.frontends.library import Library, absolute_path
-from rtgen.frontends.suggestions import nearest
+from rtgen.frontends.cdl.syntax import parser
+from rtgen.frontends.cdl.syntax.unit import Unit
+from rtgen.frontends.cdl.text.source import Source
+from rtgen.frontends.kit.library import Library, absolute_path
+from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import Model, SourceFile
 from rtgen.model.tecs import TecsUnit
 

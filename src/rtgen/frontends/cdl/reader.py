@@ -9,18 +9,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Diagnostic, Rule, Span
-from rtgen.frontends.cdl import parser, tree
-from rtgen.frontends.cdl.header_file import HeaderFile
+from rtgen.frontends.cdl.c_headers.file import HeaderFile
 from rtgen.frontends.cdl.rules import files
 from rtgen.frontends.cdl.rules import headers as header_rules
-from rtgen.frontends.cdl.source import Source
-from rtgen.frontends.cdl.tool_information import tool_information
-from rtgen.frontends.cdl.unit import TypeNames, Unit
-from rtgen.frontends.library import Library, absolute_path
+from rtgen.frontends.cdl.syntax import parser, tree
+from rtgen.frontends.cdl.syntax.unit import TypeNames, Unit
+from rtgen.frontends.cdl.text.source import Source
+from rtgen.frontends.cdl.text.tool_information import tool_information
+from rtgen.frontends.kit.library import Library, absolute_path
 from rtgen.model.tecs import TecsTypedef
 
 if TYPE_CHECKING:
-    from rtgen.frontends.cdl.headers import Headers
+    from rtgen.frontends.cdl.c_headers.reader import Headers
 
 MAX_DEPTH = 100
 """How deep files may import files."""
@@ -155,7 +155,7 @@ class Reader:
     @cached_property
     def _headers(self) -> Headers:
         """Made when the first header is read, for pcpp and pycparser take time to import."""
-        from rtgen.frontends.cdl.headers import Headers
+        from rtgen.frontends.cdl.c_headers.reader import Headers
 
         return Headers(self._header_files, self._define, self._report)
 

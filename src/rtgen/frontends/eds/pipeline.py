@@ -21,7 +21,7 @@ from rtgen.frontends.eds.outline import Outline, outline
 from rtgen.frontends.eds.pdos import PdoReader
 from rtgen.frontends.eds.rules import information as information_rules
 from rtgen.frontends.eds.rules import lexical
-from rtgen.frontends.suggestions import nearest
+from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import Model
 from rtgen.model.canopen import (
     PDOS,

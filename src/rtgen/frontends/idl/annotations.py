@@ -14,7 +14,7 @@ from rtgen.frontends.idl.rules import annotations as rules
 from rtgen.frontends.idl.scopes import Entity, Kind
 from rtgen.frontends.idl.typetable import PRIMITIVES, Types
 from rtgen.frontends.idl.unit import Unit
-from rtgen.frontends.suggestions import Guesses, nearest
+from rtgen.frontends.kit.suggestions import Guesses, nearest
 from rtgen.model import (
     Annotation,
     ConstantValue,

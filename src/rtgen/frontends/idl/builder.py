@@ -8,7 +8,7 @@ from rtgen.frontends.idl import tree
 from rtgen.model import Direction, Primitive
 
 if TYPE_CHECKING:
-    from rtgen.frontends.lalr import Token
+    from rtgen.frontends.kit.lalr import Token
 
 Children: TypeAlias = list[Any]
 

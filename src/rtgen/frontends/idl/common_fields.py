@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from rtgen.frontends.docs import Docs
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.annotations import PLACES, Annotations
 from rtgen.frontends.idl.scopes import Entity
 from rtgen.frontends.idl.unit import Unit
+from rtgen.frontends.kit.doc_comments import Docs
 from rtgen.model import Type
 
 

@@ -11,7 +11,7 @@ from rtgen.frontends.idl.keywords import CORBA_3, FOLDED, RESERVED
 from rtgen.frontends.idl.rules import names as rules
 from rtgen.frontends.idl.scopes import TYPES, Entity, Kind, Scope, Use
 from rtgen.frontends.idl.unit import Unit
-from rtgen.frontends.suggestions import nearest
+from rtgen.frontends.kit.suggestions import nearest
 
 MOST_ELSEWHERE = 3
 """Maximum number of further places listed in a diagnostic."""

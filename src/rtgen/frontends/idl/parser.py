@@ -12,13 +12,13 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Diagnostic
-from rtgen.frontends import lalr
 from rtgen.frontends.idl import tree
 from rtgen.frontends.idl.builder import Builder
 from rtgen.frontends.idl.keywords import RESERVED, WORDS
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.unit import Unit
-from rtgen.frontends.lalr import END, Token, token
+from rtgen.frontends.kit import lalr
+from rtgen.frontends.kit.lalr import END, Token, token
 
 if TYPE_CHECKING:
     from rtgen.frontends.idl.syntax_errors import ErrorContext, Recovery

@@ -24,8 +24,8 @@ from rtgen.frontends.idl.tables import Tables
 from rtgen.frontends.idl.tree import Item
 from rtgen.frontends.idl.typetable import Types
 from rtgen.frontends.idl.unit import Inclusion, Unit
-from rtgen.frontends.library import VirtualFile, absolute_path
-from rtgen.frontends.suggestions import nearest
+from rtgen.frontends.kit.library import VirtualFile, absolute_path
+from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import (
     Declaration,
     Interface,

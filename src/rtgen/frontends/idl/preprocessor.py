@@ -25,7 +25,7 @@ from rtgen.frontends.idl.macros import (
 from rtgen.frontends.idl.rules import lexical
 from rtgen.frontends.idl.source import Library, Source
 from rtgen.frontends.idl.unit import Boundary, Inclusion, Pragma, TextBuilder, Unit
-from rtgen.frontends.suggestions import Guesses, nearest
+from rtgen.frontends.kit.suggestions import Guesses, nearest
 
 MAX_DEPTH = 256
 """Maximum nesting of includes."""

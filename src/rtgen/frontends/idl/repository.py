@@ -9,7 +9,7 @@ from rtgen.diagnostics import Diagnostic, Related, Span
 from rtgen.frontends.idl.rules import repository as rules
 from rtgen.frontends.idl.scopes import Entity, Kind, Scope
 from rtgen.frontends.idl.unit import Pragma
-from rtgen.frontends.suggestions import nearest
+from rtgen.frontends.kit.suggestions import nearest
 
 _PRAGMA = re.compile(r"\s*(\w+)\s*(.*?)\s*$", re.DOTALL)
 _PREFIX = re.compile(r'"[^"]*"(?:\s*"[^"]*")*')

@@ -11,10 +11,10 @@ from hashlib import sha256
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, Span
-from rtgen.frontends import library
-from rtgen.frontends.docs import Comment
 from rtgen.frontends.idl.rules import lexical
-from rtgen.frontends.library import MAX_BYTES, VirtualFile
+from rtgen.frontends.kit import library
+from rtgen.frontends.kit.doc_comments import Comment
+from rtgen.frontends.kit.library import MAX_BYTES, VirtualFile
 
 _FALLBACK = "rtgen-latin-1"
 _SPLICE = re.compile(r"(?<![\x80-\xff])\\\r?\n")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import TypeAlias
 
-from rtgen.frontends.nodes import node
+from rtgen.frontends.kit.nodes import node
 from rtgen.model import Direction, Primitive
 
 

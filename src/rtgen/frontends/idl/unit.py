@@ -6,8 +6,8 @@ from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, field
 
 from rtgen.diagnostics import Span
-from rtgen.frontends.docs import Comment
 from rtgen.frontends.idl.source import Source
+from rtgen.frontends.kit.doc_comments import Comment
 
 
 @dataclass(frozen=True, slots=True)

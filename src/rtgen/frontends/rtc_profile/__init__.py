@@ -12,13 +12,8 @@ from hashlib import sha256
 from pathlib import Path
 
 from rtgen.diagnostics import Diagnostic, InputError
-from rtgen.frontends import (
-    Dependency,
-    FrontendResult,
-    key_of,
-    located_xml,
-    profile_yaml,
-)
+from rtgen.frontends import Dependency, FrontendResult, key_of, profile_yaml
+from rtgen.frontends.kit import located_xml
 from rtgen.frontends.profile_yaml import YAML_SUFFIXES
 from rtgen.frontends.rtc_profile.lowering import components
 from rtgen.frontends.rtc_profile.reader import Reader, idl_files

@@ -15,7 +15,7 @@ from rtgen.facts.constraints import (
     Operator,
     Unit,
 )
-from rtgen.frontends.located_xml import Element
+from rtgen.frontends.kit.located_xml import Element
 from rtgen.frontends.rtc_profile.names import RTC
 
 _OPERATORS = {

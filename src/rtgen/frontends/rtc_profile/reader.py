@@ -8,7 +8,7 @@ from pathlib import PureWindowsPath
 
 from rtgen.diagnostics import Diagnostic, Rule, Span
 from rtgen.facts.constraints import Constraint
-from rtgen.frontends.located_xml import Element
+from rtgen.frontends.kit.located_xml import Element
 from rtgen.frontends.rtc_profile import rules
 from rtgen.frontends.rtc_profile.constraints import NoTextFormError, constraint
 from rtgen.frontends.rtc_profile.names import (

@@ -14,7 +14,7 @@ from rtgen.frontends.idl.syntax_errors.context import (
     Recovery,
     Word,
 )
-from rtgen.frontends.suggestions import nearest
+from rtgen.frontends.kit.suggestions import nearest
 
 _NUMBERS = frozenset(("short", "long", "float", "double", "char", "int", "unsigned"))
 _TEMPLATES = ("sequence", "string", "wstring", "fixed", "map")

@@ -1,0 +1,20 @@
+"""C headers as files."""
+
+from __future__ import annotations
+
+from hashlib import sha256
+from pathlib import Path
+
+from rtgen.frontends.cdl.text import encodings
+
+
+class HeaderFile:
+    """A file that a C header is, or includes."""
+
+    def __init__(self, name: str, key: str, path: Path, data: bytes | None) -> None:
+        self.name = name
+        self.key = key
+        self.path = path
+        self.too_large = data is None
+        self.sha256 = sha256(data or b"").hexdigest()
+        self.text = encodings.decode(data or b"", "auto")[0].removeprefix("\ufeff")

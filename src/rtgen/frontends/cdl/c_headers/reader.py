@@ -1,0 +1,364 @@
+"""C headers: the typedefs, structs and enums that `import_C` takes from them.
+
+pcpp preprocesses; what it gives is cut into declarations at file scope, of which only those of
+types are parsed, by pycparser. So function bodies, variables and whatever vendors put into them do
+no harm. Nothing else of a header is kept: no macros, no functions.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from io import StringIO
+from pathlib import Path
+from typing import Any
+
+from pcpp.preprocessor import Action, OutputDirective, Preprocessor
+
+from rtgen.diagnostics import Diagnostic, Span
+from rtgen.frontends.cdl.c_headers.file import HeaderFile
+from rtgen.frontends.cdl.c_headers.types import Declarations, NotCError
+from rtgen.frontends.cdl.rules import headers as rules
+from rtgen.frontends.cdl.syntax.unit import Header
+from rtgen.frontends.kit.library import MAX_BYTES, Library
+from rtgen.model.tecs import TecsDeclaration
+
+MAX_TOKENS = 500_000
+"""So many tokens at most go through macro expansion for one header."""
+
+MAX_TEXT = 8 * 1024 * 1024
+"""So many characters at most come out of the preprocessor."""
+
+MAX_FILES = 1000
+"""So many files at most are included by one header, each time counted."""
+
+MAX_DEPTH = 60
+"""How deep headers may include headers."""
+
+MAX_MISTAKES = 20
+"""After so many declarations that are not understood the rest is left out."""
+
+_STANDARD_FOLDER = "/\0standard"
+
+
+def _opaque(*names: str) -> str:
+    return "".join(f"typedef union {{ int a; }} {name};" for name in names)
+
+
+_STANDARD: Mapping[str, str] = {
+    "pthread.h": "typedef unsigned long pthread_t;"
+    + _opaque(
+        *("pthread_attr_t", "pthread_mutex_t", "pthread_mutexattr_t"),
+        *("pthread_cond_t", "pthread_condattr_t", "pthread_once_t", "pthread_key_t"),
+    ),
+    "semaphore.h": _opaque("sem_t"),
+    "stdio.h": "typedef unsigned long size_t;" + _opaque("FILE"),
+    "stdarg.h": _opaque("va_list"),
+    "time.h": "typedef unsigned long size_t; typedef long time_t; typedef long clock_t;"
+    "struct timespec { time_t tv_sec; long tv_nsec; };",
+    "sys/time.h": "typedef long time_t; struct timeval { time_t tv_sec; long tv_usec; };",
+    "sys/socket.h": "typedef unsigned int socklen_t; typedef unsigned short sa_family_t;",
+    "signal.h": "typedef int sig_atomic_t;" + _opaque("sigset_t"),
+    "setjmp.h": _opaque("jmp_buf"),
+    "unistd.h": "typedef unsigned long size_t; typedef int pid_t;",
+    **dict.fromkeys(
+        ("stdint.h", "inttypes.h", "sys/types.h"),
+        "typedef long intptr_t; typedef unsigned long uintptr_t;"
+        "typedef signed char int_least8_t; typedef unsigned char uint_least8_t;"
+        "typedef long size_t; typedef long ssize_t;"
+        "typedef long long intmax_t; typedef unsigned long long uintmax_t;",
+    ),
+    "stddef.h": "typedef unsigned long size_t; typedef long ptrdiff_t;\n#define NULL ((void *)0)",
+    "stdbool.h": "#define bool _Bool\n#define true 1\n#define false 0",
+    "limits.h": "#define CHAR_BIT 8\n#define INT_MAX 2147483647\n#define INT_MIN (-INT_MAX-1)\n"
+    "#define UINT_MAX 4294967295U",
+    **dict.fromkeys(("stdlib.h", "string.h"), "typedef unsigned long size_t;"),
+    **dict.fromkeys(
+        (
+            *("assert.h", "ctype.h", "errno.h", "float.h", "math.h"),
+            *("arpa/inet.h", "netinet/in.h", "netdb.h", "fcntl.h", "sys/select.h"),
+        ),
+        "",
+    ),
+}
+"""Standard headers that are known without their files, as far as types go."""
+
+_COMPILER: Mapping[str, str] = {
+    f"__{name}__": value
+    for name, value in (
+        *(("GNUC", "12"), ("GNUC_MINOR", "2"), ("GNUC_PATCHLEVEL", "0")),
+        *(("STDC", "1"), ("STDC_HOSTED", "1"), ("STDC_VERSION", "201710L")),
+        *(("x86_64", "1"), ("LP64", "1"), ("linux", "1"), ("unix", "1")),
+        *(("CHAR_BIT", "8"), ("SIZEOF_SHORT", "2"), ("SIZEOF_INT", "4")),
+        *(("SIZEOF_LONG", "8"), ("SIZEOF_LONG_LONG", "8"), ("SIZEOF_POINTER", "8")),
+        *(("SCHAR_MAX", "0x7f"), ("SHRT_MAX", "0x7fff"), ("INT_MAX", "0x7fffffff")),
+        *(("LONG_MAX", "0x7fffffffffffffffL"), ("SIZE_TYPE", "long unsigned int")),
+        *(("INT8_TYPE", "signed char"), ("UINT8_TYPE", "unsigned char")),
+        *(("INT16_TYPE", "short int"), ("UINT16_TYPE", "short unsigned int")),
+        *(("INT32_TYPE", "int"), ("UINT32_TYPE", "unsigned int")),
+        *(("INT64_TYPE", "long int"), ("UINT64_TYPE", "long unsigned int")),
+        *(("INTPTR_TYPE", "long int"), ("UINTPTR_TYPE", "long unsigned int")),
+    )
+}
+"""What headers ask for of the compiler: tecsgen has them preprocessed by gcc."""
+
+_TOKEN = re.compile(
+    r'\#line[ ](?P<line>\d+)(?:[ ]"(?P<file>[^"\n]*)")?[^\n]*'
+    r"|\#[^\n]*"
+    r'|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\''
+    r"|(?P<vendor>\b(?:__attribute__|__attribute|__declspec|__asm__|__asm|asm|_Alignas)\b"
+    r"|\b_Static_assert\b)"
+    r"|(?P<word>[A-Za-z_]\w*)|(?P<mark>[{}();])|\n",
+    re.DOTALL,
+)
+_DROPPED = frozenset(
+    (
+        *("__extension__", "__inline", "__inline__", "inline", "Inline", "_Noreturn"),
+        *("__restrict", "__restrict__", "restrict", "__const", "__volatile"),
+        *("__volatile__", "__signed__"),
+    )
+)
+
+
+class LimitError(Exception):
+    """A header that comes to too much."""
+
+
+class Headers:
+    """Reads the C headers of a main file; what they include is looked for as the library says."""
+
+    def __init__(
+        self,
+        library: Library[HeaderFile],
+        define: Mapping[str, str],
+        report: Callable[[Diagnostic], None],
+    ) -> None:
+        self._library = library
+        self._define = define
+        self._report = report
+        self._table = Declarations()
+        self.lacking = False
+        """Whether an included file is missing."""
+
+    def read(self, file: HeaderFile, definitions: list[str], place: Span) -> Header:
+        """What a header declares; `place` is where it is imported, for findings."""
+        if file.too_large:
+            message = f"{file.name} is larger than {MAX_BYTES:,} bytes"
+            self._report(rules.HEADER_LIMIT.at(place, message))
+            return Header(())
+        run = _Preprocessor(self._library, file)
+        for name, value in {**_COMPILER, "TECSGEN": "1", **self._define}.items():
+            run.define(f"{name} {value}")
+        for definition in definitions:
+            name, equals, value = definition.partition("=")
+            run.define(f"{name.strip()} {value if equals else '1'}")
+        try:
+            text = run.text()
+            pieces = list(_pieces(text, file.name))
+        except (LimitError, RecursionError) as error:
+            message = (
+                f"{file.name}: {error}" if isinstance(error, LimitError) else file.name
+            )
+            self._report(rules.HEADER_LIMIT.at(place, message))
+            return Header(())
+        for message in dict.fromkeys(run.problems):
+            self._report(rules.UNREADABLE_HEADER.at(place, message))
+        if run.missing:
+            self.lacking = True
+            names = ", ".join(dict.fromkeys(run.missing))
+            message = f"{file.name} includes what is not found: {names}"
+            hint = "name their folder by -I"
+            self._report(rules.MISSING_INCLUDE.at(place, message, hint=hint))
+        return Header(tuple(self._declarations(pieces, place, run.spans)))
+
+    def _declarations(
+        self, pieces: list[Piece], place: Span, names: Mapping[str, str]
+    ) -> Iterator[TecsDeclaration]:
+        mistakes = 0
+        declarations = self._table
+        declarations.enter(names)
+        for piece in pieces:
+            try:
+                yield from declarations.read(piece.text, piece.file, piece.line)
+            except NotCError as error:
+                mistakes += 1
+                if mistakes == MAX_MISTAKES:
+                    return
+                file = names.get(piece.file, piece.file)
+                message = f"{file}:{error.line}: {error.message}"
+                hint = "hide it behind #ifndef TECSGEN"
+                self._report(rules.UNREADABLE_HEADER.at(place, message, hint=hint))
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A declaration of types at file scope, without what vendors add."""
+
+    text: str
+    file: str
+    line: int
+
+
+class _Preprocessor(Preprocessor):  # type: ignore[misc]  # pcpp has no types
+    def __init__(self, library: Library[HeaderFile], file: HeaderFile) -> None:
+        super().__init__()
+        for name in ("__DATE__", "__TIME__"):
+            del self.macros[name]  # they would change from run to run
+        self.problems: list[str] = []
+        self.missing: list[str] = []
+        self.spans: dict[str, str] = {}
+        self._library = library
+        self._file = file
+        self._tokens = 0
+        self._opened = 0
+        self._length = 0
+        for folder in library.include:
+            self.add_path(str(folder))
+
+    def text(self) -> str:
+        """The text of the file, preprocessed. Raises LimitError."""
+        path = str(self._file.path.absolute())
+        self.spans[path] = self._file.name
+        self.temp_path.insert(0, str(Path(path).parent))
+        self.path.append(_STANDARD_FOLDER)
+        self.rewrite_paths: list[tuple[str, str]] = []
+        self.parse(self._file.text, path)
+        out = _Bounded()
+        self.write(out)
+        return out.getvalue()
+
+    def expand_macros(self, tokens: Any, expanding_from: Any = ()) -> Any:
+        self._tokens += len(tokens)
+        if self._tokens > MAX_TOKENS:
+            raise LimitError(f"its macros come to more than {MAX_TOKENS:,} tokens")
+        return super().expand_macros(tokens, list(expanding_from))
+
+    def on_file_open(self, is_system_include: bool, includepath: str) -> StringIO:
+        if includepath.startswith(_STANDARD_FOLDER):
+            name = includepath[len(_STANDARD_FOLDER) + 1 :]
+            if name not in _STANDARD:
+                raise OSError(includepath)
+            return StringIO(_STANDARD[name] + "\n")
+        found = self._library.open(includepath)
+        if found is None:
+            raise OSError(includepath)
+        self._opened += 1
+        if self._opened > MAX_FILES or len(self.temp_path) > MAX_DEPTH:
+            raise LimitError(f"it includes too many files: {found.name} among them")
+        self.spans[includepath] = found.name
+        return StringIO(found.text)
+
+    def on_include_not_found(
+        self, is_malformed: bool, is_system_include: bool, curdir: str, includepath: str
+    ) -> str:
+        self.missing.append(includepath)
+        raise OutputDirective(Action.IgnoreAndRemove)
+
+    def on_error(self, file: str, line: int, msg: str) -> None:
+        self.problems.append(f"{self.spans.get(file, file)}:{line}: {msg}")
+
+    def on_directive_unknown(
+        self, directive: Any, toks: Any, ifpassthru: Any, precedingtoks: Any
+    ) -> bool:
+        if directive.value == "error":
+            text = "".join(token.value for token in toks)
+            self.on_error(directive.source, directive.lineno, f"#error {text}")
+        return True
+
+    def on_comment(self, tok: Any) -> bool:
+        return False
+
+
+class _Bounded(StringIO):
+    def write(self, text: str) -> int:
+        if self.tell() > MAX_TEXT:
+            raise LimitError(f"it comes to more than {MAX_TEXT:,} characters")
+        return super().write(text)
+
+
+class _Cutter:
+    """Cuts preprocessed text into the declarations of types at file scope."""
+
+    def __init__(self, text: str, file: str) -> None:
+        self._text = text
+        self._file = file
+        self._line = 1
+        self._parts: list[str] = []
+        self._start = (file, 1)
+        self._braces = 0
+        self._parentheses = 0
+        self._is_type = False
+        self._body = False
+
+    def pieces(self) -> Iterator[Piece]:
+        """The declarations, in order."""
+        position = 0
+        skipping: int | None = None
+        for match in _TOKEN.finditer(self._text):
+            token = match[0]
+            between = self._text[position : match.start()]
+            position = match.end()
+            if skipping is None:
+                self._take(between)
+            if token == "\n":
+                self._line += 1
+                self._parts.append(token)
+                continue
+            if match["line"]:
+                self._line = int(match["line"]) - 1
+                self._file = match["file"] or self._file
+                continue
+            if token.startswith("#"):
+                continue
+            if skipping is not None:
+                # The argument of a vendor's word: one pair of parentheses.
+                skipping += {"(": 1, ")": -1}.get(token, 0)
+                if skipping == 0:
+                    skipping = None
+                continue
+            if match["vendor"]:
+                if self._text[position : position + 200].lstrip()[:1] == "(":
+                    skipping = 0
+                continue
+            yield from self._token(token, bool(match["word"]))
+
+    def _take(self, text: str) -> None:
+        if text.strip():
+            self._begin()
+        self._parts.append(text)
+
+    def _begin(self) -> None:
+        if not any(part.strip() for part in self._parts):
+            self._parts.clear()
+            self._start = (self._file, self._line)
+
+    def _token(self, token: str, is_word: bool) -> Iterator[Piece]:
+        if is_word and token in _DROPPED:
+            self._parts.append("signed" if token == "__signed__" else " ")
+            return
+        self._begin()
+        outside = not self._braces and not self._parentheses
+        if outside and token in ("typedef", "struct", "union", "enum"):
+            self._is_type = True
+        if token == "{":
+            before = "".join(self._parts).rstrip()
+            self._body |= outside and before.endswith(")")
+            self._braces += 1
+        elif token == "}":
+            self._braces -= 1
+        elif token in "()":
+            self._parentheses += 1 if token == "(" else -1
+        self._parts.append(token)
+        closed = self._braces <= 0 and self._parentheses <= 0
+        if closed and (token == ";" or (token == "}" and self._body)):
+            text = "".join(self._parts)
+            if self._is_type and not self._body:
+                yield Piece(text, *self._start)
+            self._parts.clear()
+            self._braces = self._parentheses = 0
+            self._is_type = self._body = False
+
+
+def _pieces(text: str, file: str) -> Iterator[Piece]:
+    return _Cutter(text, file).pieces()

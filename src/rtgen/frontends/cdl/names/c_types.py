@@ -1,0 +1,68 @@
+"""Questions about C types: depth, constness, pointers, types known by name alone."""
+
+from __future__ import annotations
+
+from rtgen.model.tecs import (
+    CArrayType,
+    CFunctionType,
+    CPointerType,
+    CScalarType,
+    CStructType,
+    CType,
+    CTypedefType,
+    Scalar,
+    resolve,
+)
+
+MAX_DEPTH = 64
+"""How many pointers, arrays, functions and typedefs may stand in one another."""
+
+
+def depth(type_: CType) -> int:
+    """How many types stand in one another."""
+    found = 1
+    while True:
+        if isinstance(type_, CPointerType | CTypedefType):
+            type_ = type_.target
+        elif isinstance(type_, CArrayType):
+            type_ = type_.element
+        elif isinstance(type_, CFunctionType):
+            return found + max(map(depth, (type_.returns, *type_.parameters)))
+        else:
+            return found
+        found += 1
+
+
+OPAQUE = "unknown "
+
+
+def opaque(name: str) -> CStructType:
+    """What stands for a type that is known by its name alone, or that CDL has no notion of."""
+    return CStructType((f"{OPAQUE}{name}",))
+
+
+def pointer_depth(type_: CType) -> int:
+    """How many pointers lead to what is not one; arrays do not count."""
+    depth = 0
+    found = resolve(type_)
+    while isinstance(found, CPointerType):
+        found = resolve(found.target)
+        depth += 1
+    return depth
+
+
+def is_const(type_: CType) -> bool:
+    """Whether the value itself may not change; of an array, its elements."""
+    while True:
+        if isinstance(type_, CArrayType):
+            type_ = type_.element
+        elif isinstance(type_, CTypedefType) and not type_.const:
+            type_ = type_.target
+        else:
+            return getattr(type_, "const", False)
+
+
+def is_void(type_: CType) -> bool:
+    """Whether it is `void`, as it is or by a typedef."""
+    found = resolve(type_)
+    return isinstance(found, CScalarType) and found.kind is Scalar.VOID

@@ -1,0 +1,426 @@
+"""What is known of celltypes, composites, cells and joins while a unit is read."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol, TypeAlias
+
+from rtgen.diagnostics import Diagnostic, Related, Span
+from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
+from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax.unit import Unit
+from rtgen.frontends.kit.suggestions import nearest
+from rtgen.model.tecs import CType, Expression, Signature
+from rtgen.model.types import ScopedName
+
+DECLARE = "declare it before, or import the file that does"
+"""The hint for a name that is like no other."""
+
+Report: TypeAlias = Callable[[Diagnostic], None]
+
+
+def component(found: Entity | Scope | None) -> object:
+    """The celltype, composite or cell that a name stands for; None if it is broken or no such."""
+    return found.component if isinstance(found, Entity) else None
+
+
+def here(found: Entity | Scope, label: str = "declared here") -> list[Related]:
+    """The place of a declaration, where it has one."""
+    return [] if found.place is None else [Related(found.place, label)]
+
+
+class Spanned(Protocol):
+    """A node of the tree."""
+
+    @property
+    def start(self) -> int: ...
+
+    @property
+    def end(self) -> int: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a node stands: its file, and the scope that its names are looked up from."""
+
+    unit: Unit
+    scope: Scope
+
+    def span(self, node: Spanned) -> Span:
+        """The span of a node."""
+        return self.unit.span(node.start, node.end)
+
+    def lookup(self, name: tree.ScopedName) -> Entity | Scope | None:
+        """What a name stands for here."""
+        return self.scope.find(name)
+
+    def near(self, name: tree.Name, *kinds: Kind) -> str | None:
+        """The hint that names something of those kinds that can be used here; None if nothing."""
+        found = nearest(
+            name.text,
+            (
+                known
+                for scope in self.scope.outwards()
+                for table in (scope.entities, scope.scopes)
+                for known, entity in table.items()
+                if entity.kind in kinds
+            ),
+        )
+        return f"did you mean {found}?" if found else None
+
+    def lost(self, name: tree.ScopedName) -> bool:
+        """Whether a statement that could not be read may have declared the name."""
+        return name.parts[-1].text in self.unit.lost
+
+
+@dataclass(frozen=True, slots=True)
+class Declared:
+    """One name of a declaration: its type, None where that is wrong, and its initialiser."""
+
+    name: tree.Name
+    type: CType | None
+    value: tree.Initialiser | None
+
+
+class Values(Protocol):
+    """Types, constants and initialisers: what the component half asks of the other one."""
+
+    @property
+    def incomplete(self) -> bool:
+        """Whether an import is missing, which may declare what is not known."""
+
+    def declare(self, declaration: tree.Declaration, place: Place) -> list[Declared]:
+        """What a declaration of attributes or variables declares; its mistakes are reported."""
+
+    def constant(
+        self, expression: tree.Expression, place: Place, names: Names | None = None
+    ) -> object:
+        """The value of a constant expression; None if it has none, and nothing is reported."""
+
+    def initial(
+        self,
+        type_: CType,
+        value: tree.Initialiser,
+        place: Place,
+        types: Mapping[str, CType],
+    ) -> Expression | None:
+        """The model of a value for something of that type; None if it does not fit, which is told.
+
+        `types` are those of the attributes that it may use.
+        """
+
+    def expression(
+        self, expression: tree.Expression, place: Place, types: Mapping[str, CType]
+    ) -> Expression | None:
+        """The model of an expression; None if it has errors, which are told."""
+
+
+Names: TypeAlias = Callable[[str], "tuple[tree.Initialiser, Place] | None"]
+"""The initialiser of an attribute that an expression may name, with its place."""
+
+
+@dataclass(eq=False, slots=True)
+class HiddenFor:
+    """Why a call port is there without being written: for the allocator of a parameter."""
+
+    port: Port
+    function: str
+    parameter: str
+
+
+@dataclass(eq=False, slots=True)
+class Port:
+    """A call port or entry port of a celltype or composite."""
+
+    name: str
+    kind: str
+    signature: Signature | None
+    signature_name: ScopedName
+    span: Span
+    array: bool = False
+    size: int | None = None
+    flags: set[str] = field(default_factory=set)
+    required: Entity | None = None
+    required_port: str = ""
+    hidden: HiddenFor | None = None
+    allocations: tuple[tree.Allocation, ...] = ()
+    allocators: dict[tuple[str, str], Allocator] = field(default_factory=dict)
+    fixed: tree.PortOf | None = None
+    fixed_place: Place | None = None
+
+    @property
+    def optional(self) -> bool:
+        """Whether a join may be missing."""
+        return "optional" in self.flags
+
+    @property
+    def omitted(self) -> bool:
+        """Whether there is nothing to call: `omit`, or a signature without functions."""
+        return "omit" in self.flags or self.empty
+
+    @property
+    def empty(self) -> bool:
+        """Whether the signature has no functions."""
+        return self.signature is not None and not self.signature.functions
+
+    def parameters(self) -> Iterator[tuple[str, str, tuple[str, ...]]]:
+        """Function, parameter and allocator's signature of each send and receive parameter."""
+        for function in self.signature.functions if self.signature else ():
+            for parameter in function.parameters:
+                if parameter.allocator is not None:
+                    yield function.name, parameter.name, parameter.allocator
+
+
+@dataclass(eq=False, slots=True)
+class Allocator:
+    """`function.parameter <= call.function.parameter`, or `= entry` where `call` is empty."""
+
+    node: tree.Allocation
+    call: str = ""
+    function: str = ""
+    parameter: str = ""
+    entry: str = ""
+
+
+@dataclass(eq=False, slots=True)
+class Variable:
+    """An attribute or, as `kind` says (`attr` or `var`), a variable."""
+
+    name: str
+    kind: str
+    type: CType | None
+    value: tree.Initialiser | None
+    place: Place
+    span: Span
+    size_is: tree.Expression | None = None
+    initial: Expression | None = None
+    size: Expression | None = None
+    omit: bool = False
+    choice: tuple[str, ...] = ()
+
+
+Member: TypeAlias = Port | Variable
+
+
+@dataclass(eq=False, slots=True)
+class Celltype:
+    """A celltype, or a composite (`Composite`)."""
+
+    entity: Entity
+    place: Place
+    singleton: bool = False
+    active: bool = False
+    idx_is_id: bool = False
+    members: dict[str, Member] = field(default_factory=dict)
+    cell_factory: bool = False
+    celltype_factory: bool = False
+    cells: list[Cell] = field(default_factory=list)
+    joined_by: str | None = None
+    """The plug-in that may join the call ports of the cells."""
+
+    @property
+    def name(self) -> str:
+        """The name alone."""
+        return self.entity.name[-1]
+
+    @property
+    def ports(self) -> list[Port]:
+        """The ports, those that were made for require and allocators, too."""
+        return [m for m in self.members.values() if isinstance(m, Port)]
+
+    @property
+    def variables(self) -> list[Variable]:
+        """The attributes and variables."""
+        return [m for m in self.members.values() if isinstance(m, Variable)]
+
+    @property
+    def inactive(self) -> bool:
+        """Whether nothing runs, or is written, unless someone calls."""
+        factory = self.cell_factory or (self.singleton and self.celltype_factory)
+        return not self.active and not factory
+
+    def real(self) -> Counter[Celltype]:
+        """The celltypes of the cells that a cell of this type stands for, and how many."""
+        return Counter([self])
+
+    def fixed(self) -> Sequence[tuple[Port, str]]:
+        """The ports with a fixed join, with the names that they have here."""
+        return [(port, port.name) for port in self.ports if port.fixed is not None]
+
+
+@dataclass(eq=False, slots=True)
+class Exported:
+    """What a composite shows of an inner cell."""
+
+    name: str
+    cell: Cell
+    member: str
+    span: Span
+
+
+@dataclass(eq=False, slots=True)
+class _Inside:
+    """What the inner cells of a composite come to."""
+
+    real: Counter[Celltype] = field(default_factory=Counter)
+    inactive: bool = True
+    fixed: list[tuple[Port, str]] = field(default_factory=list)
+    kept: list[Port] = field(default_factory=list)
+    levels: int = 1
+
+
+@dataclass(eq=False, slots=True)
+class Composite(Celltype):
+    """A composite with its inner cells. `tried` are names whose export is wrong, and told."""
+
+    inner: dict[str, Cell] = field(default_factory=dict)
+    tried: set[str] = field(default_factory=set)
+    exports: list[Exported] = field(default_factory=list)
+    _inside: _Inside = field(default_factory=_Inside)
+
+    def export(self, name: str) -> Exported | None:
+        """The first export of that name."""
+        return next((e for e in self.exports if e.name == name), None)
+
+    @property
+    def inactive(self) -> bool:
+        """Whether none of the inner cells runs by itself."""
+        return not self.active and self._inside.inactive
+
+    def real(self) -> Counter[Celltype]:
+        """The celltypes of the inner cells, down to those that are no composites."""
+        return self._inside.real
+
+    def fixed(self) -> Sequence[tuple[Port, str]]:
+        """The ports with a fixed join, those of inner cells under their outer names."""
+        return [*Celltype.fixed(self), *self._inside.fixed]
+
+    def kept(self) -> Sequence[Port]:
+        """The ports with a fixed join that inner cells keep to themselves."""
+        return self._inside.kept
+
+    @property
+    def levels(self) -> int:
+        """How many composites stand in one another."""
+        return self._inside.levels
+
+    def close(self) -> None:
+        """Note what the inner cells come to, once all of them are read."""
+        found = _Inside()
+        kept: dict[Port, None] = {}
+        for cell in self.inner.values():
+            type_ = cell.celltype
+            if type_ is None:
+                continue
+            found.real.update(type_.real())
+            found.inactive = found.inactive and type_.inactive
+            for port, name in type_.fixed():
+                if name in cell.exported:
+                    found.fixed.append((port, cell.exported[name].name))
+                else:
+                    kept[port] = None
+            if isinstance(type_, Composite):
+                found.levels = max(found.levels, type_.levels + 1)
+                kept.update(dict.fromkeys(type_.kept()))
+        found.kept = list(kept)
+        self._inside = found
+
+
+@dataclass(frozen=True, slots=True)
+class Plugin:
+    """A plug-in on a join, as written; `region` is the one that has it, for those of regions."""
+
+    name: tree.Name
+    argument: tree.Text
+    place: Place
+    origin: str = "through"
+    region: Scope | None = None
+    count: int = 0
+
+
+@dataclass(eq=False, slots=True)
+class Join:
+    """What a cell joins or sets. `index` is -1 for `[]`, None without a subscript.
+
+    `value` is what was written; the target is named by it, or by `target` where the join was made
+    for `require`, a reverse or fixed join, or an allocator. `made` is the name of a target that a
+    plug-in may make; `port` is the call port then.
+    """
+
+    name: str
+    index: int | None
+    span: Span
+    place: Place
+    value: tree.Initialiser | tree.OfComposite | None = None
+    target: Target | None = None
+    plugins: tuple[Plugin, ...] = ()
+    cell: Cell | None = None
+    made: ScopedName = ()
+    port: Port | None = None
+    port_name: str = ""
+    port_index: int | None = None
+    chain: tuple[Plugin, ...] = ()
+    initial: Expression | None = None
+    done: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """The right side of a join: the name or the cell itself, the entry port, its subscript."""
+
+    cell: tree.ScopedName | Cell
+    port: str
+    index: int | None
+    span: Span
+    port_span: Span
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class CellAllocator:
+    """An allocator of an entry port of a cell: the parameter, and the target of its joins."""
+
+    port: str
+    index: int | None
+    function: str
+    parameter: str
+    join: Join
+
+
+@dataclass(eq=False, slots=True)
+class Cell:
+    """A cell, or its prototype only, as long as it is not `defined`.
+
+    `guessed` tells that a plug-in may have declared the celltype: nothing is known of it. `tried`
+    are ports and attributes that were set to something, `clashing` those that were set twice.
+    """
+
+    entity: Entity
+    celltype: Celltype | None
+    celltype_name: tree.ScopedName
+    place: Place
+    region: Scope
+    inside: Composite | None = None
+    order: list[Join] = field(default_factory=list)
+    joins: dict[str, list[Join]] = field(default_factory=dict)
+    reversed: list[tuple[tree.ReverseJoin, Place]] = field(default_factory=list)
+    allocators: list[CellAllocator] = field(default_factory=list)
+    exported: dict[str, Exported] = field(default_factory=dict)
+    plugins: list[tree.Name] = field(default_factory=list)
+    defined: bool = False
+    span: Span | None = None
+    used: bool = False
+    resolved: bool = False
+    guessed: bool = False
+    tried: set[str] = field(default_factory=set)
+    clashing: set[str] = field(default_factory=set)
+    callers: dict[str, int] = field(default_factory=dict)
+    id: int | None = None
+    id_span: Span | None = None
+
+    @property
+    def name(self) -> str:
+        """The name alone."""
+        return self.entity.name[-1]

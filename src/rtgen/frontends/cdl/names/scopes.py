@@ -1,0 +1,117 @@
+"""Name spaces of CDL and what is declared in them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from rtgen.diagnostics import Span
+from rtgen.frontends.cdl.names.operands import Operand
+from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax.unit import Unit
+from rtgen.model.tecs import TecsDeclaration
+from rtgen.model.types import ScopedName
+
+
+class Kind(StrEnum):
+    """What a name can stand for; the value is what messages call it."""
+
+    NAMESPACE = "name space"
+    REGION = "region"
+    SIGNATURE = "signature"
+    CELLTYPE = "celltype"
+    COMPOSITE = "composite"
+    CELL = "cell"
+    TYPEDEF = "type"
+    CONSTANT = "constant"
+    STRUCT = "struct"
+    ENUM = "enum"
+
+
+@dataclass(eq=False, slots=True)
+class Entity:
+    """A declared thing.
+
+    `unit` and `node` are None for what a C header or the prelude declares. `declaration` is its
+    model; None while it is made, and where it has errors. `place` is that of its name.
+    `component` is what the passes over celltypes and cells know of it, `value` what the value of a
+    constant is by itself, before it becomes one of the constant's type.
+    """
+
+    kind: Kind
+    name: ScopedName
+    unit: Unit | None
+    node: tree.Item | tree.Declarator | tree.StructSpecifier | tree.EnumSpecifier | None
+    place: Span
+    declaration: TecsDeclaration | None = None
+    broken: bool = False
+    component: object = None
+    value: Operand | None = None
+
+
+@dataclass(eq=False, slots=True)
+class Scope:
+    """A name space or region; the root has no name.
+
+    Name spaces and regions are scopes and no entities. Tags of structs and enums have a table of
+    their own.
+    """
+
+    name: ScopedName
+    parent: Scope | None
+    kind: Kind = Kind.NAMESPACE
+    place: Span | None = None
+    scopes: dict[str, Scope] = field(default_factory=dict)
+    entities: dict[str, Entity] = field(default_factory=dict)
+    tags: dict[str, Entity] = field(default_factory=dict)
+
+    def outwards(self) -> Iterator[Scope]:
+        """This scope, the one around it, and so on."""
+        scope: Scope | None = self
+        while scope is not None:
+            yield scope
+            scope = scope.parent
+
+    @property
+    def root(self) -> Scope:
+        """The outermost scope."""
+        scope = self
+        while scope.parent is not None:
+            scope = scope.parent
+        return scope
+
+    def find(self, name: tree.ScopedName) -> Entity | Scope | None:
+        """What a name stands for here: its first part is looked for outwards."""
+        first = name.parts[0].text
+        found: Entity | Scope | None = None
+        if name.absolute:
+            found = self.root.own(first)
+        else:
+            for scope in self.outwards():
+                found = scope.own(first)
+                if found is not None:
+                    break
+        for part in name.parts[1:]:
+            if not isinstance(found, Scope):
+                return None
+            found = found.own(part.text)
+        return found
+
+    def own(self, name: str) -> Entity | Scope | None:
+        """What is declared in this scope itself."""
+        return self.entities.get(name) or self.scopes.get(name)
+
+    def find_tag(self, tag: str) -> Entity | None:
+        """The struct or enum of a tag, looked for outwards."""
+        for scope in self.outwards():
+            found = scope.tags.get(tag)
+            if found is not None:
+                return found
+        return None
+
+    def visible(self) -> Iterator[str]:
+        """The names that can be used here without a path, for hints."""
+        for scope in self.outwards():
+            yield from scope.entities
+            yield from scope.scopes

@@ -1,0 +1,135 @@
+"""The table of a unit, which every pass reads and adds to: what its files declare."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from rtgen.diagnostics import Diagnostic, Related, Span
+from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
+from rtgen.frontends.cdl.rules import types as rules
+from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax.unit import Unit
+from rtgen.frontends.kit.suggestions import Guesses
+from rtgen.model.tecs import TecsDeclaration
+from rtgen.model.types import ScopedName
+
+
+class Table:
+    """The declarations of a unit by scope and in order, and where findings are reported.
+
+    `with_prelude`: types that tecsgen's headers declare are known without an import;
+    `prelude_used` are the first uses of those.
+    """
+
+    def __init__(
+        self, report: Callable[[Diagnostic], None], *, with_prelude: bool = True
+    ) -> None:
+        self.report = report
+        self.with_prelude = with_prelude
+        self.root = Scope((), None)
+        self.declarations: list[Entity] = []
+        self.lacking = False
+        """Whether an import is missing."""
+
+        self.excused = False
+        """Whether something is unknown that a missing import may declare."""
+
+        self.prelude_used: dict[str, Span] = {}
+        self.guesses = Guesses()
+
+    @property
+    def incomplete(self) -> bool:
+        """Whether a missing import may declare what is unknown, so that it is not reported."""
+        self.excused |= self.lacking
+        return self.lacking
+
+    def model(self) -> tuple[TecsDeclaration, ...]:
+        """The declarations without those that have errors."""
+        return tuple(e.declaration for e in self.declarations if e.declaration)
+
+    def declare(
+        self,
+        kind: Kind,
+        name: tree.Name,
+        node: tree.Item | tree.Declarator,
+        unit: Unit,
+        scope: Scope,
+    ) -> Entity | None:
+        """A new entity; None if the name is taken, which is reported."""
+        place = unit.place(name)
+        known = scope.own(name.text)
+        if known is not None:
+            self._report_taken(name, unit, known)
+            return None
+        entity = Entity(kind, (*scope.name, name.text), unit, node, place)
+        scope.entities[name.text] = entity
+        return entity
+
+    def _report_taken(self, name: tree.Name, unit: Unit, known: Entity | Scope) -> None:
+        if known.kind is Kind.TYPEDEF and name.text in unit.lost:
+            return  # the parser has reported it
+        related = [Related(known.place, "first declared here")] if known.place else []
+        message = f"'{name.text}' is a {known.kind} already"
+        place = unit.place(name)
+        self.report(rules.DECLARED_TWICE.at(place, message, related=related))
+
+    def open_scope(
+        self, name: tree.Name, unit: Unit, scope: Scope, kind: Kind
+    ) -> Scope | None:
+        """A name space or region, new or opened again; None if the name is taken."""
+        known = scope.own(name.text)
+        if isinstance(known, Scope) and known.kind is kind:
+            return known
+        if known is not None:
+            self._report_taken(name, unit, known)
+            return None
+        place = unit.place(name)
+        made = Scope((*scope.name, name.text), scope, kind, place)
+        scope.scopes[name.text] = made
+        return made
+
+    def declared(self, entity: Entity) -> None:
+        """Note an entity whose model is made."""
+        self.declarations.append(entity)
+
+    def tag(self, name: ScopedName) -> Entity | None:
+        """The struct or enum of a full name, if its members are known or being read."""
+        scope: Scope | None = self.root
+        for part in name[:-1]:
+            scope = scope.scopes.get(part) if scope is not None else None
+        return scope.tags.get(name[-1]) if scope is not None else None
+
+    def find(
+        self,
+        name: tree.ScopedName,
+        unit: Unit,
+        scope: Scope,
+        kinds: Sequence[Kind],
+        wanted_by: str,
+    ) -> Entity | None:
+        """What a name stands for, if it is of one of the kinds; reports what is wrong if not."""
+        found = scope.find(name)
+        span = unit.span(name.start, name.end)
+        wanted = " or ".join(kinds)
+        if found is None:
+            if name.parts[-1].text not in unit.lost:
+                near = self.guesses.nearest(str(name), scope.visible())
+                hint = f"did you mean '{near}'?" if near else None
+                message = f"the {wanted} '{name}' is unknown"
+                self.report(rules.UNKNOWN_NAME.at(span, message, hint=hint))
+            return None
+        if isinstance(found, Entity) and found.kind in kinds:
+            return found
+        related = [Related(found.place, "declared here")] if found.place else []
+        message = f"'{name}' is a {found.kind}, but {wanted_by} wants a {wanted}"
+        self.report(rules.WRONG_KIND.at(span, message, related=related))
+        return None
+
+    def note_prelude(self, name: str, unit: Unit, node: tree.Name) -> None:
+        """Note the use of a type that is known without an import."""
+        if name not in self.prelude_used:
+            self.prelude_used[name] = unit.place(node)
+
+    def doc(self, unit: Unit, start: int, end: int) -> str:
+        """The comment that belongs to [start, end)."""
+        return unit.source.docs.of(start, end)

@@ -1,0 +1,486 @@
+"""Celltypes: ports, attributes, variables."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rtgen.diagnostics import Related
+from rtgen.frontends.cdl.names.entities import (
+    DECLARE,
+    Cell,
+    Celltype,
+    Composite,
+    HiddenFor,
+    Member,
+    Names,
+    Place,
+    Port,
+    Report,
+    Values,
+    Variable,
+    component,
+    here,
+)
+from rtgen.frontends.cdl.names.scopes import Entity, Kind
+from rtgen.frontends.cdl.passes import allocators, specifiers
+from rtgen.frontends.cdl.passes.factories import Factories
+from rtgen.frontends.cdl.passes.plugins import Applied
+from rtgen.frontends.cdl.passes.requirements import Requirements
+from rtgen.frontends.cdl.rules import celltypes as rules
+from rtgen.frontends.cdl.rules import syntax
+from rtgen.frontends.cdl.rules.cells import MADE_BY_PLUGIN
+from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.kit.suggestions import nearest
+from rtgen.model.tecs import CArrayType, CPointerType, CType, Signature, resolve
+from rtgen.model.types import ScopedName
+
+_NO_EXPRESSION = (tree.Name, tree.Allocation, tree.Restriction)
+
+
+class Celltypes:
+    """Fills celltypes, and the outside of composites, as their text is read."""
+
+    def __init__(self, values: Values, applied: Applied, report: Report) -> None:
+        self._values = values
+        self._applied = applied
+        self._report = report
+        self._requirements = Requirements(self.add, self._unseen, report)
+        self._factories = Factories(values, report)
+
+    def fill(self, type_: Celltype, node: tree.Celltype) -> None:
+        """Read the body of a celltype."""
+        place = type_.place
+        for item in node.items:
+            part = item.node
+            if not isinstance(part, tree.Port):
+                words = item.specifiers
+                specifiers.accepted(words, (), _named(part), place, self._report)
+            match part:
+                case tree.Port():
+                    self.port(type_, item, part)
+                case tree.Attributes():
+                    self.variables(type_, part)
+                case tree.Require():
+                    self._requirements.take(type_, part)
+                case tree.Factory():
+                    self._factories.take(type_, part)
+        self.sizes(type_)
+        for port in type_.ports:
+            if port.required is None:
+                self._hidden(type_, port)
+        for port in type_.ports:
+            allocators.resolve(type_, port, self._report)
+        entries = any(port.kind == "entry" for port in type_.ports)
+        if not entries and type_.inactive:
+            self._report(
+                rules.NO_ENTRY.at(
+                    type_.entity.place,
+                    f"{type_.name} has no entry port, is not active and has no factory",
+                    hint="put [active] before it if its cells run by themselves",
+                )
+            )
+
+    def add(self, type_: Celltype, member: Member) -> bool:
+        """Give a celltype a member; a second one of that name is reported, and left out."""
+        first = type_.members.setdefault(member.name, member)
+        if first is member:
+            return True
+        self._report(
+            rules.NAME_TWICE.at(
+                member.span,
+                f"{member.name} is declared twice in {type_.name}",
+                related=[Related(first.span, "first declared here")],
+                hint="rename one",
+            )
+        )
+        return False
+
+    # Ports
+
+    def port(self, type_: Celltype, item: tree.Item, node: tree.Port) -> Port:
+        """Add a port, for a composite with the call ports for its allocators."""
+        place = type_.place
+        outer = isinstance(type_, Composite)
+        array, size = self._size(node, place)
+        port = Port(
+            name=node.name.text,
+            kind=node.kind,
+            signature=self._signature(node.signature, place),
+            signature_name=tuple(part.text for part in node.signature.parts),
+            span=place.span(node.name),
+            array=array,
+            size=size,
+        )
+        words = specifiers.OUTER_PORT if outer else specifiers.PORT
+        given = specifiers.accepted(
+            item.specifiers, words, f"a port of {type_.name}", place, self._report
+        )
+        self._flags(port, given, place)
+        if node.target is not None:
+            self._fixed(port, node.target, place)
+        if self.add(type_, port) and outer:
+            self._hidden(type_, port)
+        return port
+
+    def _signature(self, name: tree.ScopedName, place: Place) -> Signature | None:
+        found = place.lookup(name)
+        if found is None:
+            if not self._unseen(name, place):
+                self._report(
+                    rules.UNKNOWN_SIGNATURE.at(
+                        place.span(name),
+                        f"there is no signature {name}",
+                        hint=place.near(name.parts[-1], Kind.SIGNATURE) or DECLARE,
+                    )
+                )
+        elif not isinstance(found, Entity) or found.kind is not Kind.SIGNATURE:
+            self._report(
+                rules.NOT_A_SIGNATURE.at(
+                    place.span(name),
+                    f"{name} is a {found.kind}, no signature",
+                    related=here(found),
+                )
+            )
+        elif isinstance(found.declaration, Signature):
+            return found.declaration
+        return None
+
+    def _unseen(self, name: tree.ScopedName, place: Place) -> bool:
+        """Whether something may declare a name that is not known; a plug-in is told."""
+        if place.lost(name) or self._values.incomplete:
+            return True
+        maker = self._applied.of_types
+        if maker is not None:
+            message = f"{name} is not declared here; {maker} may do it"
+            self._report(MADE_BY_PLUGIN.at(place.span(name), message))
+        return maker is not None
+
+    def _declared(self, name: ScopedName, place: Place) -> Signature | None:
+        """The signature of a name from the root down."""
+        scope = place.scope.root
+        for part in name[:-1]:
+            scope = scope.scopes[part]
+        declaration = scope.entities[name[-1]].declaration
+        return declaration if isinstance(declaration, Signature) else None
+
+    def _size(self, node: tree.Port, place: Place) -> tuple[bool, int | None]:
+        if node.subscript is None:
+            return False, None
+        index = node.subscript.index
+        if index is None:
+            return True, None
+        size = self._values.constant(index, place)
+        if isinstance(size, int) and not isinstance(size, bool):
+            return True, size
+        self._report(
+            rules.BAD_PORT_SIZE.at(
+                place.span(index),
+                f"the size of {node.name.text} is no constant integer",
+                hint=f"write a number, or {node.name.text}[] for an array of any size",
+            )
+        )
+        return True, None
+
+    def _flags(self, port: Port, given: list[tree.Specifier], place: Place) -> None:
+        for specifier in given:
+            word = specifier.word
+            side = "entry" if word in ("inline", "allocator") else "call"
+            if side != port.kind:
+                self._report(
+                    rules.PORT_SPECIFIER.at(
+                        place.span(specifier),
+                        f"{word} is for {side} ports; {port.name} is a {port.kind} port",
+                        related=[Related(port.span, "the port")],
+                        hint="remove it",
+                    )
+                )
+            elif word != "allocator":
+                port.flags.add(word)
+        allocator = specifiers.once(given, "allocator", place, self._report)
+        if allocator is not None and port.kind == "entry":
+            port.allocations = tuple(
+                a for a in allocator.arguments if isinstance(a, tree.Allocation)
+            )
+        late = next(
+            (s for s in given if s.word in port.flags & {"dynamic", "ref_desc"}), None
+        )
+        if late is not None and port.omitted:
+            reason = (
+                f"{port.name} is omit"
+                if "omit" in port.flags
+                else f"the signature of {port.name} has no functions"
+            )
+            message = f"{late.word} has no use: {reason}"
+            self._report(rules.SPECIFIERS_CLASH.at(place.span(late), message))
+
+    def _fixed(self, port: Port, target: tree.PortOf, place: Place) -> None:
+        problem = self._fixed_problem(port, target, place)
+        if problem is None:
+            port.fixed, port.fixed_place = target, place
+            return
+        message, hint, related = problem
+        span = place.span(target)
+        self._report(rules.BAD_FIXED_JOIN.at(span, message, related=related, hint=hint))
+
+    def _fixed_problem(
+        self, port: Port, target: tree.PortOf, place: Place
+    ) -> tuple[str, str | None, list[Related]] | None:
+        if port.kind == "call":
+            message = (
+                f"{port.name} is a call port: a fixed join belongs to an entry port"
+            )
+            return message, None, []
+        owner = place.lookup(target.owner)
+        type_ = component(owner)
+        if isinstance(type_, Cell):
+            type_ = type_.celltype
+        if owner is None or not isinstance(type_, Celltype):
+            if owner is not None and owner.kind in (Kind.CELL, Kind.CELLTYPE):
+                return None  # broken, and told
+            if owner is None and self._unseen(target.owner, place):
+                return None
+            message = f"{target.owner} is no celltype"
+            return message, "name a singleton celltype that is declared before", []
+        if owner.kind is not Kind.CELL and not type_.singleton:
+            related = [Related(type_.entity.place, "declared here")]
+            return f"{type_.name} is no singleton", None, related
+        caller = type_.members.get(target.port.text)
+        if not isinstance(caller, Port) or caller.kind != "call":
+            near = nearest(
+                target.port.text, (p.name for p in type_.ports if p.kind == "call")
+            )
+            hint = f"did you mean {near}?" if near else None
+            return f"{type_.name} has no call port {target.port.text}", hint, []
+        if not caller.array or caller.size is not None:
+            message = f"{caller.name} is no call port array without a size"
+            hint = f"declare it as {caller.name}[]"
+            return message, hint, [Related(caller.span, "declared here")]
+        return None
+
+    def _hidden(self, type_: Celltype, port: Port) -> None:
+        """Add the call ports for the allocators of send and receive parameters."""
+        own = {
+            (a.path[0].text, a.path[1].text)
+            for a in port.allocations
+            if a.operator == "=" and len(a.path) == 2 and isinstance(type_, Composite)
+        }
+        for function, parameter, allocator in list(port.parameters()):
+            if (function, parameter) in own:
+                continue
+            signature = self._declared(allocator, type_.place)
+            self.add(
+                type_,
+                Port(
+                    name=f"{port.name}_{function}_{parameter}",
+                    kind="call",
+                    signature=signature,
+                    signature_name=allocator,
+                    span=port.span,
+                    array=port.array,
+                    size=port.size,
+                    flags=port.flags & {"optional", "omit"},
+                    hidden=HiddenFor(port, function, parameter),
+                ),
+            )
+
+    # Attributes and variables
+
+    def variables(self, type_: Celltype, node: tree.Attributes) -> None:
+        """Add what a block of attributes or variables declares."""
+        place, kind = type_.place, node.keyword
+        words = specifiers.ATTRIBUTE if kind == "attr" else specifiers.VARIABLE
+        what = "an attribute" if kind == "attr" else "a variable"
+        for item in node.items:
+            if not isinstance(item.node, tree.Declaration):
+                continue
+            given = specifiers.accepted(
+                item.specifiers, words, what, place, self._report
+            )
+            for surplus in given[1:]:
+                self._report(
+                    syntax.MISPLACED_SPECIFIER.at(
+                        place.span(surplus),
+                        f"{surplus.word} cannot stand beside {given[0].word}",
+                        hint="an attribute has one specifier",
+                    )
+                )
+            for declared in self._values.declare(item.node, place):
+                variable = Variable(
+                    name=declared.name.text,
+                    kind=kind,
+                    type=declared.type,
+                    value=declared.value,
+                    place=place,
+                    span=place.span(declared.name),
+                )
+                self._specify(variable, given[:1])
+                if self.add(type_, variable):
+                    self._check_value(type_, variable)
+
+    def _specify(self, variable: Variable, given: Sequence[tree.Specifier]) -> None:
+        for specifier in given:
+            match specifier.word:
+                case "omit":
+                    variable.omit = True
+                case "choice":
+                    variable.choice = tuple(
+                        a.text for a in specifier.arguments if isinstance(a, tree.Text)
+                    )
+                case "size_is":
+                    size_is = specifier.arguments[0]
+                    assert not isinstance(size_is, _NO_EXPRESSION)
+                    variable.size_is = size_is
+        type_ = variable.type
+        if type_ is None:
+            return
+        real = resolve(type_)
+        if isinstance(real, CArrayType) and real.size is None and not variable.omit:
+            self._report(
+                rules.OPEN_ARRAY.at(
+                    variable.span,
+                    f"the array {variable.name} has no size",
+                    hint="write it between the brackets"
+                    + (", or put [omit] before it" if variable.kind == "attr" else ""),
+                )
+            )
+        if variable.size_is is not None and not isinstance(real, CPointerType):
+            self._report(
+                rules.SIZE_IS_OF_NO_POINTER.at(
+                    variable.span,
+                    f"{variable.name} has size_is and is no pointer",
+                    hint=f"declare *{variable.name}",
+                )
+            )
+            variable.size_is = None
+
+    def _check_value(self, type_: Celltype, variable: Variable) -> None:
+        if variable.value is None or variable.type is None:
+            return
+        types = {} if variable.kind == "attr" else attribute_types(type_)
+        if not self._sized_list(variable):
+            variable.initial = self._values.initial(
+                variable.type, variable.value, type_.place, types
+            )
+
+    def _sized_list(self, variable: Variable) -> bool:
+        """Whether a list was given to a pointer that has no size; that is reported."""
+        assert variable.type is not None
+        if not is_unsized_list(variable, variable.value):
+            return False
+        assert variable.value is not None
+        self._report(
+            rules.UNSIZED_INITIALISER.at(
+                variable.place.span(variable.value),
+                f"{variable.name} is a pointer without size_is and cannot have a list",
+                hint="put [size_is( n )] before it",
+            )
+        )
+        return True
+
+    def sizes(self, type_: Celltype) -> None:
+        """Understand sizes; check lists against those that are known in the celltype already.
+
+        Of a composite, what is inside counts.
+        """
+        for variable in type_.variables:
+            value, size_is = variable.value, variable.size_is
+            if size_is is None:
+                continue
+            variable.size = self._values.expression(
+                size_is, variable.place, attribute_types(type_)
+            )
+            if variable.size is None:
+                variable.size_is = None
+            if value is None or variable.size is None or isinstance(type_, Composite):
+                continue
+            if not isinstance(value, tree.Aggregate):
+                self._report(
+                    rules.SIZED_INITIALISER.at(
+                        variable.place.span(value),
+                        f"{variable.name} has size_is and takes a list",
+                        hint="write { ... }",
+                    )
+                )
+                continue
+            size = declared_size(self._values, type_, variable)
+            check_length(variable, value, size, variable.place, self._report)
+
+
+def attribute_values(type_: Celltype, cell: Cell | None = None) -> Names:
+    """The values of attributes by name: what the cell gives, else what the celltype gives."""
+
+    def value(name: str) -> tuple[tree.Initialiser, Place] | None:
+        if cell is not None and name in cell.joins:
+            join = cell.joins[name][0]
+            if join.value is not None and not isinstance(join.value, tree.OfComposite):
+                return join.value, join.place
+        found = type_.members.get(name)
+        if (
+            isinstance(found, Variable)
+            and found.kind == "attr"
+            and found.value is not None
+        ):
+            return found.value, found.place
+        return None
+
+    return value
+
+
+def declared_size(values: Values, type_: Celltype, variable: Variable) -> object:
+    """The size of a list as the celltype has it. An attribute without a value counts as 0."""
+    given = attribute_values(type_)
+
+    def names(name: str) -> tuple[tree.Initialiser, Place] | None:
+        found = type_.members.get(name)
+        if isinstance(found, Variable) and found.kind == "attr" and found.value is None:
+            return tree.Number("0", 0, 0), found.place
+        return given(name)
+
+    assert variable.size_is is not None
+    return values.constant(variable.size_is, variable.place, names)
+
+
+def attribute_types(type_: Celltype) -> dict[str, CType]:
+    """The types of the attributes."""
+    return {
+        v.name: v.type
+        for v in type_.variables
+        if v.kind == "attr" and v.type is not None
+    }
+
+
+def is_unsized_list(variable: Variable, value: object) -> bool:
+    """Whether a value is a list, for a pointer that has no size."""
+    return (
+        variable.type is not None
+        and variable.size_is is None
+        and isinstance(value, tree.Aggregate)
+        and isinstance(resolve(variable.type), CPointerType)
+    )
+
+
+def check_length(
+    variable: Variable,
+    value: tree.Aggregate,
+    size: object,
+    place: Place,
+    report: Report,
+) -> None:
+    """Report a list that is longer than the size, where that is known."""
+    if isinstance(size, int) and size < len(value.items):
+        report(
+            rules.SIZED_INITIALISER.at(
+                place.span(value),
+                f"{len(value.items)} values for {variable.name}, which holds {size}",
+                related=[Related(variable.span, "declared here")],
+                hint=(
+                    None if size else "give the size a value, or the list in the cells"
+                ),
+            )
+        )
+
+
+def _named(part: object) -> str:
+    if isinstance(part, tree.Attributes):
+        return f"{part.keyword} {{ }}"
+    return "require" if isinstance(part, tree.Require) else "a factory"

@@ -1,0 +1,590 @@
+"""Expressions: their kinds, their values as far as they are constant, and their model."""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, TypeAlias
+
+from rtgen.diagnostics import Rule
+from rtgen.frontends.cdl.names.operands import NUMBERS, BadError, Operand, Sort, sort_of
+from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
+from rtgen.frontends.cdl.names.table import Table
+from rtgen.frontends.cdl.rules import constants as rules
+from rtgen.frontends.cdl.rules import syntax
+from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax.unit import Unit
+from rtgen.frontends.kit.suggestions import nearest
+from rtgen.model.tecs import (
+    BinaryExpression,
+    CArrayType,
+    CastExpression,
+    ConditionalExpression,
+    CPointerType,
+    CScalarType,
+    CStructType,
+    CType,
+    Expression,
+    Literal,
+    Reference,
+    Scalar,
+    TecsConst,
+    TecsStruct,
+    UnaryExpression,
+    resolve,
+)
+
+ReadType: TypeAlias = Callable[[tree.TypeName, Unit, Scope], CType | None]
+"""Reads the type of a cast; None if it has errors, which are reported."""
+
+MAX_DEPTH = 100
+"""How deep operators may stand in one another where they have no value yet."""
+
+_MOST_DIGITS = 1000
+
+_MOST_BITS = 4096
+"""Values of more bits are not computed."""
+
+_ESCAPES = {
+    "n": 10, "t": 9, "r": 13, "0": 0, "a": 7, "b": 8, "f": 12, "v": 11,
+}  # fmt: skip
+
+
+class Expressions:
+    """Looks at expressions in their scope."""
+
+    def __init__(self, table: Table, read_type: ReadType) -> None:
+        self.table = table
+        self.read_type = read_type
+
+    def look(
+        self,
+        written: tree.Expression,
+        unit: Unit,
+        scope: Scope,
+        names: Mapping[str, CType] | None = None,
+    ) -> Operand | None:
+        """What an expression is; `names` are parameters, members or attributes that it may use.
+
+        None if it has errors, which are told.
+        """
+        try:
+            found = Look(self, unit, scope, names or {}).at(written)
+        except BadError:
+            return None
+        if _depth(found.model) > MAX_DEPTH:
+            message = f"this is nested for more than {MAX_DEPTH} levels"
+            self.table.report(syntax.TOO_DEEP.at(unit.place(written), message))
+            return None
+        return found
+
+    def integer(self, written: tree.Expression, unit: Unit, scope: Scope) -> int | None:
+        """The value of a constant integer expression; None if it is none, which is told."""
+        found = self.look(written, unit, scope)
+        if found is None:
+            return None
+        if type(found.value) is not int:
+            rule = rules.NOT_CONSTANT if found.value is None else rules.OPERATOR_KIND
+            message = (
+                f"a constant integer is wanted here, not {found.sort.with_article}"
+            )
+            if found.value is None:
+                message = "this is not constant"
+            self.table.report(rule.at(unit.place(written), message))
+            return None
+        return found.value
+
+    def size(
+        self,
+        written: tree.SpecifierArgument,
+        unit: Unit,
+        scope: Scope,
+        names: Mapping[str, CType],
+    ) -> Expression | None:
+        """The model of a size of struct members; None if it has errors, which are told."""
+        assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
+        found = self.look(written, unit, scope, names)
+        if found is None:
+            return None
+        found = whole_number(found)
+        if found.sort not in (Sort.INTEGER, Sort.UNKNOWN):
+            message = f"a size is an integer, not {found.sort.with_article}"
+            self.table.report(rules.OPERATOR_KIND.at(unit.place(written), message))
+            return None
+        return found.model
+
+
+class Look:
+    """Looks at an expression and its parts."""
+
+    def __init__(
+        self,
+        expressions: Expressions,
+        unit: Unit,
+        scope: Scope,
+        names: Mapping[str, CType],
+    ) -> None:
+        self._table = expressions.table
+        self._read_type = expressions.read_type
+        self._unit = unit
+        self._scope = scope
+        self._names = names
+
+    def bad(
+        self, rule: Rule, node: tree.Expression, message: str, hint: str | None = None
+    ) -> BadError:
+        self._table.report(rule.at(self._unit.place(node), message, hint=hint))
+        return BadError()
+
+    def at(self, node: tree.Expression) -> Operand:
+        """What an expression is. Raises BadError."""
+        match node:
+            case tree.Number() if len(node.text) > _MOST_DIGITS:
+                message = f"a number has at most {_MOST_DIGITS} digits"
+                raise self.bad(rules.RANGE, node, message)
+            case tree.Number():
+                return _number(node)
+            case tree.Boolean():
+                return Operand(Sort.BOOL, node.value, Literal(node.value))
+            case tree.Character():
+                return self._character(node)
+            case tree.Text():
+                return Operand(Sort.STRING, node.text, Literal(node.text))
+            case tree.ScopedName():
+                return self._name(node)
+            case tree.Group():
+                return self.at(node.inner)
+            case tree.Unary():
+                return self._unary(node)
+            case tree.Cast():
+                return self._cast(node)
+            case tree.Chain():
+                return self._chain(node)
+            case tree.Postfix():
+                return self._postfix(node)
+            case tree.Conditional():
+                return self._conditional(node)
+
+    def _character(self, node: tree.Character) -> Operand:
+        text = node.text or " "  # empty where the mistake is told
+        value = ord(text) if len(text) == 1 else _ESCAPES.get(text[1], ord(text[1]))
+        return Operand(Sort.INTEGER, value, Literal(value))
+
+    def _name(self, node: tree.ScopedName) -> Operand:
+        if len(node.parts) == 1 and not node.absolute:
+            name = node.parts[0].text
+            type_ = self._names.get(name)
+            if type_ is not None:
+                return Operand(sort_of(type_), None, Reference(name), type_)
+        found = self._scope.find(node)
+        if isinstance(found, Entity) and found.kind is Kind.CONSTANT:
+            declaration = found.declaration
+            if not isinstance(declaration, TecsConst):
+                raise BadError  # told at its declaration
+            value = declaration.value
+            model = Reference("_".join(found.name)) if value is None else Literal(value)
+            sort = sort_of(declaration.type)
+            own = found.value
+            if own is not None and sort in NUMBERS and own.sort in NUMBERS:
+                # tecsgen puts the value in place of the name as it is written.
+                return Operand(own.sort, own.value, model, declaration.type)
+            return Operand(sort, value, model, declaration.type)
+        if node.parts[-1].text in self._unit.lost:
+            raise BadError
+        if found is not None:
+            what = found.kind
+            raise self.bad(rules.UNKNOWN_NAME, node, f"'{node}' is a {what}, no value")
+        near = self._table.guesses.nearest(
+            str(node), [*self._names, *self._scope.visible()]
+        )
+        hint = f"did you mean '{near}'?" if near else None
+        raise self.bad(rules.UNKNOWN_NAME, node, f"'{node}' is unknown here", hint)
+
+    def _unary(self, node: tree.Unary) -> Operand:
+        operand = self.at(node.operand)
+        if node.operator == "&":
+            message = "an address has no value before the program runs"
+            raise self.bad(rules.CANNOT_EVALUATE, node, message)
+        if node.operator == "*":
+            return self._target(node, operand)
+        model = UnaryExpression(node.operator, operand.model)
+        if operand.sort is Sort.UNKNOWN:
+            return Operand(Sort.UNKNOWN, None, model)
+        if node.operator == "!":
+            value = self._truth(node.operand, operand)
+            negated = None if value is None else not value
+            return _made(Sort.BOOL, negated, model)
+        wanted = (Sort.INTEGER,) if node.operator == "~" else (Sort.INTEGER, Sort.FLOAT)
+        if operand.sort not in wanted:
+            raise self._unfit(node, node.operator, operand)
+        value_: Any = operand.value
+        if value_ is not None:
+            value_ = ~value_ if node.operator == "~" else value_
+            value_ = -value_ if node.operator == "-" else value_
+        return _made(operand.sort, value_, model)
+
+    def _target(self, node: tree.Unary, operand: Operand) -> Operand:
+        model = UnaryExpression("*", operand.model)
+        if operand.sort is Sort.UNKNOWN:
+            return Operand(Sort.UNKNOWN, None, model)
+        if operand.sort is not Sort.POINTER or operand.type is None:
+            raise self._unfit(node, "*", operand)
+        found = resolve(operand.type)
+        assert isinstance(found, CPointerType | CArrayType)
+        target = found.target if isinstance(found, CPointerType) else found.element
+        if operand.value is not None or isinstance(operand.model, Literal):
+            message = "what a pointer leads to has no value before the program runs"
+            raise self.bad(rules.CANNOT_EVALUATE, node, message)
+        return Operand(sort_of(target), None, model, target)
+
+    def _postfix(self, node: tree.Postfix) -> Operand:
+        operand = self.at(node.operand)
+        for suffix in node.suffixes:
+            if isinstance(suffix, tree.Name):
+                operand = self._member(node, operand, suffix)
+            else:
+                operand = self._element(node, operand, suffix)
+        return operand
+
+    def _member(self, node: tree.Postfix, operand: Operand, name: tree.Name) -> Operand:
+        model = BinaryExpression(".", operand.model, Reference(name.text))
+        found = resolve(operand.type) if operand.type is not None else None
+        if not isinstance(found, CStructType):
+            message = f"'.{name.text}' has no value before the program runs"
+            raise self.bad(rules.CANNOT_EVALUATE, node, message)
+        entity = self._table.tag(found.tag)
+        if entity is None or not isinstance(entity.declaration, TecsStruct):
+            return Operand(Sort.UNKNOWN, None, model)
+        for member in entity.declaration.members:
+            if member.name == name.text:
+                return Operand(sort_of(member.type), None, model, member.type)
+        near = nearest(name.text, [m.name for m in entity.declaration.members])
+        raise self.bad(
+            rules.UNKNOWN_NAME,
+            node,
+            f"{found} has no member '{name.text}'",
+            f"did you mean '{near}'?" if near else None,
+        )
+
+    def _element(
+        self, node: tree.Postfix, operand: Operand, subscript: tree.Subscript
+    ) -> Operand:
+        assert subscript.index is not None
+        index = self.at(subscript.index)
+        model = BinaryExpression("[]", operand.model, index.model)
+        if operand.sort is Sort.UNKNOWN:
+            return Operand(Sort.UNKNOWN, None, model)
+        found = resolve(operand.type) if operand.type is not None else None
+        if (
+            not isinstance(found, CPointerType | CArrayType)
+            or operand.value is not None
+        ):
+            message = "a subscript has no value before the program runs"
+            raise self.bad(rules.CANNOT_EVALUATE, node, message)
+        if index.sort not in (Sort.INTEGER, Sort.UNKNOWN):
+            raise self._unfit(subscript.index, "[]", index)
+        target = found.target if isinstance(found, CPointerType) else found.element
+        return Operand(sort_of(target), None, model, target)
+
+    def _cast(self, node: tree.Cast) -> Operand:
+        operand = self.at(node.operand)
+        type_ = self._read_type(node.type, self._unit, self._scope)
+        if type_ is None:
+            raise BadError
+        sort = sort_of(type_)
+        model = CastExpression(type_, operand.model)
+        numbers = (Sort.BOOL, Sort.INTEGER, Sort.FLOAT, Sort.UNKNOWN)
+        fits = (
+            operand.sort is Sort.UNKNOWN
+            or (sort is Sort.BOOL and operand.sort in (Sort.BOOL, Sort.INTEGER))
+            or (sort in numbers and sort is not Sort.BOOL and operand.sort in numbers)
+            or (sort is Sort.INTEGER and operand.sort is Sort.POINTER)
+            or (sort is Sort.POINTER and operand.sort in (Sort.INTEGER, Sort.POINTER))
+        )
+        if not fits:
+            message = f"{operand.sort.with_article} cannot be cast to {type_}"
+            raise self.bad(rules.OPERATOR_KIND, node, message)
+        value = operand.value
+        if value is None or sort is Sort.POINTER:
+            return Operand(sort, value if sort is Sort.POINTER else None, model, type_)
+        if sort is Sort.BOOL:
+            return Operand(sort, bool(value), Literal(bool(value)), type_)
+        if sort is Sort.FLOAT and not isinstance(value, str):
+            return _made(sort, _as_float(value), model, type_)
+        if sort is Sort.INTEGER and not isinstance(value, str):
+            if isinstance(value, float):
+                return _made(sort, _clipped(value, type_), model, type_)
+            return _made(sort, wrapped(int(value), type_), model, type_)
+        return Operand(sort, None, model, type_)
+
+    def _conditional(self, node: tree.Conditional) -> Operand:
+        condition = self.at(node.condition)
+        yes, no = self.at(node.yes), self.at(node.no)
+        truth = self._truth(node.condition, condition)
+        if truth is not None:
+            return yes if truth else no
+        model = ConditionalExpression(condition.model, yes.model, no.model)
+        sort = Sort.FLOAT if Sort.FLOAT in (yes.sort, no.sort) else yes.sort
+        return Operand(sort, None, model, yes.type)
+
+    def _truth(self, node: tree.Expression, operand: Operand) -> bool | None:
+        """The truth value of an operand, None if it is not constant. Raises BadError."""
+        if operand.sort not in (Sort.BOOL, Sort.INTEGER, Sort.UNKNOWN):
+            raise self.bad(
+                rules.OPERATOR_KIND,
+                node,
+                f"a truth value is wanted here, not a {operand.sort}",
+                "compare it, or cast it",
+            )
+        return None if operand.value is None else bool(operand.value)
+
+    def _chain(self, node: tree.Chain) -> Operand:
+        left = self.at(node.first)
+        for mark, written in node.rest:
+            left = self._binary(node, mark, left, self.at(written), written)
+        return left
+
+    def _binary(
+        self,
+        node: tree.Chain,
+        mark: str,
+        left: Operand,
+        right: Operand,
+        written: tree.Expression,
+    ) -> Operand:
+        model = BinaryExpression(mark, left.model, right.model)
+        if mark in ("&&", "||"):
+            one, two = self._truth(node.first, left), self._truth(written, right)
+            if one is None or two is None:
+                return Operand(Sort.BOOL, None, model)
+            truth = (one and two) if mark == "&&" else (one or two)
+            return _made(Sort.BOOL, truth, model)
+        if Sort.UNKNOWN in (left.sort, right.sort):
+            return Operand(Sort.UNKNOWN, None, model)
+        if left.sort in _ARITHMETIC and right.sort is Sort.BOOL:
+            # tecsgen takes 0 or 1 for a truth value on the right of a number.
+            number = None if right.value is None else int(right.value)
+            right = Operand(Sort.INTEGER, number, right.model)
+        if mark in _COMPARISONS:
+            return self._comparison(node, mark, left, right, model)
+        if mark in ("+", "-") and Sort.POINTER in (left.sort, right.sort):
+            if Sort.FLOAT in (left.sort, right.sort) or left.value is not None:
+                raise self._unfit(node, mark, right)
+            return Operand(Sort.POINTER, None, model, left.type or right.type)
+        wanted = _ARITHMETIC if mark in "+-*/%" else (Sort.INTEGER,)
+        for operand in (left, right):
+            if operand.sort not in wanted:
+                raise self._unfit(node, mark, operand)
+        if mark in ("/", "%") and right.value == 0 and right.value is not None:
+            raise self.bad(rules.DIVISION, written, "this is zero")
+        sort = Sort.FLOAT if Sort.FLOAT in (left.sort, right.sort) else Sort.INTEGER
+        if left.value is None or right.value is None:
+            return Operand(sort, None, model)
+        return _made(sort, self._computed(node, mark, left.value, right.value), model)
+
+    def _computed(self, node: tree.Chain, mark: str, one: Any, two: Any) -> Any:
+        if mark in ("<<", ">>") and not 0 <= two < _MOST_BITS:
+            message = f"a shift by {two} has no value"
+            raise self.bad(rules.OPERATOR_KIND, node, message)
+        try:
+            if mark == "/" and isinstance(one, int) and isinstance(two, int):
+                return one // two
+            value = _OPERATORS[mark](one, two)
+        except OverflowError:
+            value = math.inf
+        if isinstance(value, int) and value.bit_length() > _MOST_BITS:
+            raise self.bad(rules.RANGE, node, "this value is too large to be computed")
+        return value
+
+    def _comparison(
+        self,
+        node: tree.Chain,
+        mark: str,
+        left: Operand,
+        right: Operand,
+        model: Expression,
+    ) -> Operand:
+        numbers = (Sort.INTEGER, Sort.FLOAT)
+        fits = (left.sort in numbers and right.sort in numbers) or (
+            left.sort is right.sort is Sort.BOOL and mark in ("==", "!=")
+        )
+        if not fits:
+            one, two = left.sort.with_article, right.sort.with_article
+            message = f"'{mark}' does not compare {one} with {two}"
+            raise self.bad(rules.OPERATOR_KIND, node, message)
+        if left.value is None or right.value is None:
+            return Operand(Sort.BOOL, None, model)
+        return _made(Sort.BOOL, _COMPARISONS[mark](left.value, right.value), model)
+
+    def _unfit(self, node: tree.Expression, mark: str, operand: Operand) -> BadError:
+        message = f"'{mark}' cannot be used on {operand.sort.with_article}"
+        return self.bad(rules.OPERATOR_KIND, node, message)
+
+
+_ARITHMETIC = (Sort.INTEGER, Sort.FLOAT)
+_OPERATORS: dict[str, Callable[[Any, Any], Any]] = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "%": operator.mod,
+    "<<": operator.lshift,
+    ">>": operator.rshift,
+    "&": operator.and_,
+    "|": operator.or_,
+    "^": operator.xor,
+}
+_COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
+    "==": operator.eq,
+    "!=": operator.ne,
+    "<": operator.lt,
+    ">": operator.gt,
+    "<=": operator.le,
+    ">=": operator.ge,
+}
+
+
+def _depth(expression: Expression) -> int:
+    """How many operators at most stand in one another."""
+    deepest = 0
+    left = [(expression, 1)]
+    while left:
+        part, depth = left.pop()
+        deepest = max(deepest, depth)
+        match part:
+            case BinaryExpression(_, one, two):
+                left += (one, depth + 1), (two, depth + 1)
+            case UnaryExpression(_, operand) | CastExpression(_, operand):
+                left.append((operand, depth + 1))
+            case ConditionalExpression(condition, yes, no):
+                left += ((part, depth + 1) for part in (condition, yes, no))
+    return deepest
+
+
+def _number(node: tree.Number) -> Operand:
+    text = node.text
+    value: int | float
+    if "." in text:
+        value = float(text)
+        return Operand(Sort.FLOAT, value, Literal(value))
+    if text.startswith("0x"):
+        value = int(text, 16)
+    elif text.startswith("0") and text.strip("01234567") == "":
+        value = int(text, 8)
+    else:
+        value = int(text)
+    return Operand(Sort.INTEGER, value, Literal(value))
+
+
+def _made(
+    sort: Sort,
+    value: bool | int | float | None,
+    model: Expression,
+    type_: CType | None = None,
+) -> Operand:
+    """An operand: a literal where the value is known."""
+    if value is None:
+        return Operand(sort, None, model, type_)
+    return Operand(sort, value, Literal(value), type_)
+
+
+def _as_float(value: bool | int | float) -> float:
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf
+
+
+BITS = {
+    Scalar.CHAR: 8,
+    Scalar.SCHAR: 8,
+    Scalar.UCHAR: 8,
+    Scalar.INT8: 8,
+    Scalar.UINT8: 8,
+    Scalar.INT16: 16,
+    Scalar.UINT16: 16,
+    Scalar.INT32: 32,
+    Scalar.UINT32: 32,
+    Scalar.INT64: 64,
+    Scalar.UINT64: 64,
+    Scalar.INT128: 128,
+    Scalar.UINT128: 128,
+}
+"""The types whose values are checked for their range."""
+
+UNSIGNED = frozenset(
+    (
+        *(Scalar.UCHAR, Scalar.UINT8, Scalar.UINT16, Scalar.UINT32, Scalar.UINT64),
+        *(Scalar.UINT128, Scalar.USHORT, Scalar.UINT, Scalar.ULONG),
+        *(Scalar.ULONG_LONG, Scalar.UINTPTR),
+    )
+)
+
+
+def width(kind: Scalar) -> str:
+    """What tecsgen compares of basic types that pointers lead to: all but the sign."""
+    if kind in (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR):
+        return Scalar.CHAR
+    return kind.removeprefix("unsigned ").removeprefix("u")
+
+
+def wrapped(value: int, type_: CType) -> int:
+    """An integer as a cast to a type with a size leaves it."""
+    found = resolve(type_)
+    if not isinstance(found, CScalarType) or found.kind not in BITS:
+        return value
+    bits = BITS[found.kind]
+    value &= (1 << bits) - 1
+    if found.kind not in UNSIGNED and value >> (bits - 1):
+        value -= 1 << bits
+    return value
+
+
+def limits(type_: CType) -> tuple[int | None, int | None]:
+    """The least and the greatest value of an integer type, where they are known."""
+    found = resolve(type_)
+    assert isinstance(found, CScalarType)
+    bits, unsigned = BITS.get(found.kind), found.kind in UNSIGNED
+    if bits is None:
+        return (0 if unsigned else None), None
+    # A plain character may be signed or not.
+    full = unsigned or found.kind is Scalar.CHAR
+    return (0 if unsigned else -(1 << (bits - 1))), (1 << (bits - (not full))) - 1
+
+
+def _clipped(value: float, type_: CType) -> int:
+    """A floating-point number as a cast to an integer type leaves it: the nearest it can hold."""
+    low, high = limits(type_)
+    if not math.isfinite(value):
+        return (high or 0) if value > 0 else (low or 0)
+    whole = int(value)
+    whole = whole if low is None else max(whole, low)
+    return whole if high is None else min(whole, high)
+
+
+def whole_number(found: Operand) -> Operand:
+    """A constant as tecsgen counts with it: a truth value is 0 or 1, 2.0 is 2."""
+    value = found.value
+    if isinstance(value, bool) or (isinstance(value, float) and value.is_integer()):
+        return Operand(Sort.INTEGER, int(value), Literal(int(value)))
+    return found
+
+
+def references(expression: Expression) -> Iterator[str]:
+    """The names that an expression uses."""
+    match expression:
+        case Reference(name):
+            yield name
+        case BinaryExpression(".", left, _):
+            yield from references(left)
+        case BinaryExpression(_, left, right):
+            yield from references(left)
+            yield from references(right)
+        case UnaryExpression(_, operand) | CastExpression(_, operand):
+            yield from references(operand)
+        case ConditionalExpression(condition, yes, no):
+            for part in (condition, yes, no):
+                yield from references(part)
+        case _:
+            return

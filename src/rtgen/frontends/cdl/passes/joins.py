@@ -1,0 +1,543 @@
+"""Joins: which entry port they lead to, and through which plug-ins."""
+
+from __future__ import annotations
+
+import math
+
+from rtgen.diagnostics import Related, Span
+from rtgen.frontends.cdl.names.entities import (
+    Cell,
+    CellAllocator,
+    Celltype,
+    Composite,
+    Join,
+    Port,
+    Report,
+    Target,
+    Values,
+    Variable,
+    component,
+    here,
+)
+from rtgen.frontends.cdl.names.scopes import Kind
+from rtgen.frontends.cdl.passes import celltypes
+from rtgen.frontends.cdl.passes.cells import Cells
+from rtgen.frontends.cdl.passes.regions import Regions
+from rtgen.frontends.cdl.rules import cells as rules
+from rtgen.frontends.cdl.rules import celltypes as celltype_rules
+from rtgen.frontends.cdl.rules import regions as region_rules
+from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.kit.suggestions import nearest
+
+
+class Joins:
+    """Resolves the joins of cells."""
+
+    def __init__(
+        self, values: Values, regions: Regions, cells: Cells, report: Report
+    ) -> None:
+        self._values = values
+        self._regions = regions
+        self._cells = cells
+        self._report = report
+
+    # Joins that nobody wrote
+
+    def require(self, type_: Celltype) -> None:
+        """Join the required ports of the cells of a celltype."""
+        for port in type_.ports:
+            if port.required is None:
+                continue
+            for cell in type_.cells:
+                self._require(cell, port)
+
+    def _require(self, cell: Cell, port: Port) -> None:
+        assert port.required is not None
+        assert cell.span is not None
+        found = port.required.component
+        target: Cell | None = None
+        if isinstance(found, Celltype):
+            target = self.nearest(found, cell)
+        elif isinstance(found, Cell):
+            target = found
+            if self._regions.distance(cell.region, found.region) is None:
+                target = None
+        if target is None:
+            self._report(
+                rules.NOT_REACHED.at(
+                    cell.span,
+                    f"{cell.name} requires {port.required.name[-1]}.{port.required_port}, "
+                    "and no cell of it is reached from here",
+                    related=[Related(port.span, "required here")],
+                    hint=f"define a cell of {port.required.name[-1]}",
+                )
+            )
+            return
+        if port.name in cell.joins:
+            first = cell.joins[port.name][0]
+            self._report(
+                rules.REQUIRE_OVERRIDDEN.at(
+                    first.span,
+                    f"{port.name} is required, and joined to another cell here",
+                    related=[Related(port.span, "required here")],
+                )
+            )
+            return
+        self._made(cell, port.name, None, target, port.required_port, cell.span)
+
+    def _made(
+        self,
+        cell: Cell,
+        name: str,
+        index: int | None,
+        target: Cell,
+        port: str,
+        span: Span,
+    ) -> Join:
+        join = Join(
+            name=name,
+            index=index,
+            span=span,
+            place=cell.place,
+            target=Target(target, port, None, span, span, cell.place),
+        )
+        self._cells.add(cell, join)
+        return join
+
+    def nearest(self, type_: Celltype, cell: Cell) -> Cell | None:
+        """The cell of a singleton that is nearest to a cell, among those that it reaches."""
+        best, least = None, -1
+        for other in type_.cells:
+            distance = self._regions.distance(cell.region, other.region)
+            if distance is not None and (best is None or distance < least):
+                best, least = other, distance
+        return best
+
+    def fixed(self, cell: Cell) -> None:
+        """Make the fixed joins of a cell, at the callers.
+
+        Those that inner cells of a composite keep to themselves have no target that could be
+        named from outside: they only count as joins of the caller's port.
+        """
+        for port, entry in cell.celltype.fixed() if cell.celltype is not None else ():
+            caller = self._fixed_caller(cell, port)
+            if caller is not None:
+                assert port.fixed is not None
+                assert cell.span is not None
+                name = port.fixed.port.text
+                join = self._made(caller, name, -1, cell, entry, cell.span)
+                self._define(caller, join)
+        if isinstance(cell.celltype, Composite):
+            for port in cell.celltype.kept():
+                caller = self._fixed_caller(cell, port)
+                if caller is not None:
+                    assert port.fixed is not None
+                    caller.tried.add(port.fixed.port.text)
+
+    def _fixed_caller(self, cell: Cell, port: Port) -> Cell | None:
+        assert port.fixed is not None
+        assert port.fixed_place is not None
+        found = component(port.fixed_place.lookup(port.fixed.owner))
+        caller = self.nearest(found, cell) if isinstance(found, Celltype) else found
+        if isinstance(caller, Cell):
+            return caller
+        if isinstance(found, Celltype):
+            assert cell.span is not None
+            self._report(
+                celltype_rules.BAD_FIXED_JOIN.at(
+                    cell.span,
+                    f"{cell.name} has a fixed join to {found.name}, which has no cell here",
+                    related=[Related(port.span, "the fixed join")],
+                    hint=f"define a cell of {found.name}",
+                )
+            )
+        return None
+
+    # Resolution
+
+    def resolve(self, cell: Cell) -> None:
+        """Find the targets of a cell's joins, and check the values of its attributes."""
+        if cell.resolved or not cell.defined:
+            return
+        cell.resolved = True
+        if cell.celltype is None:
+            for join in cell.order:
+                self._guess(join)
+            return
+        for join in cell.order:  # grows by the joins of allocators
+            self._define(cell, join)
+        self._relay(cell)
+
+    def _guess(self, join: Join) -> None:
+        """Note the target of a cell of which nothing is known, as far as it can be seen."""
+        if join.value is None or isinstance(join.value, tree.OfComposite):
+            return
+        target = self._target(join)
+        if target is not None and isinstance(target.cell, tree.ScopedName):
+            found = component(join.place.lookup(target.cell))
+            if isinstance(found, Cell):
+                join.cell, join.port_name = found, target.port
+                join.port_index = target.index
+                found.used = True
+            else:
+                self._expect(join, None, target)
+
+    def _define(self, cell: Cell, join: Join) -> None:
+        if join.done:
+            return
+        join.done = True
+        assert cell.celltype is not None
+        member = cell.celltype.members.get(join.name)
+        if member is None:
+            near = nearest(join.name, cell.celltype.members)
+            self._report(
+                rules.UNKNOWN_NAME.at(
+                    join.span,
+                    f"{cell.celltype.name} has no port or attribute {join.name}",
+                    related=[Related(cell.celltype.entity.place, "declared here")],
+                    hint=f"did you mean {near}?" if near else None,
+                )
+            )
+        elif isinstance(member, Variable):
+            self._set(cell, join, member)
+        elif member.kind == "entry":
+            self._report(
+                rules.ENTRY_ON_THE_LEFT.at(
+                    join.span,
+                    f"{join.name} is an entry port, and is not joined to anything",
+                    related=[Related(member.span, "declared here")],
+                    hint="write the join in the cell that calls",
+                )
+            )
+        else:
+            self._lead(cell, join, member)
+
+    def _set(self, cell: Cell, join: Join, variable: Variable) -> None:
+        if variable.kind == "var":
+            self._report(
+                rules.VARIABLE_IN_CELL.at(
+                    join.span,
+                    f"{join.name} is a variable: a cell sets attributes only",
+                    related=[Related(variable.span, "declared here")],
+                )
+            )
+            return
+        value = join.value
+        if (
+            variable.type is None
+            or value is None
+            or isinstance(value, tree.OfComposite)
+        ):
+            return
+        if celltypes.is_unsized_list(variable, value):
+            self._report(
+                celltype_rules.UNSIZED_INITIALISER.at(
+                    join.place.span(value),
+                    f"{join.name} is a pointer without size_is and cannot have a list",
+                    related=[Related(variable.span, "declared here")],
+                )
+            )
+            return
+        join.initial = self._values.initial(variable.type, value, join.place, {})
+        fits = join.initial is not None
+        choice = variable.choice
+        if (
+            fits
+            and choice
+            and isinstance(value, tree.Text)
+            and value.text not in choice
+        ):
+            near = nearest(value.text, choice)
+            self._report(
+                rules.NOT_A_CHOICE.at(
+                    join.place.span(value),
+                    f'"{value.text}" is none of ' + ", ".join(f'"{c}"' for c in choice),
+                    related=[Related(variable.span, "declared here")],
+                    hint=f'did you mean "{near}"?' if near else None,
+                )
+            )
+
+    def _lead(self, cell: Cell, join: Join, port: Port) -> None:
+        """Resolve the join of a call port."""
+        if port.array != (join.index is not None):
+            message = (
+                f"{join.name} is an array and needs a subscript"
+                if port.array
+                else f"{join.name} is no array and has no subscript"
+            )
+            hint = f"write {join.name}[0] or {join.name}[]" if port.array else None
+            related = [Related(port.span, "declared here")]
+            self._report(
+                rules.LEFT_SUBSCRIPT.at(join.span, message, related=related, hint=hint)
+            )
+        target = join.target or self._target(join)
+        if target is None:
+            value = join.value
+            assert value is not None
+            self._report(
+                rules.NOT_A_TARGET.at(
+                    join.place.span(value),
+                    f"{join.name} is a call port, and this is no entry port",
+                    hint="write Cell.eEntry or Cell.eEntry[0]",
+                )
+            )
+            return
+        callee = self._cell(cell, target)
+        if callee is None:
+            if cell.inside is None:
+                self._expect(join, port, target)
+            return
+        callee.used = True
+        if self._enter(join, port, callee, target):
+            self._put_plugins(cell, join, port, callee)
+            self._allocator_joins(cell, join, callee, target)
+
+    def _expect(self, join: Join, port: Port | None, target: Target) -> None:
+        """Keep a join to a cell that a plug-in may make."""
+        name = target.cell
+        if (
+            isinstance(name, tree.ScopedName)
+            and self._regions.applied.of_cells is not None
+            and target.place.lookup(name) is None
+        ):
+            join.made = tuple(part.text for part in name.parts)
+            join.port_name, join.port_index = target.port, target.index
+            if port is not None:
+                join.port, join.chain = port, join.plugins
+
+    def _target(self, join: Join) -> Target | None:
+        """What is named by `Cell.eEntry` or `Cell.eEntry[i]`."""
+        value, place = join.value, join.place
+        match value:
+            case tree.Postfix(
+                operand=tree.ScopedName() as owner, suffixes=(tree.Name() as port,)
+            ):
+                index = None
+            case tree.Postfix(
+                operand=tree.ScopedName() as owner,
+                suffixes=(
+                    tree.Name() as port,
+                    tree.Subscript(index=subscript),
+                ),
+            ) if (
+                subscript is not None
+            ):
+                found = self._values.constant(subscript, place)
+                index = found if isinstance(found, int) else None
+                if index is None or index < 0:
+                    message = "a subscript is a constant integer, 0 or more"
+                    span = place.span(subscript)
+                    self._report(rules.RIGHT_SUBSCRIPT.at(span, message))
+                    index = 0
+            case _:
+                return None
+        return Target(
+            owner, port.text, index, place.span(owner), place.span(port), place
+        )
+
+    def _cell(self, cell: Cell, target: Target) -> Cell | None:
+        """The cell that a join leads to; what is wrong is reported."""
+        name = target.cell
+        if isinstance(name, Cell):
+            return name
+        inside = cell.inside
+        plain = name.parts[-1].text
+        if inside is not None:
+            member = inside.inner.get(plain) or inside.members.get(plain)
+            if isinstance(member, Cell):
+                return member
+            near = nearest(plain, inside.inner)
+            hint = f"did you mean {near}?" if near else None
+            found = None
+            state = f"is no cell of {inside.name}" if member else "is not known"
+        else:
+            found = target.place.lookup(name)
+            if found is not None and found.kind is Kind.CELL:
+                known = component(found)
+                return known if isinstance(known, Cell) else None
+            hint = target.place.near(name.parts[-1], Kind.CELL)
+            state = f"is a {found.kind}" if found is not None else "is not known"
+        unknown = found is None and inside is None
+        if unknown and (target.place.lost(name) or self._values.incomplete):
+            return None
+        maker = self._regions.applied.of_cells
+        if found is None and maker is not None and inside is None:
+            message = f"the cell {name} is not declared here; {maker} may make it"
+            self._report(rules.MADE_BY_PLUGIN.at(target.span, message, hint=hint))
+            return None
+        rule = rules.UNKNOWN_CELL if found is None else rules.NOT_A_CELL
+        self._report(
+            rule.at(
+                target.span,
+                f"{name} {state}: a join leads to a cell",
+                related=here(found) if found else [],
+                hint=hint,
+            )
+        )
+        return None
+
+    def _enter(self, join: Join, port: Port, callee: Cell, target: Target) -> bool:
+        """Find the entry port of the target; what is wrong is reported."""
+        type_ = callee.celltype
+        if type_ is None:
+            if callee.guessed:
+                join.cell, join.port_name = callee, target.port
+                join.port_index = target.index
+            return False
+        entry = type_.members.get(target.port)
+        related = [Related(type_.entity.place, "the celltype")]
+        if entry is None or not isinstance(entry, Port) or entry.kind != "entry":
+            near = nearest(
+                target.port, (p.name for p in type_.ports if p.kind == "entry")
+            )
+            rule = rules.UNKNOWN_ENTRY if entry is None else rules.NOT_AN_ENTRY
+            state = "port" if entry is None else "entry port"
+            self._report(
+                rule.at(
+                    target.port_span,
+                    f"{type_.name} has no {state} {target.port}",
+                    related=related,
+                    hint=f"did you mean {near}?" if near else None,
+                )
+            )
+            return False
+        if port.signature is None or entry.signature is None:
+            return False
+        related = [
+            Related(port.span, "the call port"),
+            Related(entry.span, "the entry port"),
+        ]
+        if port.signature.name != entry.signature.name:
+            self._report(
+                rules.SIGNATURE_MISMATCH.at(
+                    target.port_span,
+                    f"{port.name} has the signature {port.signature.scoped}, "
+                    f"{entry.name} {entry.signature.scoped}",
+                    related=related,
+                )
+            )
+            return False
+        problem = None
+        if entry.array and target.index is None:
+            problem = f"{entry.name} is an array and needs a subscript"
+        elif not entry.array and target.index is not None:
+            problem = f"{entry.name} is no array"
+        elif (target.index or 0) >= (entry.size or math.inf):
+            problem = f"{entry.name} has {entry.size} places, from 0 on"
+        if problem is not None:
+            self._report(
+                rules.RIGHT_SUBSCRIPT.at(target.port_span, problem, related=related[1:])
+            )
+            return False
+        join.cell, join.port, join.port_index = callee, entry, target.index
+        join.port_name = entry.name
+        callee.callers[entry.name] = callee.callers.get(entry.name, 0) + 1
+        return True
+
+    def _put_plugins(self, cell: Cell, join: Join, port: Port, callee: Cell) -> None:
+        """Set the plug-ins between a call port and its target, in order from the caller."""
+        if join.plugins and port.omitted:
+            reason = (
+                f"the signature of {port.name} has no functions"
+                if port.empty
+                else f"{port.name} is omit"
+            )
+            self._report(
+                region_rules.THROUGH_IGNORED.at(
+                    join.place.span(join.plugins[0].name),
+                    f"the plug-in is not used: {reason}",
+                )
+            )
+            return
+        what = f"{cell.name}.{join.name}"
+        ways = self._regions.way(cell.region, callee.region, what, join.span)
+        chain = (*join.plugins, *ways)
+        if chain and cell.inside is not None:
+            self._report(
+                celltype_rules.THROUGH_INSIDE.at(
+                    chain[0].place.span(chain[0].name),
+                    f"{what} is inside a composite, and has no plug-ins",
+                    hint="export the call port, and put through where the composite is used",
+                )
+            )
+            return
+        join.chain = chain
+
+    # Allocators
+
+    def _allocator_joins(
+        self, cell: Cell, join: Join, callee: Cell, target: Target
+    ) -> None:
+        """Join the call ports for allocators to those that the callee names.
+
+        A plug-in between regions has its own allocators at the caller's side.
+        """
+        far = bool(join.chain) and callee.region is not cell.region
+        self.resolve(callee)
+        for allocator in callee.allocators:
+            if (allocator.port, allocator.index) != (target.port, target.index):
+                continue
+            source = allocator.join
+            name = f"{join.name}_{allocator.function}_{allocator.parameter}"
+            if far:
+                cell.tried.add(name)
+                continue
+            made = Join(
+                name=name,
+                index=join.index,
+                span=join.span,
+                place=source.place,
+                value=source.value,
+                target=source.target or self._target(source),
+            )
+            self._cells.add(cell, made)
+
+    def _relay(self, cell: Cell) -> None:
+        """Pass allocators on from call ports to entry ports."""
+        assert cell.celltype is not None
+        assert cell.span is not None
+        for port in cell.celltype.ports:
+            for (function, parameter), allocator in port.allocators.items():
+                if not allocator.call:
+                    continue
+                if port.array:
+                    cell.tried.add(f"{port.name}_{function}_{parameter}")
+                    message = (
+                        f"{port.name} is an array: its allocators are not passed on"
+                    )
+                    related = [Related(port.span, "the port")]
+                    self._report(rules.RELAY.at(cell.span, message, related=related))
+                    break
+                name = f"{allocator.call}_{allocator.function}_{allocator.parameter}"
+                joins = cell.joins.get(name)
+                if not joins:
+                    if name not in cell.exported:
+                        cell.tried |= {name, f"{port.name}_{function}_{parameter}"}
+                        self._report(
+                            rules.RELAY.at(
+                                cell.span,
+                                f"{cell.name}.{allocator.call} has no allocator for "
+                                f"{allocator.function}.{allocator.parameter} to pass on",
+                                related=[Related(port.span, "the port")],
+                                hint=f"join {allocator.call} to a cell with an allocator",
+                            )
+                        )
+                    continue
+                self._pass_on(cell, port, function, parameter, joins[0])
+
+    def _pass_on(
+        self, cell: Cell, port: Port, function: str, parameter: str, source: Join
+    ) -> None:
+        join = Join(
+            name=f"{port.name}_{function}_{parameter}",
+            index=None,
+            span=source.span,
+            place=source.place,
+            value=source.value,
+            target=source.target or self._target(source),
+        )
+        cell.allocators.append(
+            CellAllocator(port.name, None, function, parameter, join)
+        )
+        if port.name not in cell.exported and self._cells.add(cell, join):
+            self._define(cell, join)

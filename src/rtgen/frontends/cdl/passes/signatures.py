@@ -1,0 +1,615 @@
+"""Signatures: functions and parameters with their specifiers, checked as tecsgen does."""
+
+from __future__ import annotations
+
+from rtgen.diagnostics import Related, Rule
+from rtgen.frontends.cdl.names.c_types import is_const, is_void, pointer_depth
+from rtgen.frontends.cdl.names.operands import Operand, Sort
+from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
+from rtgen.frontends.cdl.names.table import Table
+from rtgen.frontends.cdl.passes.expressions import whole_number
+from rtgen.frontends.cdl.passes.types import Types
+from rtgen.frontends.cdl.rules import signatures as rules
+from rtgen.frontends.cdl.rules import syntax
+from rtgen.frontends.cdl.rules import types as type_rules
+from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax.unit import Unit
+from rtgen.model.tecs import (
+    CArrayType,
+    CEnumType,
+    CFunctionType,
+    CPointerType,
+    CStructType,
+    CType,
+    CTypedefType,
+    Expression,
+    Reference,
+    Scalar,
+    Signature,
+    Sizes,
+    TecsDirection,
+    TecsFunction,
+    TecsParameter,
+    resolve,
+)
+from rtgen.model.types import ScopedName
+
+_CONTEXTS = ("task", "non-task", "any")
+_DIRECTIONS = {direction.value: direction for direction in TecsDirection}
+_LENGTHS = ("size_is", "count_is", "string")
+_ALLOWED = frozenset((*_DIRECTIONS, *_LENGTHS, "nullable"))
+_NO_SIZES = Sizes()
+_INWARD = (TecsDirection.IN, TecsDirection.INOUT)
+_OUTWARD = (TecsDirection.OUT, TecsDirection.INOUT)
+
+
+class Signatures:
+    """Makes signatures of the tree."""
+
+    def __init__(self, table: Table, types: Types) -> None:
+        self._table = table
+        self._types = types
+
+    def signature(
+        self,
+        item: tree.Item,
+        node: tree.Signature,
+        unit: Unit,
+        scope: Scope,
+        entity: Entity,
+    ) -> Signature | None:
+        """The model of a signature; None if it has errors, which are told."""
+        made = _Signature(self._table, self._types, unit, scope)
+        context = made.context(item)
+        deviate = item.specifier("deviate") is not None
+        made.deviate = deviate
+        functions = made.functions(node)
+        if functions is None:
+            return None
+        return Signature(
+            name=entity.name,
+            file=unit.source.name,
+            span=entity.place,
+            doc=self._table.doc(unit, item.start, item.end),
+            functions=functions,
+            context=context,
+            callback=item.specifier("callback") is not None,
+            deviate=deviate,
+        )
+
+
+class _Signature:
+    def __init__(self, table: Table, types: Types, unit: Unit, scope: Scope) -> None:
+        self.deviate = False
+        self._table = table
+        self._types = types
+        self._unit = unit
+        self._scope = scope
+
+    def _tell(
+        self,
+        rule: Rule,
+        node: (
+            tree.Name
+            | tree.Expression
+            | tree.Specifier
+            | tree.Specifiers
+            | tree.Parameters
+            | tree.Parameter
+        ),
+        message: str,
+        hint: str | None = None,
+    ) -> None:
+        span = self._unit.span(node.start, node.end)
+        self._table.report(rule.at(span, message, hint=hint))
+
+    def context(self, item: tree.Item) -> str:
+        found: str | None = None
+        for specifier in item.specifiers.items if item.specifiers else ():
+            if specifier.word == "context":
+                if found is not None:
+                    message = "'context' is given already"
+                    self._tell(rules.SPECIFIER_TWICE, specifier, message)
+                (argument,) = specifier.arguments
+                assert isinstance(argument, tree.Text)
+                found = argument.text
+                if found not in _CONTEXTS:
+                    message = f'the context "{found}" is unknown'
+                    hint = "it is task, non-task or any"
+                    self._tell(rules.CONTEXT_UNKNOWN, argument, message, hint)
+        return found if found is not None else "task"
+
+    def functions(self, node: tree.Signature) -> tuple[TecsFunction, ...] | None:
+        found: dict[str, TecsFunction] = {}
+        good = True
+        number = 0
+        for item in node.functions:
+            if not isinstance(item.node, tree.Function):
+                good = False
+                continue
+            number += 1
+            function = self._function(item, item.node, number)
+            if function is None:
+                good = False
+            elif function.name in found:
+                self._table.report(
+                    rules.FUNCTION_TWICE.at(
+                        function.span,
+                        f"the function '{function.name}' is declared already",
+                        related=[
+                            Related(found[function.name].span, "first declared here")
+                        ],
+                    )
+                )
+                good = False
+            else:
+                found[function.name] = function
+        return tuple(found.values()) if good else None
+
+    def _function(
+        self, item: tree.Item, node: tree.Function, number: int
+    ) -> TecsFunction | None:
+        oneway = False
+        for specifier in item.specifiers.items if item.specifiers else ():
+            if specifier.word == "oneway" and oneway:
+                message = "'oneway' is given already"
+                self._tell(rules.SPECIFIER_TWICE, specifier, message)
+            elif specifier.word == "oneway":
+                oneway = True
+            else:
+                message = f"'{specifier.word}' cannot stand before a function"
+                self._tell(syntax.MISPLACED_SPECIFIER, specifier, message)
+        name = node.declarator.name
+        assert name is not None
+        suffix = node.declarator.suffixes[0] if node.declarator.suffixes else None
+        if (
+            not isinstance(suffix, tree.Parameters)
+            or len(node.declarator.suffixes) > 1
+            or isinstance(node.declarator.inner, tree.Declarator)
+        ):
+            self._tell(
+                rules.NOT_A_FUNCTION,
+                name,
+                f"'{name.text}' is no function",
+                "put its parameters behind it, or ( void )",
+            )
+            return None
+        types = self._types
+        base = types.of(node.type, self._unit, self._scope)
+        returned = tree.Declarator(
+            node.declarator.pointers, None, (), node.start, node.end
+        )
+        returns = types.declared(base, returned, self._unit, self._scope)
+        if not suffix.items:
+            message = f"'{name.text}' has no parameters"
+            self._tell(rules.NO_VOID, suffix, message, "write ( void )")
+        reader = _Parameters(self._table, self._types, self._unit, self._scope)
+        reader.deviate = self.deviate
+        parameters = reader.of(suffix)
+        if returns is None:
+            return None
+        if isinstance(resolve(returns), CPointerType) and not self.deviate:
+            message = f"'{name.text}' returns a pointer"
+            hint = "give it back by an out parameter, or write [deviate] before the signature"
+            self._tell(rules.RETURNS_POINTER, name, message, hint)
+        if not is_void(returns) and not types.is_value(returns, self._unit, name):
+            return None
+        if parameters is None:
+            return None
+        if oneway and not self._can_be_oneway(name, returns, parameters):
+            return None
+        return TecsFunction(
+            id=number,
+            name=name.text,
+            returns=returns,
+            parameters=parameters,
+            oneway=oneway,
+            span=self._unit.place(name),
+            doc=self._table.doc(self._unit, item.start, item.end),
+        )
+
+    def _can_be_oneway(
+        self, name: tree.Name, returns: CType, parameters: tuple[TecsParameter, ...]
+    ) -> bool:
+        good = True
+        error = isinstance(returns, CTypedefType) and returns.name[-1] == "ER"
+        if not (is_void(returns) or error):
+            message = f"the oneway function '{name.text}' returns {returns}"
+            self._tell(rules.ONEWAY_RETURN, name, message, "return void or ER")
+            good = False
+        for parameter in parameters:
+            if parameter.direction not in (TecsDirection.IN, TecsDirection.SEND):
+                message = (
+                    f"'{parameter.name}' of the oneway function '{name.text}' is "
+                    f"{parameter.direction}"
+                )
+                self._table.report(
+                    rules.ONEWAY_PARAMETER.at(
+                        parameter.span, message, hint="it can be in or send"
+                    )
+                )
+                good = False
+        return good
+
+
+class _Parameter:
+    """A parameter while it is looked at."""
+
+    def __init__(self, written: tree.Parameter, name: tree.Name, type_: CType) -> None:
+        self.written = written
+        self.name = name
+        self.type = type_
+        self.given: dict[str, tree.Specifier] = {}
+        self.direction: TecsDirection | None = None
+        self.allocator: ScopedName | None = None
+        self.good = True
+
+
+class _Parameters(_Signature):
+    def of(self, written: tree.Parameters) -> tuple[TecsParameter, ...] | None:
+        if len(written.items) == 1 and self._is_nothing(written.items[0]):
+            return ()
+        found: dict[str, _Parameter] = {}
+        good = True
+        for item in written.items:
+            parameter = self._parameter(item)
+            if parameter is None:
+                good = False
+            elif parameter.name.text in found:
+                first = found[parameter.name.text].name
+                self._table.report(
+                    rules.PARAMETER_TWICE.at(
+                        self._unit.place(parameter.name),
+                        f"the parameter '{parameter.name.text}' is declared already",
+                        related=[
+                            Related(self._unit.place(first), "first declared here")
+                        ],
+                    )
+                )
+                good = False
+            else:
+                found[parameter.name.text] = parameter
+        made = []
+        names = {name: parameter.type for name, parameter in found.items()}
+        directions = {name: p.direction for name, p in found.items()}
+        for parameter in found.values():
+            sizes = self._sizes(parameter, names, directions if good else {})
+            if sizes is None or not parameter.good or parameter.direction is None:
+                good = False
+                continue
+            made.append(
+                TecsParameter(
+                    name=parameter.name.text,
+                    type=parameter.type,
+                    direction=parameter.direction,
+                    sizes=sizes,
+                    allocator=parameter.allocator,
+                    span=self._unit.place(parameter.name),
+                )
+            )
+        return tuple(made) if good else None
+
+    def _is_nothing(self, item: tree.Parameter) -> bool:
+        """Whether it is the `void` of a function without parameters."""
+        if item.declarator is not None or item.specifiers is not None:
+            return False
+        written = item.type.type
+        return isinstance(written, tree.BasicType) and written.kind is Scalar.VOID
+
+    def _parameter(self, item: tree.Parameter) -> _Parameter | None:
+        name = item.declarator.name if item.declarator is not None else None
+        if len(item.type.qualifiers) > 1:
+            message = "a parameter has one qualifier at most"
+            self._tell(syntax.QUALIFIER, item.type.qualifiers[1], message)
+            return None
+        base = self._types.of(item.type, self._unit, self._scope)
+        type_ = self._types.declared(base, item.declarator, self._unit, self._scope)
+        if name is None:
+            if type_ is not None and is_void(type_) and item.declarator is None:
+                self._tell_void(item)
+                return None
+            message = "this parameter has no name"
+            self._tell(rules.NO_NAME, item, message)
+            return None
+        if item.specifiers is None:
+            message = f"the parameter '{name.text}' has no specifiers"
+            hint = "write [in], [out] or [inout] before it"
+            self._tell(rules.NO_BRACKET, item, message, hint)
+            return None
+        if type_ is None:
+            return None
+        parameter = _Parameter(item, name, type_)
+        self._specifiers(parameter, item.specifiers)
+        if is_void(type_):
+            message = f"the parameter '{name.text}' cannot be of type void"
+            self._tell(type_rules.VOID_VALUE, name, message)
+            return None
+        inner = resolve(type_)
+        if isinstance(inner, CFunctionType):
+            message = f"the parameter '{name.text}' cannot be a function"
+            self._tell(rules.FUNCTION_PARAMETER, name, message, "use a pointer to it")
+            return None
+        if isinstance(inner, CStructType | CArrayType | CPointerType):
+            parameter.good &= self._types.is_value(type_, self._unit, name)
+        if isinstance(inner, CEnumType):
+            message = f"'{name.text}' is an enum, which tecsgen cannot make code for"
+            hint = "use an integer and constants"
+            self._tell(type_rules.ENUM_TYPE, name, message, hint)
+        if parameter.good:
+            self._pointers(parameter)
+        return parameter
+
+    def _tell_void(self, item: tree.Parameter) -> None:
+        span = self._unit.span(item.start, item.end)
+        message = (
+            "'void' stands alone in the parentheses of a function without parameters"
+        )
+        self._table.report(type_rules.VOID_VALUE.at(span, message))
+
+    def _specifiers(self, parameter: _Parameter, bracket: tree.Specifiers) -> None:
+        for specifier in bracket.items:
+            word = specifier.word
+            if word not in _ALLOWED:
+                message = f"'{word}' cannot stand before a parameter"
+                self._tell(syntax.MISPLACED_SPECIFIER, specifier, message)
+                parameter.good = False
+            elif word in _DIRECTIONS:
+                self._direction(parameter, specifier)
+            elif word in _LENGTHS and word in parameter.given:
+                message = f"'{word}' is given already"
+                self._tell(rules.SPECIFIER_TWICE, specifier, message)
+                parameter.good = False
+            else:
+                parameter.given[word] = specifier
+        if bracket.broken:
+            parameter.good = False
+        if parameter.direction is None and parameter.good:
+            message = f"'{parameter.name.text}' has no direction"
+            hint = "add in, out or inout"
+            self._tell(rules.NO_DIRECTION, bracket, message, hint)
+            parameter.good = False
+
+    def _direction(self, parameter: _Parameter, specifier: tree.Specifier) -> None:
+        direction = _DIRECTIONS[specifier.word]
+        if parameter.direction is direction:
+            message = f"'{direction}' is given already"
+            self._tell(rules.DIRECTION_TWICE, specifier, message)
+        elif parameter.direction is not None:
+            message = f"'{parameter.name.text}' is {parameter.direction} already"
+            hint = None
+            if {direction, parameter.direction} == {
+                TecsDirection.IN,
+                TecsDirection.OUT,
+            }:
+                hint = "write inout for both"
+            self._tell(rules.DIRECTION_CONFLICT, specifier, message, hint)
+            parameter.good = False
+        else:
+            parameter.direction = direction
+        if specifier.arguments:
+            (name,) = specifier.arguments
+            assert isinstance(name, tree.ScopedName)
+            found = self._scope.find(name)
+            if isinstance(found, Entity) and found.kind is Kind.SIGNATURE:
+                parameter.allocator = found.name
+            else:
+                message = f"'{name}' is no signature"
+                hint = "name the signature of the allocator; it is declared before"
+                self._tell(rules.ALLOCATOR, name, message, hint)
+                parameter.good = False
+
+    def _pointers(self, parameter: _Parameter) -> None:
+        """Levels of pointers, and what is const, against the specifiers."""
+        name, type_, given = parameter.name, parameter.type, parameter.given
+        direction = parameter.direction
+        assert direction is not None
+        found = resolve(type_)
+        is_pointer = isinstance(found, CPointerType)
+        if not is_pointer and not given and direction is TecsDirection.IN:
+            return
+        for word in (*_LENGTHS, "nullable"):
+            if word in given and not is_pointer:
+                message = f"'{word}' is about pointers, and '{name.text}' is none"
+                self._tell(rules.SIZE_OF_SCALAR, given[word], message)
+                parameter.good = False
+        if not parameter.good:
+            return
+        depth = pointer_depth(type_)
+        size = "size_is" in given or "count_is" in given
+        string = "string" in given
+        needed = 0 if direction is TecsDirection.IN else 1
+        if size or string:
+            needed = 2 if size and string else 1
+        if direction is TecsDirection.RECEIVE:
+            needed += 1
+        most = max(needed, 1)
+        if "size_is" in given and _leads_to_struct(type_):
+            most += 1
+        if depth < needed:
+            more = "a pointer" if needed == 1 else f"{needed} levels of pointers"
+            message = f"'{name.text}' must be {more}"
+            hint = f"write '{'*' * needed}{name.text}'"
+            self._tell(rules.TOO_FEW_POINTERS, name, message, hint)
+            parameter.good = False
+            return
+        if is_pointer and depth > most and not self.deviate:
+            message = f"'{name.text}' has {depth} levels of pointers, {most} would do"
+            self._tell(rules.TOO_MANY_POINTERS, name, message)
+        target = type_
+        for _ in range(depth):
+            inner = resolve(target)
+            assert isinstance(inner, CPointerType)
+            target = inner.target
+        if is_pointer:
+            self._constness(parameter, target)
+        sized = depth - (direction is TecsDirection.RECEIVE and depth > 1)
+        if (string or (size and sized == 1)) and is_void(target):
+            words = " and ".join(word for word in _LENGTHS if word in given)
+            message = f"{words} cannot apply to a pointer to void"
+            self._tell(rules.SIZE_OF_VOID, name, message)
+            parameter.good = False
+        if "nullable" in given and "size_is" in given:
+            message = "an array cannot be nullable"
+            hint = "a NULL array has size 0"
+            self._tell(rules.NULLABLE_SIZE, given["nullable"], message, hint)
+            parameter.good = False
+        unsized = string and not given["string"].arguments
+        if unsized and direction in (TecsDirection.OUT, TecsDirection.INOUT):
+            message = f"the {direction} string '{name.text}' has no length"
+            hint = "write string( n )"
+            self._tell(rules.STRING_LENGTH, given["string"], message, hint)
+
+    def _constness(self, parameter: _Parameter, target: CType) -> None:
+        name, direction = parameter.name, parameter.direction
+        if direction is TecsDirection.IN:
+            if not is_const(target):
+                message = f"'{name.text}' is in, so what it leads to must be const"
+                hint = f"write const {target} *{name.text}"
+                self._tell(rules.IN_NOT_CONST, name, message, hint)
+                parameter.good = False
+        elif is_const(target) and not self.deviate:
+            message = (
+                f"'{name.text}' is {direction}, so what it leads to cannot be const"
+            )
+            self._tell(rules.OUT_CONST, name, message, "leave out const")
+            parameter.good = False
+
+    def _sizes(
+        self,
+        parameter: _Parameter,
+        names: dict[str, CType],
+        directions: dict[str, TecsDirection | None],
+    ) -> Sizes | None:
+        if not parameter.given:
+            return _NO_SIZES if parameter.good else None
+        values: dict[str, Operand] = {}
+        max_size: int | None = None
+        for word in _LENGTHS:
+            specifier = parameter.given.get(word)
+            if specifier is None or not specifier.arguments:
+                continue
+            found = self._length(specifier, word, names)
+            if found is None:
+                parameter.good = False
+                continue
+            values[word] = found
+            if found.value is None and not _tecsgen_knows(specifier.arguments[0]):
+                message = f"tecsgen does not understand this argument of {word}"
+                hint = "begin with the parameter, without parentheses: n * 2 + 1"
+                self._tell(rules.SIZE_FORM, specifier, message, hint)
+            self._way(parameter, word, specifier, found.model, directions)
+            if word == "size_is" and len(specifier.arguments) > 1:
+                max_size = self._limit(parameter, specifier, found)
+        if not parameter.good:
+            return None
+        models = {word: operand.model for word, operand in values.items()}
+        string = parameter.given.get("string")
+        return Sizes(
+            size_is=models.get("size_is"),
+            max_size=max_size,
+            count_is=models.get("count_is"),
+            string=models.get("string"),
+            unsized_string=string is not None and not string.arguments,
+            nullable="nullable" in parameter.given,
+        )
+
+    def _length(
+        self, specifier: tree.Specifier, word: str, names: dict[str, CType]
+    ) -> Operand | None:
+        written = specifier.arguments[0]
+        assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
+        found = self._types.expressions.look(written, self._unit, self._scope, names)
+        if found is None:
+            return None
+        found = whole_number(found)
+        if found.sort not in (Sort.INTEGER, Sort.UNKNOWN):
+            message = f"the argument of {word} is an integer, not a {found.sort}"
+            hint = None
+            if found.sort is Sort.POINTER and isinstance(found.model, Reference):
+                hint = f"write *{found.model}"
+            self._tell(rules.SIZE_TYPE, written, message, hint)
+            return None
+        if isinstance(found.value, int) and found.value <= 0:
+            message = f"{word} is above zero, not {found.value}"
+            self._tell(rules.SIZE_SIGN, written, message)
+            return None
+        return found
+
+    def _limit(
+        self, parameter: _Parameter, specifier: tree.Specifier, size: Operand
+    ) -> int | None:
+        written = specifier.arguments[1]
+        assert not isinstance(written, tree.Name | tree.Allocation | tree.Restriction)
+        found = self._types.expressions.look(written, self._unit, self._scope)
+        limit = whole_number(found).value if found is not None else None
+        if type(limit) is not int or limit <= 0:
+            if found is not None:
+                message = "the limit of size_is is a constant above zero"
+                self._tell(rules.MAX_SIZE, written, message)
+            parameter.good = False
+            return None
+        if not isinstance(size.value, int):
+            return limit
+        if size.value >= limit:
+            message = f"{size.value} is not below the limit {limit}"
+            self._tell(rules.SIZE_OVER_MAX, specifier, message)
+            parameter.good = False
+        else:
+            message = f"the size is {size.value}, so the limit {limit} says nothing"
+            self._tell(rules.SIZE_UNDER_MAX, written, message, "leave it out")
+        return None
+
+    def _way(
+        self,
+        parameter: _Parameter,
+        word: str,
+        specifier: tree.Specifier,
+        length: Expression,
+        directions: dict[str, TecsDirection | None],
+    ) -> None:
+        """Whether the length goes the way it must; tecsgen looks at bare names only."""
+        written = specifier.arguments[0]
+        direction = parameter.direction
+        if not isinstance(length, Reference) or direction is None:
+            return
+        way = directions.get(length.name)
+        if way is None:
+            return
+        if direction is TecsDirection.RECEIVE or (
+            word == "count_is" and direction is TecsDirection.OUT
+        ):
+            wanted: tuple[TecsDirection, ...] = _OUTWARD
+        elif word == "count_is" and direction is TecsDirection.INOUT:
+            wanted = (TecsDirection.INOUT,)
+        else:
+            wanted = _INWARD
+        if way not in wanted:
+            message = (
+                f"'{length.name}' is {way}, but {word} of the {direction} parameter "
+                f"'{parameter.name.text}' needs it to be {' or '.join(wanted)}"
+            )
+            assert not isinstance(written, tree.Allocation | tree.Restriction)
+            self._tell(rules.LENGTH_DIRECTION, written, message)
+            parameter.good = False
+
+
+def _tecsgen_knows(size: object) -> bool:
+    """Whether tecsgen finds the type of a size that is not constant: it takes that of the first
+    operand, and knows parameters, what they point to, and arithmetic of these alone."""
+    match size:
+        case tree.ScopedName():
+            return True
+        case tree.Unary(operator="*", operand=operand):
+            return isinstance(operand, tree.ScopedName)
+        case tree.Unary(operator="+" | "-" | "~", operand=operand):
+            return _tecsgen_knows(operand)
+        case tree.Chain(first=first, rest=rest):
+            return all(m in "+-*/%" for m, _ in rest) and _tecsgen_knows(first)
+    return False
+
+
+def _leads_to_struct(type_: CType) -> bool:
+    found = resolve(type_)
+    while isinstance(found, CPointerType):
+        found = resolve(found.target)
+    return isinstance(found, CStructType)

@@ -1,0 +1,65 @@
+"""Brackets of specifiers: which words may stand before what."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from rtgen.diagnostics import Related
+from rtgen.frontends.cdl.names.entities import Place, Report
+from rtgen.frontends.cdl.rules import celltypes as rules
+from rtgen.frontends.cdl.rules import syntax
+from rtgen.frontends.cdl.syntax import tree
+
+CELLTYPE = ("singleton", "active", "idx_is_id", "generate")
+PORT = ("inline", "allocator", "optional", "omit", "dynamic", "ref_desc")
+OUTER_PORT = ("allocator", "optional", "omit", "dynamic", "ref_desc")
+ATTRIBUTE = ("omit", "size_is", "choice")
+VARIABLE = ("size_is",)
+CELL = ("allocator", "id", "prototype", "restrict", "generate")
+INNER_CELL = ("allocator",)
+JOIN = ("through",)
+REGION = (
+    *("linkunit", "node", "class", "domain"),
+    *("in_through", "out_through", "to_through"),
+)
+
+
+def accepted(
+    bracket: tree.Specifiers | None,
+    words: Collection[str],
+    what: str,
+    place: Place,
+    report: Report,
+) -> list[tree.Specifier]:
+    """The specifiers of a bracket that may stand before `what`; the others are reported."""
+    found = []
+    for specifier in bracket.items if bracket is not None else ():
+        if specifier.word in words:
+            found.append(specifier)
+        else:
+            hint = f"possible are {', '.join(words)}" if words else "remove it"
+            report(
+                syntax.MISPLACED_SPECIFIER.at(
+                    place.span(specifier),
+                    f"{specifier.word} cannot stand before {what}",
+                    hint=hint,
+                )
+            )
+    return found
+
+
+def once(
+    specifiers: list[tree.Specifier], word: str, place: Place, report: Report
+) -> tree.Specifier | None:
+    """The specifier of a word that is given once; a second one is reported."""
+    found = [s for s in specifiers if s.word == word]
+    for other in found[1:]:
+        report(
+            rules.SPECIFIER_TWICE.at(
+                place.span(other),
+                f"{word} is given twice",
+                related=[Related(place.span(found[0]), "the first time")],
+                hint="remove one",
+            )
+        )
+    return found[0] if found else None

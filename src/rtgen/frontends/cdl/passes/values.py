@@ -1,0 +1,104 @@
+"""Types, constants and initialisers for celltypes and cells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from rtgen.diagnostics import Rule
+from rtgen.frontends.cdl.names.entities import Declared, Names, Place
+from rtgen.frontends.cdl.names.operands import BadError, Operand
+from rtgen.frontends.cdl.names.table import Table
+from rtgen.frontends.cdl.passes.constants import Constants
+from rtgen.frontends.cdl.passes.expressions import Expressions, Look
+from rtgen.frontends.cdl.passes.types import Types
+from rtgen.frontends.cdl.syntax import tree
+from rtgen.model.tecs import CType, Expression
+
+_MOST_NESTED = 20
+"""How many attributes may be made of one another."""
+
+
+class DeclaredValues:
+    """The half of a unit that has no cells, as the other half sees it."""
+
+    def __init__(self, table: Table, types: Types, constants: Constants) -> None:
+        self._table = table
+        self._types = types
+        self._constants = constants
+
+    @property
+    def incomplete(self) -> bool:
+        """Whether an import is missing, which may declare what is not known."""
+        return self._table.incomplete
+
+    def declare(self, declaration: tree.Declaration, place: Place) -> list[Declared]:
+        """What a declaration of attributes or variables declares; its mistakes are reported."""
+        types, unit, scope = self._types, place.unit, place.scope
+        base = types.of(declaration.type, unit, scope)
+        found = []
+        for part in declaration.declarators:
+            name = part.declarator.name
+            assert name is not None
+            type_ = types.declared(base, part.declarator, unit, scope)
+            if type_ is not None and not types.is_value(type_, unit, name):
+                type_ = None
+            found.append(Declared(name, type_, part.value))
+        return found
+
+    def constant(
+        self, expression: tree.Expression, place: Place, names: Names | None = None
+    ) -> object:
+        """The value of a constant expression; None if it has none, and nothing is reported."""
+        try:
+            return (
+                _Quiet(self._types.expressions, place, names, _MOST_NESTED)
+                .at(expression)
+                .value
+            )
+        except BadError:
+            return None
+
+    def initial(
+        self,
+        type_: CType,
+        value: tree.Initialiser,
+        place: Place,
+        types: Mapping[str, CType],
+    ) -> Expression | None:
+        """The model of a value for something of that type; None if it does not fit."""
+        return self._constants.initial(value, type_, place.unit, place.scope, types)
+
+    def expression(
+        self, expression: tree.Expression, place: Place, types: Mapping[str, CType]
+    ) -> Expression | None:
+        """The model of an expression; None if it has errors, which are told."""
+        found = self._types.expressions.look(expression, place.unit, place.scope, types)
+        return None if found is None else found.model
+
+
+class _Quiet(Look):
+    """Evaluates without reports; attributes stand for their values."""
+
+    def __init__(
+        self, expressions: Expressions, place: Place, values: Names | None, depth: int
+    ) -> None:
+        super().__init__(expressions, place.unit, place.scope, {})
+        self._expressions = expressions
+        self._values = values
+        self._depth = depth
+
+    def bad(
+        self, rule: Rule, node: tree.Expression, message: str, hint: str | None = None
+    ) -> BadError:
+        return BadError()
+
+    def at(self, node: tree.Expression) -> Operand:
+        if isinstance(node, tree.ScopedName) and self._values is not None:
+            found = self._values(node.parts[0].text) if len(node.parts) == 1 else None
+            if found is not None:
+                value, place = found
+                if self._depth == 0 or isinstance(value, tree.CExp | tree.Aggregate):
+                    raise BadError
+                deeper = _Quiet(self._expressions, place, self._values, self._depth - 1)
+                return deeper.at(value)
+        return super().at(node)

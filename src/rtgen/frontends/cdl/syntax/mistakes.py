@@ -1,0 +1,558 @@
+"""Syntax errors in a user's words: what the parser found, told as the mistake that it likely is."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Set
+from dataclasses import dataclass
+from functools import cached_property
+from unicodedata import normalize
+
+from rtgen.diagnostics import Diagnostic, Related, Rule
+from rtgen.frontends.cdl.rules import lexical, syntax, types
+from rtgen.frontends.cdl.syntax.unit import TypeNames, Unit
+from rtgen.frontends.cdl.syntax.words import RESERVED, SPECIFIERS, TERMINALS, WORDS
+from rtgen.frontends.cdl.text.source import ANGLE_MARK
+from rtgen.frontends.kit.lalr import END
+from rtgen.frontends.kit.suggestions import nearest
+
+_WORD = re.compile(
+    r'"(?:[^"\\\n]|\\.)*"?|\'(?:\\.|[^\'\\\n])\'|::|<<|>>|=>|<=|>=|\w+|[^\s\w]',
+    re.DOTALL,
+)
+_ENDS = re.compile(r"[;{}]")
+_FAR = 4000
+_FEW = 6
+_INTERNAL = frozenset(("ERROR",))
+_STATEMENTS = (
+    *("namespace", "signature", "celltype", "cell", "composite", "region", "typedef"),
+    *("const", "struct", "enum", "import", "import_C", "generate"),
+)
+_FOREIGN_TYPES = {
+    "float": "float32_t",
+    "double": "double64_t",
+    "bool": "bool_t",
+    "boolean": "bool_t",
+    "int8": "int8_t",
+    "int16": "int16_t",
+    "int32": "int32_t",
+    "int64": "int64_t",
+    "uint8": "uint8_t",
+    "uint16": "uint16_t",
+    "uint32": "uint32_t",
+    "uint64": "uint64_t",
+    "byte": "uint8_t",
+    "octet": "uint8_t",
+    "float64_t": "double64_t",
+    "double_t": "double64_t",
+    "float_t": "float32_t",
+    "size_t": "uint32_t",
+}
+_SEMICOLON = re.compile(r"\s*;")
+_NUMBER_BEFORE = re.compile(r"(?:0x[0-9A-Fa-f]+|[0-9]+\.?[0-9]*)\Z")
+_IDEOGRAPHIC = {"\u3000": " ", "\u3001": ",", "\u3002": "."}
+
+
+@dataclass(frozen=True, slots=True)
+class Mistake:
+    """A finding, and how reading goes on.
+
+    `feed` are terminals to supply before the token, in place of it if `instead` (without `feed`:
+    the token is dropped). `resume` is where reading goes on. With neither the statement is passed
+    over. No diagnostic: it was told before.
+    """
+
+    diagnostic: Diagnostic | None
+    feed: tuple[str, ...] = ()
+    instead: bool = False
+    resume: int | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Situation:
+    """An unexpected token and its surroundings.
+
+    `lacks_types` says that a file is missing which may declare types. `kind` is the token's
+    terminal; `accepted` are the terminals that fit; `last` is where the token before it ends;
+    `opening` is the innermost open brace; `surplus` says how many more `{` than `}` the text has.
+    """
+
+    unit: Unit
+    types: TypeNames
+    lacks_types: bool
+    kind: str
+    text: str
+    start: int
+    end: int
+    accepted: Set[str]
+    last: int
+    opening: int | None
+    surplus: int
+
+    @cached_property
+    def code(self) -> str:
+        """The text of the file."""
+        return self.unit.source.code
+
+    @cached_property
+    def statement(self) -> int:
+        """Where the statement begins that the token is in."""
+        begin = low = max(0, self.start - _FAR)
+        for match in _ENDS.finditer(self.code, low, self.start):
+            begin = match.end()
+        return begin
+
+    @cached_property
+    def before(self) -> list[str]:
+        """The tokens of the statement before the unexpected one."""
+        return _WORD.findall(self.code, self.statement, self.last)
+
+    @cached_property
+    def after(self) -> list[str]:
+        """Some tokens behind the unexpected one."""
+        return _WORD.findall(self.code, self.end, self.end + 400)
+
+    @property
+    def previous(self) -> str:
+        """The token before."""
+        return self.before[-1] if self.before else ""
+
+    @property
+    def following(self) -> str:
+        """The token behind."""
+        return self.after[0] if self.after else ""
+
+    @property
+    def is_word(self) -> bool:
+        """Whether the token is an identifier or a keyword."""
+        return self.text[:1].isalpha() or self.text[:1] == "_"
+
+    @property
+    def fresh_line(self) -> bool:
+        """Whether the token begins a line."""
+        return "\n" in self.code[self.last : self.start]
+
+    def mistake(
+        self,
+        rule: Rule,
+        message: str,
+        hint: str | None = None,
+        *,
+        at: tuple[int, int] | None = None,
+        behind: bool = False,
+        related: Iterable[Related] = (),
+        feed: tuple[str, ...] = (),
+        instead: bool = False,
+        resume: int | None = None,
+    ) -> Mistake:
+        """A mistake at the token, at another place, or `behind` the token before."""
+        if behind:
+            span = self.unit.source.after(self.last)
+        else:
+            span = self.unit.span(*(at or (self.start, self.end)))
+        diagnostic = rule.at(span, message, related=related, hint=hint)
+        return Mistake(diagnostic, feed, instead, resume)
+
+    def expectation(self) -> str:
+        """`: a name or ';' was expected`, if that is short."""
+        names = sorted({_shown(terminal) for terminal in self.accepted - _INTERNAL})
+        if not names or len(names) > _FEW:
+            return ""
+        if len(names) == 1:
+            return f": {names[0]} was expected"
+        return f": {', '.join(names[:-1])} or {names[-1]} was expected"
+
+
+def explain(situation: Situation) -> Mistake:
+    """The mistake that an unexpected token likely is."""
+    for recogniser in _RECOGNISERS:
+        mistake = recogniser(situation)
+        if mistake is not None:
+            return mistake
+    shown = f"'{situation.text[:40]}'" if situation.text else "this"
+    return situation.mistake(
+        syntax.UNEXPECTED, f"{shown} cannot stand here{situation.expectation()}"
+    )
+
+
+def _shown(terminal: str) -> str:
+    if terminal in WORDS:
+        return f"'{WORDS[terminal]}'"
+    return {
+        "IDENT": "a name",
+        "TYPE_NAME": "a type",
+        "NUMBER": "a number",
+        "STRING": "a string",
+        "ANGLE": "a file name in <...>",
+        "CHARACTER": "a character",
+        "SHIFT": "'<<'",
+        "EQUALITY": "'=='",
+        "DIVISION": "'/'",
+        END: "the end of the file",
+    }.get(terminal, terminal)
+
+
+def _end(s: Situation) -> Mistake | None:
+    if s.kind != END:
+        return None
+    if s.opening is not None and s.surplus > 0 and not s.before:
+        return s.mistake(
+            syntax.UNCLOSED_BRACE,
+            "this brace is never closed",
+            "a statement ends with };",
+            at=(s.opening, s.opening + 1),
+        )
+    if "SEMI" in s.accepted:
+        return _semicolon(s)
+    return s.mistake(
+        syntax.UNEXPECTED_END,
+        f"the file ends in the middle of a statement{s.expectation()}",
+        behind=True,
+    )
+
+
+def _semicolon(s: Situation) -> Mistake:
+    hint = "every statement ends with ';', also behind a closing brace"
+    return s.mistake(
+        syntax.MISSING_SEMICOLON,
+        "a ';' is missing here",
+        hint,
+        behind=True,
+        feed=("SEMI",),
+    )
+
+
+def _angle(s: Situation) -> Mistake | None:
+    if s.kind != "ANGLE":
+        return None
+    text = s.text.replace(ANGLE_MARK, "<", 1)
+    return s.mistake(
+        lexical.ANGLE,
+        f"{text[:60]} is taken for one name, as in import( <file> )",
+        "put what comes behind the '<' operator on a line without '>'",
+    )
+
+
+def _stray_brace(s: Situation) -> Mistake | None:
+    if s.kind != "RBRACE" or s.opening is not None:
+        return None
+    return s.mistake(
+        syntax.STRAY_BRACE,
+        "this brace closes nothing",
+        "remove it, or look for the missing '{'",
+        instead=True,
+        resume=_behind_semicolon(s),
+    )
+
+
+def _behind_semicolon(s: Situation) -> int:
+    found = _SEMICOLON.match(s.code, s.end)
+    return found.end() if found else s.end
+
+
+def _extra_semicolon(s: Situation) -> Mistake | None:
+    if s.kind != "SEMI" or s.before:
+        return None
+    return s.mistake(
+        syntax.EXTRA_SEMICOLON,
+        "this ';' ends nothing",
+        "remove it",
+        instead=True,
+    )
+
+
+def _empty(s: Situation) -> Mistake | None:
+    if s.kind != "RBRACE" or s.before or s.opening is None:
+        return None
+    if s.code[s.opening + 1 : s.start].strip():
+        return None
+    if "ERROR" not in s.accepted:
+        return None
+    return s.mistake(
+        syntax.EMPTY_BLOCK,
+        "there is nothing in this block",
+        "remove it, or declare something in it",
+        at=(s.opening, s.end),
+        feed=("ERROR",),
+    )
+
+
+def _missing_semicolon(s: Situation) -> Mistake | None:
+    if "SEMI" not in s.accepted or s.kind in ("ANGLE", "UNKNOWN"):
+        return None
+    ended = s.previous in ("}", ")", "]") or s.fresh_line
+    starts = s.kind == "RBRACE" or s.text in RESERVED or s.text == "["
+    if (ended and (starts or s.is_word)) or s.kind == "RBRACE":
+        return _semicolon(s)
+    return None
+
+
+def _number(s: Situation) -> Mistake | None:
+    if not s.is_word or s.last != s.start:
+        return None
+    before = _NUMBER_BEFORE.search(s.code, max(0, s.start - 40), s.start)
+    if before is None:
+        return None
+    number = before[0] + s.text
+    hint = (
+        "hexadecimal numbers begin with 0x"
+        if number.startswith("0X")
+        else (
+            "write a dot, as in 1.e5"
+            if s.text[:1] in "eE"
+            else "CDL has no suffixes of numbers"
+        )
+    )
+    return s.mistake(
+        lexical.NUMBER,
+        f"{number} is no number of CDL",
+        hint,
+        at=(before.start(), s.end),
+        instead=True,
+    )
+
+
+def _qualifier(s: Situation) -> Mistake | None:
+    if s.text not in ("const", "volatile") or not s.before:
+        return None
+    return s.mistake(
+        syntax.QUALIFIER,
+        f"'{s.text}' stands before the type, or behind a '*'",
+        instead=True,
+    )
+
+
+def _specifier(s: Situation) -> Mistake | None:
+    """A word in a bracket that is no specifier."""
+    if s.kind not in ("IDENT", "TYPE_NAME") or "NULLABLE" not in s.accepted:
+        return None
+    found = nearest(s.text, SPECIFIERS)
+    return s.mistake(
+        syntax.UNKNOWN_SPECIFIER,
+        f"'{s.text}' is no specifier",
+        f"did you mean '{found}'?" if found else None,
+        feed=("NULLABLE",) if s.following in (",", "]") else (),
+        instead=s.following in (",", "]"),
+    )
+
+
+def _unknown_type(s: Situation) -> Mistake | None:
+    if s.kind != "IDENT" or "TYPE_NAME" not in s.accepted:
+        return None
+    follower = s.following
+    is_use = follower == "*" or follower[:1].isalpha() or follower[:1] == "_"
+    in_cast = s.previous == "(" and follower in (")", "*")
+    at_statement = "SIGNATURE" in s.accepted
+    if at_statement:
+        found = nearest(s.text, _STATEMENTS)
+        if found is not None:
+            return s.mistake(
+                syntax.MISSPELT_KEYWORD,
+                f"'{s.text}' is no keyword",
+                f"did you mean '{found}'?",
+                feed=(TERMINALS[found],),
+                instead=True,
+            )
+    if not (is_use or in_cast or follower in (",", ")", "(", "[")):
+        return None
+    if at_statement and not is_use:
+        return None
+    if s.text == "union":
+        return s.mistake(types.UNKNOWN_TYPE, "CDL has no unions")
+    if s.lacks_types and s.text not in _FOREIGN_TYPES:
+        known = s.text in s.unit.guessed
+        s.unit.guessed.add(s.text)
+        if known:
+            return Mistake(None, ("TYPE_NAME",), instead=True)
+        return s.mistake(
+            types.GUESSED_TYPE,
+            f"'{s.text}' is taken for a type that a missing file declares",
+            "name the folder of the C headers by -I",
+            feed=("TYPE_NAME",),
+            instead=True,
+        )
+    known = s.text in s.unit.lost
+    s.unit.lost.add(s.text)
+    if known:
+        return Mistake(None, ("TYPE_NAME",), instead=True)
+    if s.text in _FOREIGN_TYPES:
+        hint = f"CDL calls it {_FOREIGN_TYPES[s.text]}"
+    else:
+        candidates = {*s.types.declared, *s.types.prelude, *_types()}
+        near = nearest(s.text, candidates)
+        hint = (
+            f"did you mean '{near}'?"
+            if near
+            else "declare it by typedef, or import what declares it"
+        )
+    return s.mistake(
+        types.UNKNOWN_TYPE,
+        f"the type '{s.text}' is unknown",
+        hint,
+        feed=("TYPE_NAME",),
+        instead=True,
+    )
+
+
+def _types() -> list[str]:
+    return [word for word in RESERVED if word.endswith("_t")]
+
+
+def _long_long(s: Situation) -> Mistake | None:
+    if s.text not in ("long", "int", "double") or s.previous not in ("long", "short"):
+        return None
+    return s.mistake(
+        types.UNKNOWN_TYPE,
+        f"CDL has no type '{s.previous} {s.text}'",
+        "int64_t is the type with 64 bits" if s.previous == "long" else None,
+        instead=True,
+    )
+
+
+def _type_as_name(s: Situation) -> Mistake | None:
+    if s.kind != "TYPE_NAME" or "IDENT" not in s.accepted:
+        return None
+    s.unit.lost.add(s.text)
+    return s.mistake(
+        syntax.TYPE_AS_NAME,
+        f"'{s.text}' is a type and can name nothing else",
+        "a typedef may not be repeated; choose another name",
+        feed=("IDENT",),
+        instead=True,
+    )
+
+
+def _keyword_as_name(s: Situation) -> Mistake | None:
+    if s.text not in RESERVED | SPECIFIERS or "IDENT" not in s.accepted:
+        return None
+    if s.kind == "IDENT":
+        return None
+    return s.mistake(
+        syntax.KEYWORD_AS_NAME,
+        f"'{s.text}' is a keyword and can name nothing",
+        "choose another name",
+        feed=("IDENT",),
+        instead=True,
+    )
+
+
+def _misspelt(s: Situation) -> Mistake | None:
+    if s.kind not in ("IDENT", "TYPE_NAME"):
+        return None
+    words = [WORDS[t] for t in s.accepted if t in TERMINALS.values()]
+    found = nearest(s.text, words)
+    if found is None:
+        return None
+    return s.mistake(
+        syntax.MISSPELT_KEYWORD,
+        f"'{s.text}' is no keyword",
+        f"did you mean '{found}'?",
+        feed=(TERMINALS[found],),
+        instead=True,
+    )
+
+
+def _mark(s: Situation) -> Mistake | None:
+    """A closing mark or comma that is missing."""
+    candidates = (
+        ("RPAR", ")"),
+        ("SPEC_R", "]"),
+        ("RBRACK", "]"),
+    )
+    for terminal, mark in candidates:
+        if terminal in s.accepted and s.text in (";", "{", "}", "]", ")"):
+            return s.mistake(
+                syntax.MISSING_MARK,
+                f"a '{mark}' is missing here",
+                behind=True,
+                feed=(terminal,),
+            )
+    if "COMMA" in s.accepted and (s.text in SPECIFIERS or s.text == "["):
+        return s.mistake(
+            syntax.MISSING_MARK,
+            "a ',' is missing here",
+            behind=True,
+            feed=("COMMA",),
+        )
+    return None
+
+
+_RECOGNISERS: tuple[Callable[[Situation], Mistake | None], ...] = (
+    _end,
+    _angle,
+    _stray_brace,
+    _extra_semicolon,
+    _empty,
+    _number,
+    _long_long,
+    _specifier,
+    _unknown_type,
+    _missing_semicolon,
+    _qualifier,
+    _type_as_name,
+    _keyword_as_name,
+    _misspelt,
+    _mark,
+)
+
+
+def bad_character(unit: Unit, start: int) -> tuple[Diagnostic, int]:
+    """A character that no token begins with, and where reading goes on."""
+    text = unit.source.code
+    character = text[start]
+    end = start + 1
+    line_end = text.find("\n", start)
+    if line_end < 0:
+        line_end = len(text)
+    if character == '"':
+        end = start + len(text[start:line_end].rstrip())
+        if text[end - 1] == ";" and end - 1 > start:
+            end -= 1
+        message = "this string is never closed"
+        hint: str | None = 'put " at its end'
+        return lexical.UNCLOSED_TEXT.at(unit.span(start, end), message, hint=hint), end
+    if character == "#" and not text[text.rfind("\n", 0, start) + 1 : start].strip():
+        while text[line_end - 1 : line_end] == "\\" and line_end < len(text):
+            line_end = (text.find("\n", line_end + 1) + 1 or len(text) + 1) - 1
+        message = "CDL has no preprocessor"
+        hint = "import reads a CDL file, import_C the types of a C header"
+        span = unit.span(start, start + len(text[start:line_end].split("\n")[0]))
+        return lexical.DIRECTIVE.at(span, message, hint=hint), line_end
+    if character == "'":
+        rest = text.find("'", start + 1, line_end)
+        end = rest + 1 if rest >= 0 else end
+        message = (
+            "this is no character literal: one character stands between the quotes"
+        )
+        return lexical.BAD_CHARACTER.at(unit.span(start, end), message), end
+    message = f"the character {character!r} cannot stand here"
+    mark = _ascii(character)
+    hint = f"write '{mark}'" if mark is not None else None
+    while mark is None and not text[end - 1].isascii() and end < len(text):
+        if text[end].isascii() or _ascii(text[end]) is not None:
+            break
+        end += 1
+    return lexical.BAD_CHARACTER.at(unit.span(start, end), message, hint=hint), end
+
+
+def meant(text: str) -> str | None:
+    """The terminal that a text without a token likely stands for; None: it is passed over.
+
+    `ERROR` is that of a broken statement.
+    """
+    mark = _ascii(text) if len(text) == 1 else None
+    if mark is not None:
+        return next((t for t, w in WORDS.items() if w == mark), None)
+    if text[0] == "'" and len(text) > 1:
+        return "CHARACTER"
+    if text[0] == "#":
+        return None
+    return "IDENT" if not text[0].isascii() and text.isidentifier() else "ERROR"
+
+
+def _ascii(character: str) -> str | None:
+    """The ASCII character that a wide one looks like; None if it is none."""
+    if character.isascii():
+        return None
+    found = _IDEOGRAPHIC.get(character) or normalize("NFKC", character)
+    return found if found.isascii() and len(found) == 1 else None

@@ -1,0 +1,342 @@
+"""Text to syntax tree: an LALR(1) parser, and recovery so that one mistake hides no other.
+
+The parser tells typedef names from identifiers, so typedefs are noted, and imports read, as soon
+as their statement ends. After a mistake the parser's stack goes back to the innermost list of
+statements, the text is passed over to the end of the broken one, and parsing goes on behind it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from functools import cache
+from typing import TYPE_CHECKING, Protocol
+
+from rtgen.diagnostics import Diagnostic, Severity
+from rtgen.frontends.cdl.rules import syntax
+from rtgen.frontends.cdl.syntax import tree
+from rtgen.frontends.cdl.syntax.builder import Builder, Head
+from rtgen.frontends.cdl.syntax.unit import TypeNames, Unit
+from rtgen.frontends.cdl.syntax.words import RESERVED, SPECIFIERS, TERMINALS, WORDS
+from rtgen.frontends.kit import lalr
+from rtgen.frontends.kit.lalr import END, WORD, Token, token
+from rtgen.model.types import ScopedName
+
+if TYPE_CHECKING:
+    from rtgen.frontends.cdl.syntax.mistakes import Mistake, Situation
+
+MAX_ERRORS = 50
+"""After so many syntax errors in one file the rest of it is not read."""
+
+MAX_NESTING = 200
+"""How deep the parser's stack may grow: a bound for everything that walks over the tree."""
+
+_MARKS = re.compile(r'"(?:[^"\\\n]|\\.)*"|[{};]', re.DOTALL)
+_END_OF_STATEMENT = re.compile(r"\s*;|[ \t]*\w+\s*;")
+_DECLARED = re.compile(r"\b([A-Za-z_]\w*)(?=\s*[;,{(\[=}])")
+
+
+class Imports(Protocol):
+    """What reads the files that a unit imports."""
+
+    @property
+    def lacks_types(self) -> bool:
+        """Whether a file is missing that may declare types."""
+
+    def import_file(self, statement: tree.Import, unit: Unit) -> None:
+        """Read an imported CDL file."""
+
+    def import_header(self, statement: tree.ImportC, unit: Unit) -> None:
+        """Read a C header."""
+
+
+@cache
+def _grammar() -> lalr.Grammar:
+    return lalr.load("cdl", Builder(), RESERVED)
+
+
+def parse(
+    unit: Unit,
+    types: TypeNames,
+    imports: Imports,
+    report: Callable[[Diagnostic], None],
+) -> tuple[tree.Item, ...]:
+    """The statements of a unit, without those that have a syntax error; never raises."""
+    return _Run(unit, types, imports, report).result()
+
+
+class CdlParser(lalr.Parser):
+    """A parser that knows which words are types, and which stand in a bracket of specifiers."""
+
+    watched = frozenset(("SEMI", "LBRACE", "SPEC_L", "SPEC_R"))
+    most = MAX_NESTING
+
+    def __init__(self, unit: Unit, types: TypeNames, imports: Imports) -> None:
+        super().__init__(_grammar(), unit.source.code)
+        self.space: ScopedName = ()
+        self._unit = unit
+        self._types = types
+        self._imports = imports
+        self._in_specifiers = False
+
+    def word(self, text: str, end: int) -> str:
+        if text in self._types.declared and self._types.knows(self.space, text):
+            return "TYPE_NAME"
+        if self._in_specifiers and text in SPECIFIERS:
+            return TERMINALS[text]
+        if text in self._types.prelude and self.takes("TYPE_NAME"):
+            # In a cast and in parentheses a name of the prelude is a type.
+            return "TYPE_NAME" if self.would_shift("TYPE_NAME") else WORD
+        return WORD
+
+    def other(self, found: Token) -> Token:
+        kind = {"LBRACK": "SPEC_L", "RBRACK": "SPEC_R"}.get(found.type)
+        if kind is not None and self.takes(kind):
+            found.type = kind
+            return found
+        return self.refused(found)
+
+    def refused(self, found: Token) -> Token:
+        """Raises for a token that no other reading saves."""
+        self.position = found.start_pos
+        if found.type == "UNKNOWN":
+            raise lalr.UnexpectedCharacterError
+        raise lalr.UnexpectedTokenError(found)
+
+    def shifted(self, found: Token) -> None:
+        kind = found.type
+        if kind == "SEMI":
+            self._ended(self.values[-2])
+        elif kind == "LBRACE":
+            if isinstance(self.values[-2], Head):
+                self.space = (*self.space, self.values[-2].name.text)
+        else:
+            self._in_specifiers = kind == "SPEC_L"
+
+    def _ended(self, statement: object) -> None:
+        """What the end of a statement means for the tokens behind it."""
+        if isinstance(statement, tree.Typedef):
+            for declarator in statement.declarators:
+                if declarator.name is not None:
+                    self._types.declare(self.space, declarator.name.text)
+        elif isinstance(statement, tree.Namespace):
+            self.space = self.space[:-1]
+        elif isinstance(statement, tree.Import):
+            self._imports.import_file(statement, self._unit)
+        elif isinstance(statement, tree.ImportC):
+            self._imports.import_header(statement, self._unit)
+
+    def unwind(self) -> int:
+        """Go back to the innermost list of statements, and say how many braces were open."""
+        depth = 0
+        while len(self.states) > 1 and (depth < 0 or not self.takes("ERROR")):
+            self.states.pop()
+            kind = getattr(self.values.pop(), "type", None)
+            depth += (kind == "LBRACE") - (kind == "RBRACE")
+        self._in_specifiers = False
+        self.space = tuple(
+            head.name.text
+            for head, brace in zip(self.values, self.values[1:], strict=False)
+            if isinstance(head, Head) and getattr(brace, "type", None) == "LBRACE"
+        )
+        return depth
+
+
+class _Run:
+    def __init__(
+        self,
+        unit: Unit,
+        types: TypeNames,
+        imports: Imports,
+        report: Callable[[Diagnostic], None],
+    ) -> None:
+        self._unit = unit
+        self._report = report
+        self._text = unit.source.code
+        self._types = types
+        self._imports = imports
+        self._parser = CdlParser(unit, types, imports)
+        self._errors = 0
+        self._last_error = -1
+        self._surplus = self._text.count("{") - self._text.count("}")
+        self._mended: set[tuple[int, tuple[str, ...], int | None]] = set()
+
+    def result(self) -> tuple[tree.Item, ...]:
+        while True:
+            try:
+                items: tuple[tree.Item, ...] = self._parser.run()
+                return items
+            except lalr.UnexpectedTokenError as error:
+                self._unexpected(error.token)
+            except lalr.UnexpectedCharacterError:
+                self._bad_character()
+            except lalr.TooDeepError as error:
+                self._too_deep(error.token)
+
+    def _emit(self, diagnostic: Diagnostic, offset: int) -> None:
+        """Report it, unless a mistake at the very same place is reported already."""
+        if offset != self._last_error:
+            self._errors += diagnostic.severity is Severity.ERROR
+            self._report(diagnostic)
+        self._last_error = offset
+        if self._errors == MAX_ERRORS:
+            span = self._unit.span(offset, offset + 1)
+            message = f"{MAX_ERRORS} syntax errors: the rest is not read"
+            self._report(syntax.TOO_MANY.at(span, message))
+            self._errors += 1
+
+    def _unexpected(self, found: Token) -> None:
+        if found.type == END and self._unit.source.unfinished:
+            self._close()
+            return
+        from rtgen.frontends.cdl.syntax.mistakes import Situation, explain
+
+        start = found.start_pos
+        situation = Situation(
+            unit=self._unit,
+            types=self._types,
+            lacks_types=self._imports.lacks_types,
+            kind=found.type,
+            text=str(found),
+            start=start,
+            end=max(found.end_pos, start + 1),
+            accepted=self._parser.accepts(),
+            last=len(self._text[:start].rstrip()),
+            opening=self._opening(),
+            surplus=self._surplus,
+        )
+        mistake = explain(situation)
+        if mistake.diagnostic is not None:
+            behind = mistake.feed and not mistake.instead
+            self._emit(mistake.diagnostic, situation.last if behind else start)
+        if not self._mend(mistake, situation):
+            self._resume(start)
+
+    def _mend(self, mistake: Mistake, situation: Situation) -> bool:
+        """Go on as a mistake says; False if that cannot be, or was tried at this place before."""
+        again = (situation.start, mistake.feed, mistake.resume)
+        if self._errors > MAX_ERRORS or again in self._mended:
+            return False
+        self._mended.add(again)
+        parser = self._parser
+        if mistake.instead and not mistake.feed:
+            self._surplus -= {"{": 1, "}": -1}.get(situation.text, 0)
+            parser.position = mistake.resume or situation.end
+            return True
+        if not mistake.feed:
+            return False
+        place = situation.start if mistake.instead else situation.last
+        for terminal in mistake.feed:
+            if terminal not in parser.accepts():
+                return False
+            text = situation.text if mistake.instead else WORDS.get(terminal, "")
+            supplied = token(terminal, place, text)
+            if not mistake.instead:
+                supplied.end_pos = place
+            parser.feed(supplied)
+            self._surplus += {"LBRACE": 1, "RBRACE": -1}.get(terminal, 0)
+        if mistake.instead:
+            parser.position = situation.end
+        elif mistake.resume is not None:
+            parser.position = mistake.resume
+        else:
+            parser.position = situation.start
+        return True
+
+    def _opening(self) -> int | None:
+        """The place of the innermost brace that is open."""
+        for value in reversed(self._parser.values):
+            if getattr(value, "type", None) == "LBRACE":
+                place: int = value.start_pos
+                return place
+        return None
+
+    def _bad_character(self) -> None:
+        from rtgen.frontends.cdl.syntax.mistakes import bad_character, meant
+
+        parser = self._parser
+        start = parser.position
+        diagnostic, resume = bad_character(self._unit, start)
+        self._emit(diagnostic, start)
+        if self._text[start] == '"':
+            parser.position = resume
+            if "STRING" in parser.accepts():
+                parser.feed(token("STRING", start, '""'))
+            return
+        terminal = meant(self._text[start:resume])
+        if self._errors > MAX_ERRORS:
+            self._resume(start)
+        elif terminal is None:
+            parser.position = resume
+        elif terminal in parser.accepts():
+            parser.position = resume
+            parser.feed(token(terminal, start, self._text[start:resume]))
+        else:
+            self._resume(start)
+
+    def _too_deep(self, found: Token) -> None:
+        start = found.start_pos
+        message = "this is nested too deeply to be read"
+        span = self._unit.span(start, max(found.end_pos, start + 1))
+        self._emit(syntax.TOO_DEEP.at(span, message), start)
+        depth = self._parser.unwind()
+        while len(self._parser.states) > MAX_NESTING // 2:
+            self._parser.states.pop()
+            self._parser.values.pop()
+            depth += self._parser.unwind()
+        self._resume(start, depth)
+
+    def _resume(self, start: int, depth: int = 0) -> None:
+        """Go back to a list of statements and pass over the rest of the broken one."""
+        depth += self._parser.unwind()
+        self._parser.feed(token("ERROR", start))
+        if self._errors > MAX_ERRORS:
+            start = len(self._text)
+        position = self._behind(start, depth)
+        stuck = position == start < len(self._text)
+        if stuck and "RBRACE" not in self._parser.accepts():
+            rest = _END_OF_STATEMENT.match(self._text, start + 1)
+            position = rest.end() if rest else start + 1
+        statement = max(self._text.rfind(mark, 0, start) for mark in ";{}") + 1
+        lost = _DECLARED.findall(self._text, statement, position)
+        self._unit.lost.update(lost)
+        self._parser.position = position
+        if position >= len(self._text):
+            self._close()
+
+    def _behind(self, start: int, depth: int) -> int:
+        """Behind the `;` that ends the statement, or before the `}` around it."""
+        opened = depth > 0
+        for match in _MARKS.finditer(self._text, start):
+            mark = match[0]
+            if mark == "{":
+                depth += 1
+                opened = True
+            elif mark == "}":
+                if depth == 0:
+                    return match.start()
+                depth -= 1
+                if depth == 0 and opened:
+                    rest = _END_OF_STATEMENT.match(self._text, match.end())
+                    return rest.end() if rest else match.end()
+            elif mark == ";" and depth == 0:
+                return match.end()
+        return len(self._text)
+
+    def _close(self) -> None:
+        """Close what is open at the end of the text, to keep what was read before."""
+        end = len(self._text)
+        parser = self._parser
+        parser.position = end
+        for _ in range(3 * MAX_NESTING):
+            accepted = parser.accepts()
+            if END in accepted:
+                return
+            if "RBRACE" in accepted:
+                parser.feed(token("RBRACE", end, "}"))
+            elif "SEMI" in accepted:
+                parser.feed(token("SEMI", end, ";"))
+            else:
+                parser.unwind()
+                parser.feed(token("ERROR", end))
+        del parser.states[1:], parser.values[:]

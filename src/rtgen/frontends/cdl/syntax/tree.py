@@ -1,0 +1,757 @@
+"""The syntax tree of CDL: what was written, before any name means anything.
+
+Nodes are never changed, and compared by identity, so that later passes can keep facts about them
+in tables of their own. Positions are offsets into the text of the file that was parsed;
+`Unit.span` makes places of them.
+"""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from rtgen.frontends.kit.nodes import node
+from rtgen.model.tecs import Scalar
+
+
+@node
+class Name:
+    """An identifier."""
+
+    text: str
+    start: int
+    end: int
+
+
+@node
+class ScopedName:
+    """`a::b`, or `::a::b` if absolute."""
+
+    parts: tuple[Name, ...]
+    absolute: bool
+    start: int
+    end: int
+
+    def __str__(self) -> str:
+        return "::" * self.absolute + "::".join(part.text for part in self.parts)
+
+
+@node
+class TextPart:
+    """One string literal of several adjacent ones: what stands between the quotes, as written."""
+
+    text: str
+    start: int
+    end: int
+
+
+@node
+class Text:
+    """Adjacent string literals. `text` is what they are together, escapes as written."""
+
+    parts: tuple[TextPart, ...]
+    start: int
+    end: int
+
+    @property
+    def text(self) -> str:
+        """The literals joined."""
+        return "".join(part.text for part in self.parts)
+
+
+# Expressions
+
+
+@node
+class Number:
+    """A number as written."""
+
+    text: str
+    start: int
+    end: int
+
+
+@node
+class Character:
+    """A character literal: what stands between the quotes, as written."""
+
+    text: str
+    start: int
+    end: int
+
+
+@node
+class Boolean:
+    """`true` or `false`."""
+
+    value: bool
+    start: int
+    end: int
+
+
+@node
+class Group:
+    """An expression in parentheses."""
+
+    inner: Expression
+    start: int
+    end: int
+
+
+@node
+class Postfix:
+    """`operand[index]` and `operand.name`, applied from the left."""
+
+    operand: Expression
+    suffixes: tuple[Subscript | Name, ...]
+    start: int
+    end: int
+
+
+@node
+class Subscript:
+    """`[index]` behind an expression or a port; `index` is None for `[]`."""
+
+    index: Expression | None
+    start: int
+    end: int
+
+
+@node
+class Unary:
+    """`& * + - ~ !` before an operand."""
+
+    operator: str
+    operand: Expression
+    start: int
+    end: int
+
+
+@node
+class Cast:
+    """`(type)operand`."""
+
+    type: TypeName
+    operand: Expression
+    start: int
+    end: int
+
+
+@node
+class Chain:
+    """Operands joined by operators of one precedence, applied from the left."""
+
+    first: Expression
+    rest: tuple[tuple[str, Expression], ...]
+    start: int
+    end: int
+
+
+@node
+class Conditional:
+    """`condition ? yes : no`."""
+
+    condition: Expression
+    yes: Expression
+    no: Expression
+    start: int
+    end: int
+
+
+Expression: TypeAlias = (
+    ScopedName
+    | Number
+    | Character
+    | Boolean
+    | Text
+    | Group
+    | Postfix
+    | Unary
+    | Cast
+    | Chain
+    | Conditional
+)
+
+
+@node
+class CExp:
+    """`C_EXP( "text" )`."""
+
+    text: Text
+    start: int
+    end: int
+
+
+@node
+class Aggregate:
+    """`{ a, b, {c} }`."""
+
+    items: tuple[Initialiser, ...]
+    start: int
+    end: int
+
+
+@node
+class OfComposite:
+    """`composite.name`, as the value of an attribute or call port of an inner cell."""
+
+    name: Name
+    start: int
+    end: int
+
+
+Initialiser: TypeAlias = Expression | CExp | Aggregate
+
+
+# Specifiers
+
+
+@node
+class Specifier:
+    """A specifier in brackets: its word, and its arguments in the order of the text.
+
+    | word | arguments |
+    |---|---|
+    | `size_is` | `Expression`, or two |
+    | `count_is`, `id` | `Expression` |
+    | `string` | none, or `Expression` |
+    | `send`, `receive` | `ScopedName` |
+    | `context` | `Text` |
+    | `generate`, `through` | `Name`, `Text` |
+    | `in_through`, `out_through` | none, or `Name`, `Text` |
+    | `to_through` | `Name`, or `Name`, `Name`, `Text` |
+    | `domain`, `class` | `Name`, or `Name`, `Text` |
+    | `choice` | `Text`, one or more |
+    | `allocator` | `Allocation`, one or more |
+    | `restrict` | `Restriction`, one or more |
+    | any other | none |
+    """
+
+    word: str
+    arguments: tuple[SpecifierArgument, ...]
+    start: int
+    end: int
+
+
+@node
+class Allocation:
+    """`port[i].function.parameter = value`, `port.function = value`, `port.function <= value`.
+
+    `operator` is `=` or `<=`.
+    """
+
+    path: tuple[Name, ...]
+    subscript: Subscript | None
+    operator: str
+    value: Initialiser
+    start: int
+    end: int
+
+
+@node
+class Restriction:
+    """`port = { regions }` or `port.function = { regions }`."""
+
+    path: tuple[Name, ...]
+    regions: tuple[ScopedName, ...]
+    start: int
+    end: int
+
+
+SpecifierArgument: TypeAlias = (
+    Expression | Name | ScopedName | Text | Allocation | Restriction
+)
+
+
+@node
+class Specifiers:
+    """A bracket of specifiers; `broken` tells that one was none, which is told."""
+
+    items: tuple[Specifier, ...]
+    broken: bool
+    start: int
+    end: int
+
+
+# Types and declarators
+
+
+@node
+class BasicType:
+    """A basic type; `sign` is `signed` or `unsigned` where that was written before it.
+
+    `plain` tells `char` from `char_t`, which are of one kind.
+    """
+
+    kind: Scalar
+    plain: bool
+    sign: str | None
+    start: int
+    end: int
+
+
+@node
+class TypedefName:
+    """The name of a typedef."""
+
+    name: Name
+    start: int
+    end: int
+
+
+@node
+class StructSpecifier:
+    """`struct tag`, or a struct with its members (which may have no tag)."""
+
+    tag: Name | None
+    members: tuple[MemberItem, ...] | None
+    start: int
+    end: int
+
+
+@node
+class EnumSpecifier:
+    """`enum tag`, or an enum with its enumerators; `keyword` is `enum`, `enum8` ..."""
+
+    keyword: str
+    tag: Name | None
+    enumerators: tuple[Enumerator, ...] | None
+    start: int
+    end: int
+
+
+@node
+class Enumerator:
+    """`name` or `name = value`."""
+
+    name: Name
+    value: Expression | None
+
+
+@node
+class DescriptorOf:
+    """`Descriptor( signature )`."""
+
+    signature: ScopedName
+    start: int
+    end: int
+
+
+TypeSpecifier: TypeAlias = (
+    BasicType | TypedefName | StructSpecifier | EnumSpecifier | DescriptorOf
+)
+
+
+@node
+class QualifiedType:
+    """A type with the qualifiers before it (`const`, `volatile`)."""
+
+    qualifiers: tuple[Name, ...]
+    type: TypeSpecifier
+    start: int
+    end: int
+
+
+@node
+class Pointer:
+    """A `*` with the qualifier behind it."""
+
+    qualifier: Name | None
+    start: int
+    end: int
+
+
+@node
+class ArraySuffix:
+    """`[size]` or `[]`."""
+
+    size: Expression | None
+    start: int
+    end: int
+
+
+@node
+class Parameters:
+    """`( parameters )`; nothing in it for `()`."""
+
+    items: tuple[Parameter, ...]
+    start: int
+    end: int
+
+
+@node
+class Declarator:
+    """A name with what stands around it, as in C; `inner` is None for an abstract one."""
+
+    pointers: tuple[Pointer, ...]
+    inner: Name | Declarator | None
+    suffixes: tuple[ArraySuffix | Parameters, ...]
+    start: int
+    end: int
+
+    @property
+    def name(self) -> Name | None:
+        """The name that is declared."""
+        inner = self.inner
+        while isinstance(inner, Declarator):
+            inner = inner.inner
+        return inner
+
+
+@node
+class InitDeclarator:
+    """A declarator with its initialiser."""
+
+    declarator: Declarator
+    value: Initialiser | None
+    start: int
+    end: int
+
+
+@node
+class Declaration:
+    """`type a = 1, *b` of constants, attributes and variables."""
+
+    type: QualifiedType
+    declarators: tuple[InitDeclarator, ...]
+    start: int
+    end: int
+
+
+@node
+class TypeName:
+    """A type in a cast."""
+
+    type: QualifiedType
+    declarator: Declarator | None
+    start: int
+    end: int
+
+
+@node
+class Parameter:
+    """A parameter; in a right one neither the bracket nor the name is missing."""
+
+    specifiers: Specifiers | None
+    type: QualifiedType
+    declarator: Declarator | None
+    start: int
+    end: int
+
+
+@node
+class MemberItem:
+    """`type a, b;` of a struct."""
+
+    specifiers: Specifiers | None
+    type: QualifiedType
+    declarators: tuple[Declarator, ...]
+    start: int
+    end: int
+
+
+# Statements
+
+
+@node
+class Typedef:
+    """`typedef type a, *b`."""
+
+    specifiers: Specifiers | None
+    type: QualifiedType
+    declarators: tuple[Declarator, ...]
+    start: int
+    end: int
+
+
+@node
+class TypeStatement:
+    """A struct or enum that is declared alone."""
+
+    type: StructSpecifier | EnumSpecifier
+    start: int
+    end: int
+
+
+@node
+class Namespace:
+    """`namespace name { items }`."""
+
+    name: Name
+    items: tuple[Item, ...]
+    start: int
+    end: int
+
+
+@node
+class Function:
+    """A function of a signature: the declarator has the parameters."""
+
+    type: QualifiedType
+    declarator: Declarator
+    start: int
+    end: int
+
+
+@node
+class Signature:
+    """`signature name { functions }`."""
+
+    name: Name
+    functions: tuple[Item, ...]
+    start: int
+    end: int
+
+
+@node
+class Port:
+    """`call signature name[size]` and `entry signature name`.
+
+    `subscript` is there for an array; `target` is what `<= celltype.port` names.
+    """
+
+    kind: str
+    signature: ScopedName
+    name: Name
+    subscript: Subscript | None
+    target: PortOf | None
+    start: int
+    end: int
+
+
+@node
+class PortOf:
+    """`cell.port` or `celltype.port`, with the subscript behind it."""
+
+    owner: ScopedName
+    port: Name
+    subscript: Subscript | None
+    start: int
+    end: int
+
+
+@node
+class Attributes:
+    """`attr { ... }` and, as `keyword` says, `var { ... }`; each item is a `Declaration`."""
+
+    keyword: str
+    items: tuple[Item, ...]
+    start: int
+    end: int
+
+
+@node
+class Require:
+    """`require target.port` or `require name = target.port`."""
+
+    name: Name | None
+    target: PortOf
+    start: int
+    end: int
+
+
+@node
+class Factory:
+    """`factory { ... }`, or `FACTORY { ... }` as `keyword` says."""
+
+    keyword: str
+    items: tuple[Item, ...]
+    start: int
+    end: int
+
+
+@node
+class FactoryCall:
+    """`write( file, format, arguments )`; arguments are names and strings."""
+
+    function: Name
+    file: Expression
+    format: Expression
+    arguments: tuple[Name | Text, ...]
+    start: int
+    end: int
+
+
+@node
+class Celltype:
+    """`celltype name { ports, attributes, ... }`."""
+
+    name: Name
+    items: tuple[Item, ...]
+    start: int
+    end: int
+
+
+@node
+class Join:
+    """`name[i] = value` in a cell: a join, or the value of an attribute.
+
+    What a join names looks like the expression `cell.port[i]`.
+    """
+
+    name: Name
+    subscript: Subscript | None
+    value: Initialiser | OfComposite
+    start: int
+    end: int
+
+
+@node
+class ReverseJoin:
+    """`entry[i] <= cell.port[i]`."""
+
+    name: Name
+    subscript: Subscript | None
+    target: PortOf
+    start: int
+    end: int
+
+
+@node
+class Export:
+    """`port => composite.name` or `port => name` in an inner cell."""
+
+    port: Name
+    name: Name
+    start: int
+    end: int
+
+
+@node
+class EntryExport:
+    """`composite.name => cell.entry` or `name => cell.entry` in a composite."""
+
+    name: Name
+    cell: Name
+    port: Name
+    start: int
+    end: int
+
+
+@node
+class Cell:
+    """`cell type name { joins }`; `joins` is None for a prototype, which has no body."""
+
+    celltype: ScopedName
+    name: Name
+    joins: tuple[Item, ...] | None
+    start: int
+    end: int
+
+
+@node
+class Composite:
+    """`composite name { ... }`."""
+
+    name: Name
+    items: tuple[Item, ...]
+    start: int
+    end: int
+
+
+@node
+class Region:
+    """`region name { cells and regions }`."""
+
+    name: Name
+    items: tuple[Item, ...]
+    start: int
+    end: int
+
+
+@node
+class Import:
+    """`import( "file" )`, or `import( <file> )` where `reused` is set; `path` is the name alone."""
+
+    path: str
+    reused: bool
+    start: int
+    end: int
+
+
+@node
+class ImportC:
+    """`import_C( "header" )` or `import_C( "header", "definitions" )`."""
+
+    header: Text
+    definitions: Text | None
+    start: int
+    end: int
+
+
+@node
+class Generate:
+    """`generate( plugin, target, "arguments" )`."""
+
+    plugin: Name
+    target: ScopedName
+    argument: Text
+    start: int
+    end: int
+
+
+@node
+class ToolInformation:
+    """`__tool_info__( "name" ) { ... }` and `__location_information__ { ... }`: no meaning here."""
+
+    keyword: str
+    start: int
+    end: int
+
+
+@node
+class Skipped:
+    """What stood here was wrong and is told."""
+
+    start: int
+    end: int
+
+
+Statement: TypeAlias = (
+    Typedef
+    | Declaration
+    | TypeStatement
+    | Namespace
+    | Signature
+    | Celltype
+    | Cell
+    | Composite
+    | Region
+    | Import
+    | ImportC
+    | Generate
+    | ToolInformation
+    | Skipped
+)
+"""What can stand at the top, in a name space, or (cells and regions) in a region."""
+
+Part: TypeAlias = (
+    Function
+    | Port
+    | Attributes
+    | Require
+    | Factory
+    | FactoryCall
+    | Join
+    | ReverseJoin
+    | Export
+    | EntryExport
+)
+"""What can stand in something else only."""
+
+
+@node
+class Item:
+    """An entry of a list in braces, or of a file, with the bracket before it."""
+
+    specifiers: Specifiers | None
+    node: Statement | Part
+    start: int
+    end: int
+
+    def specifier(self, word: str) -> Specifier | None:
+        """The first specifier of that word."""
+        if self.specifiers is not None:
+            for specifier in self.specifiers.items:
+                if specifier.word == word:
+                    return specifier
+        return None

@@ -1,0 +1,1 @@
+"""From the bytes of CDL files to text with comments blanked."""

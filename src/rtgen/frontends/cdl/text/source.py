@@ -1,0 +1,159 @@
+"""Reading of CDL files: bytes to text, comments blanked, angle strings marked."""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_right
+from functools import cached_property
+from hashlib import sha256
+from pathlib import Path
+
+from rtgen.diagnostics import Diagnostic, Span
+from rtgen.frontends.cdl.rules import files, lexical
+from rtgen.frontends.cdl.text import encodings
+from rtgen.frontends.kit import library
+from rtgen.frontends.kit.doc_comments import Comment, Docs
+from rtgen.frontends.kit.library import MAX_BYTES
+
+ANGLE_MARK = "\x02"
+"""Stands in `code` for the `<` that an angle string begins with."""
+
+_TOKENS = re.compile(
+    r"//[^\n]*|/\*(?:.*?\*/|.*)"
+    r'|"(?:[^"\\\n]|\\.)*"?'
+    r"|'(?:[^'\\\n]|\\[^\n])'"
+    r"|<",
+    re.DOTALL,
+)
+_ANGLE = re.compile(r"<(?:[^>\\\n]|\\[^\n])*>")
+_CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
+_NEWLINE = re.compile("\n")
+
+
+class Source:
+    """A file that was read.
+
+    `text` is what it holds; `code` the same, of the same length, with comments blanked and the
+    start of each angle string marked. Offsets hold for both.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        key: str,
+        path: Path,
+        data: bytes | None,
+        encoding: str = "auto",
+    ) -> None:
+        self.name = name
+        self.key = key
+        self.path = path
+        self.problems: list[Diagnostic] = []
+        self.comments: list[Comment] = []
+        self.unfinished = False
+        self.sha256 = sha256(data or b"").hexdigest()
+        if data is None:
+            self.text = self.code = ""
+            message = f"the file is larger than {MAX_BYTES:,} bytes"
+            self.problems.append(files.TOO_LARGE.at(self.span(0, 0), message))
+            return
+        self.text, doubt = encodings.decode(data, encoding)
+        if doubt is not None:
+            self.problems.append(files.ENCODING.at(self.span(0, 0), doubt))
+        self.code = self._marked(self._acceptable())
+
+    def _acceptable(self) -> str:
+        """The text without control characters; a byte-order mark counts as white space."""
+        text = self.text
+        if text.startswith("\ufeff"):
+            text = " " + text[1:]
+        found = _CONTROL.search(text)
+        if found is None:
+            return text
+        if "\0" in text:
+            place = text.index("\0")
+            message = "this is not a text file: it holds a NUL byte"
+            self.problems.append(files.BINARY.at(self.span(place, place + 1), message))
+            return ""
+        span = self.span(found.start(), found.end())
+        message = f"the control character U+{ord(found[0]):04X} cannot stand here"
+        self.problems.append(lexical.BAD_CHARACTER.at(span, message))
+        return _CONTROL.sub(" ", text)
+
+    def _marked(self, text: str) -> str:
+        parts: list[str] = []
+        done = position = dead = 0
+        while match := _TOKENS.search(text, position):
+            start, position = match.span()
+            token = match[0]
+            if token == "<":
+                # Where one `<` of a line finds no `>`, none behind it does.
+                angle = _ANGLE.match(text, start) if start >= dead else None
+                if angle is not None:
+                    parts += text[done:start], ANGLE_MARK
+                    done, position = start + 1, angle.end()
+                elif start >= dead:
+                    dead = (text.find("\n", start) + 1) or len(text)
+            elif token.startswith(("//", "/*")):
+                if token.startswith("/*") and (
+                    len(token) < 4 or not token.endswith("*/")
+                ):
+                    self._unclosed(start)
+                self.comments.append(Comment(start, position, token))
+                parts += text[done:start], _blank(token)
+                done = position
+        parts.append(text[done:])
+        return "".join(parts)
+
+    def _unclosed(self, start: int) -> None:
+        self.unfinished = True
+        self.problems.append(
+            lexical.UNCLOSED_COMMENT.at(
+                self.span(start, start + 2),
+                "this comment is never closed",
+                hint="close it with */",
+            )
+        )
+
+    @cached_property
+    def folder(self) -> Path:
+        """The folder that the file is in."""
+        return self.path.parent
+
+    @cached_property
+    def docs(self) -> Docs:
+        """The comments as they belong to declarations."""
+        return Docs(self.code, self.comments)
+
+    @cached_property
+    def _line_starts(self) -> list[int]:
+        return [0, *(match.end() for match in _NEWLINE.finditer(self.text))]
+
+    def position(self, offset: int) -> tuple[int, int]:
+        """Line and column, both from 1, of a place in the text."""
+        line = bisect_right(self._line_starts, offset)
+        return line, offset - self._line_starts[line - 1] + 1
+
+    def span(self, start: int, end: int) -> Span:
+        """The span of [start, end)."""
+        starts = self._line_starts
+        line = bisect_right(starts, start)
+        first = starts[line - 1] - 1
+        if line < len(starts) and start <= end < starts[line]:
+            return Span(self.name, line, start - first, line, end - first)
+        return Span(self.name, line, start - first, *self.position(max(start, end)))
+
+    def after(self, offset: int) -> Span:
+        """The place just behind the character before `offset`, one column wide."""
+        line, column = self.position(max(offset - 1, 0))
+        return Span(self.name, line, column + 1, line, column + 2)
+
+
+class Library(library.Library[Source]):
+    """The CDL files of a run."""
+
+
+def _blank(comment: str) -> str:
+    if "\n" not in comment:
+        return " " * len(comment)
+    return "\n".join(" " * len(line) for line in comment.split("\n"))

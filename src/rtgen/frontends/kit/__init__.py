@@ -1,0 +1,1 @@
+"""Parts that the front ends share: files, findings, parser, doc comments, located texts."""

@@ -1,0 +1,325 @@
+"""An LALR(1) parser with a contextual lexer, on the tables that lark makes of a grammar.
+
+The tables are plain data: made when the package is built, so that a run needs no lark, or made
+anew where they are missing or of another grammar.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from hashlib import sha256
+from operator import itemgetter
+from typing import Any, TypeAlias
+
+from rtgen.resources import grammar_file
+
+FORMAT = "rtgen-lalr/1"
+WORD = "IDENT"
+"""The terminal of words; a word can be a keyword instead, see `Grammar`."""
+
+END = "$END"
+_UNKNOWN = "UNKNOWN"
+
+Make: TypeAlias = Callable[[list[Any]], Any]
+
+
+class Token(str):
+    """A piece of text that a terminal of the grammar stands for."""
+
+    __slots__ = ("end_pos", "start_pos", "type")
+
+    type: str
+    start_pos: int
+    end_pos: int
+
+
+def token(kind: str, start: int, text: str = "") -> Token:
+    """A token that stands at `start`."""
+    made = Token(text)
+    made.type = kind
+    made.start_pos = start
+    made.end_pos = start + len(text)
+    return made
+
+
+class UnexpectedTokenError(Exception):
+    """A token that cannot stand where it does."""
+
+    def __init__(self, found: Token) -> None:
+        super().__init__(f"unexpected {found.type}")
+        self.token = found
+
+
+class UnexpectedCharacterError(Exception):
+    """A character that no terminal begins with; the parser's `position` is its place."""
+
+
+class TooDeepError(Exception):
+    """Nesting that goes too deep at a token."""
+
+    def __init__(self, found: Token) -> None:
+        super().__init__(f"nested too deeply at {found.start_pos}")
+        self.token = found
+
+
+class Grammar:
+    """The tables, with what `builder` makes of each rule: the method of its name or alias.
+
+    `reserved` words are never identifiers; other words of the grammar are keywords only where
+    their construct can stand.
+    """
+
+    def __init__(
+        self, tables: Mapping[str, Any], builder: object, reserved: frozenset[str]
+    ) -> None:
+        words: dict[str, str] = tables["words"]
+        self.reserved = {word: words[word] for word in reserved}
+        self.contextual: dict[str, tuple[str, re.Pattern[str]]] = {
+            word: (kind, re.compile(guard))
+            for word, (kind, guard) in (
+                *((word, (words[word], "")) for word in words.keys() - reserved),
+                *tables["guarded"].items(),
+            )
+        }
+        self.actions: list[dict[str, int]] = tables["actions"]
+        self.rules = [_rule(builder, *rule) for rule in tables["rules"]]
+        self.start: int = tables["start"]
+        self.terminals: dict[str, str] = tables["terminals"]
+        alternatives = [f"(?P<{name}>{text})" for name, text in self.terminals.items()]
+        self.scanner = re.compile(
+            f"{tables['ignored']}(?:{'|'.join(alternatives)}|(?P<{_UNKNOWN}>.))",
+            re.DOTALL,
+        )
+
+
+def load(name: str, builder: object, reserved: frozenset[str]) -> Grammar:
+    """The grammar of that name (`idl`), from the tables beside it where they are its own."""
+    path = grammar_file(f"{name}.lark")
+    text = path.read_text(encoding="utf-8")
+    try:
+        tables = json.loads(path.with_suffix(".json").read_bytes())
+    except (OSError, ValueError):
+        tables = None
+    if not isinstance(tables, dict) or tables.get("key") != key(text):
+        from rtgen.frontends.kit.lalr_tables import make
+
+        tables = make(text)
+    return Grammar(tables, builder, reserved)
+
+
+def key(text: str) -> str:
+    """What tells that tables are those of a grammar."""
+    return sha256(f"{FORMAT}\n{text}".encode()).hexdigest()
+
+
+class Parser:
+    """A run over a text. `position` and the stacks are open to a user who mends mistakes."""
+
+    watched: frozenset[str] = frozenset()
+    """The terminals whose tokens `shifted` is called for."""
+    most = sys.maxsize
+    """How deep the stack may grow: a token beyond raises TooDeepError."""
+
+    def __init__(self, grammar: Grammar, text: str) -> None:
+        self.position = 0
+        self.states = [grammar.start]
+        self.values: list[Any] = []
+        self._grammar = grammar
+        self._text = text
+        self._end = len(text.rstrip())
+
+    def run(self) -> Any:
+        """Read the text from `position` on, and give what the start rule makes of all of it.
+
+        Raises UnexpectedTokenError and UnexpectedCharacterError; the run can go on after either.
+        """
+        self._feed(self._tokens())
+        return self.feed(token(END, len(self._text)))
+
+    def feed(self, found: Token) -> Any:
+        """Shift a token after the reductions that it calls for; gives the result at the end."""
+        self._feed((found,))
+        return self.values[0] if found.type == END else None
+
+    def _tokens(self) -> Iterator[Token]:
+        """The tokens from `position` on, each made when those before it are shifted."""
+        states, word = self.states, self.word
+        actions, reserved = self._grammar.actions, self._grammar.reserved
+        while self.position < self._end:
+            scanned = self._grammar.scanner.finditer(
+                self._text, self.position, self._end
+            )
+            for match in scanned:
+                kind: str = match.lastgroup  # type: ignore[assignment]  # one always matches
+                text = match[kind]
+                self.position = end = match.end()
+                row = actions[states[-1]]
+                if kind == WORD:
+                    kind = reserved[text] if text in reserved else word(text, end)
+                found = Token(text)
+                found.type = kind
+                found.start_pos = end - len(text)
+                found.end_pos = end
+                if kind not in row:
+                    found = self.other(found)
+                yield found
+                if found.end_pos != end:
+                    self.position = found.end_pos
+                    break
+
+    def _feed(self, tokens: Iterable[Token]) -> None:
+        states, values, watched = self.states, self.values, self.watched
+        actions, rules = self._grammar.actions, self._grammar.rules
+        for found in tokens:
+            kind = found.type
+            if len(states) > self.most:
+                raise TooDeepError(found)
+            row = actions[states[-1]]
+            while True:
+                if kind not in row:
+                    raise UnexpectedTokenError(found)
+                action = row[kind]
+                if action >= 0:
+                    states.append(action)
+                    values.append(found)
+                    break
+                size, origin, make = rules[~action]
+                if size == 1:
+                    if make is not None:
+                        values[-1] = make(values[-1:])
+                    row = actions[states[-2]]
+                    states[-1] = row[origin]
+                elif size:
+                    children = values[-size:]
+                    del values[-size:], states[-size:]
+                    values.append(make(children))  # type: ignore[misc]  # of one part alone
+                    states.append(actions[states[-1]][origin])
+                else:
+                    values.append(make([]))  # type: ignore[misc]
+                    states.append(row[origin])
+                row = actions[states[-1]]
+            if kind in watched:
+                self.shifted(found)
+
+    def shifted(self, found: Token) -> None:
+        """Called when a token of a watched terminal is shifted."""
+
+    def word(self, text: str, end: int) -> str:
+        """The terminal of a word that is not reserved and ends there."""
+        if text in self._grammar.contextual:
+            # The row alone may have it from another context with the same state.
+            keyword, guard = self._grammar.contextual[text]
+            if self.would_shift(keyword) and guard.match(self._text, end):
+                return keyword
+        return WORD
+
+    def other(self, found: Token) -> Token:
+        """Another token that begins where `found` does, and that the state takes."""
+        row = self._grammar.actions[self.states[-1]]
+        start = found.start_pos
+        for kind, pattern in self._grammar.terminals.items():
+            if kind in row and kind != WORD:
+                match = re.compile(pattern).match(self._text, start)
+                if match is not None:
+                    return token(kind, start, match[0])
+        self.position = start
+        if found.type == _UNKNOWN:
+            raise UnexpectedCharacterError
+        raise UnexpectedTokenError(found)
+
+    def takes(self, kind: str) -> bool:
+        """Whether the state has an action for a terminal, if only that of a rule's end."""
+        return kind in self._grammar.actions[self.states[-1]]
+
+    def accepts(self) -> set[str]:
+        """The terminals that can come next."""
+        return {
+            kind
+            for kind in self._grammar.actions[self.states[-1]]
+            if kind.isupper() and self.would_shift(kind)
+        }
+
+    def would_shift(self, kind: str) -> bool:
+        states, actions = self.states, self._grammar.actions
+        kept = len(states)
+        added: list[int] = []
+        while True:
+            action = actions[added[-1] if added else states[kept - 1]].get(kind)
+            if action is None or action >= 0:
+                return action is not None
+            size, origin, _ = self._grammar.rules[~action]
+            kept -= max(size - len(added), 0)
+            del added[max(len(added) - size, 0) :]
+            added.append(actions[added[-1] if added else states[kept - 1]][origin])
+
+
+def _rule(
+    builder: object,
+    origin: str,
+    size: int,
+    name: str | None,
+    kept: list[tuple[int, bool]] | None,
+    single: bool,
+) -> tuple[int, str, Make | None]:
+    """A rule's length, its symbol, and what makes its value; None keeps the value of its only part.
+
+    `kept` are the parts that count, each with whether it is a list to be spread; None for all.
+    `single` says that one part stands for the whole.
+    """
+    if single and size == 1 and kept is None:
+        return size, origin, None
+    make: Make = _as_they_are if name is None else getattr(builder, name)
+    if kept is None:
+        return size, origin, make
+    indexes = [index for index, _ in kept]
+    spreads = [index for index, spread in kept if spread]
+    if not spreads:
+        if single and len(indexes) == 1:
+            return size, origin, itemgetter(*indexes)
+        return size, origin, lambda parts: make([parts[i] for i in indexes])
+    if name is None and spreads == [0] and indexes[1:] == [size - 1]:
+        return size, origin, _appended
+    if not single and len(spreads) == 1 and indexes == list(range(size)):
+        place = spreads[0]
+        if place == 0:
+
+            def spread_first(parts: list[Any]) -> Any:
+                found: list[Any] = parts[
+                    0
+                ]  # no copy, for a list that grows on the left
+                found += parts[1:]
+                return make(found)
+
+            return size, origin, spread_first
+
+        def spread_one(parts: list[Any]) -> Any:
+            parts[place : place + 1] = parts[place]
+            return make(parts)
+
+        return size, origin, spread_one
+
+    def select(parts: list[Any]) -> Any:
+        found: list[Any] = []
+        for index, spread in kept:
+            if not spread:
+                found.append(parts[index])
+            elif found:
+                found += parts[index]
+            else:  # no copy, for a list that grows on the left
+                found = parts[index]
+        return found[0] if single and len(found) == 1 else make(found)
+
+    return size, origin, select
+
+
+def _as_they_are(parts: list[Any]) -> list[Any]:
+    return parts
+
+
+def _appended(parts: list[Any]) -> list[Any]:
+    found: list[Any] = parts[0]
+    found.append(parts[-1])
+    return found
