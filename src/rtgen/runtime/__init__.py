@@ -1,4 +1,4 @@
-"""The embedded runtime: what generated code and behaviours import, free of the compiler."""
+"""The embedded runtime (OMG RTC 1.0), imported by generated code and behaviours; compiler-free."""
 
 from rtgen.facts.connector_properties import EmptyPolicy, FullPolicy
 from rtgen.runtime.buffers import (

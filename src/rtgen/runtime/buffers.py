@@ -1,4 +1,4 @@
-"""Ring buffers between two ports, with OpenRTM's policies for a full and an empty buffer."""
+"""Ring buffers of connections, with OpenRTM's policies for a full and an empty buffer."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ class BufferSettings:
 class RingBuffer(Generic[T]):
     """At most `settings.length` samples, oldest first.
 
-    `arrivals` is the order in which the samples of several buffers of one InPort came: the buffer
-    enters itself there once for each sample, so that the port reads the oldest of all. It is
-    None where the port has one connection.
+    `arrivals` is the order in which samples arrived in the buffers of one InPort: the buffer
+    appends itself there once for each sample, so that the port reads the oldest of all. It is
+    None if the port has one connection.
     """
 
     __slots__ = ("arrivals", "closed", "guard", "overwritten", "samples", "settings")
@@ -43,7 +43,10 @@ class RingBuffer(Generic[T]):
         self.closed = False
 
     def write(self, value: T) -> PortStatus:
-        """Takes the sample, or answers why not; `block` waits where somebody else can read."""
+        """Append a sample, or return the reason of failure.
+
+        `block` waits if another thread can read.
+        """
         with self.guard:
             if self.closed:
                 return PortStatus.CONNECTION_LOST
@@ -78,13 +81,13 @@ class RingBuffer(Generic[T]):
         return self.closed or len(self.samples) < self.settings.length
 
     def take(self) -> T:
-        """Removes and returns the oldest sample; the caller holds the guard and knows of one."""
+        """Remove and return the oldest sample, which must exist; the caller holds the guard."""
         if self.arrivals is not None:
             self.arrivals.remove(self)
         return self.samples.popleft()
 
     def close(self) -> int:
-        """Wakes whoever waits, drops what is unread and returns how many samples that were."""
+        """Wake waiting threads, drop unread samples and return their number."""
         with self.guard:
             self.closed = True
             unread = len(self.samples)

@@ -1,4 +1,4 @@
-"""Calling a component's callbacks: what counts as success."""
+"""Calls a component's callbacks, and reports their failures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _CODES = frozenset(map(int, ReturnCode_t))
 
 
 class CallbackOwner(Protocol):
-    """What is needed of a component to call its callbacks."""
+    """The attributes of a component that callers of its callbacks use."""
 
     _last_code: ReturnCode_t
 
@@ -22,7 +22,7 @@ class CallbackOwner(Protocol):
 
 
 def succeeds(component: CallbackOwner, callback: str, *arguments: int) -> bool:
-    """Calls it; False if it returned anything but RTC_OK, or raised. The failure is reported."""
+    """Call a callback; False, with a report, if it raised or returned anything but RTC_OK."""
     try:
         code = getattr(component, callback)(*arguments)
     except BaseException as error:
@@ -35,20 +35,20 @@ def succeeds(component: CallbackOwner, callback: str, *arguments: int) -> bool:
 
 
 def is_ok(code: object) -> bool:
-    """Whether a callback's answer is RTC_OK. None is not: whoever forgets the answer has failed."""
+    """Whether a callback's result is RTC_OK; None, a forgotten return value, is not."""
     return code is RTC_OK or (type(code) is int and code == RTC_OK)
 
 
 def note_exception(
     component: CallbackOwner, callback: str, error: BaseException
 ) -> None:
-    """Reports that a callback raised."""
+    """Report that a callback raised."""
     _keep_answer(component, callback, RTC_ERROR)
     component._failed(callback, f"{callback}: {described(error)}", error)
 
 
 def note_answer(component: CallbackOwner, callback: str, code: object) -> None:
-    """Reports that a callback returned something else than RTC_OK."""
+    """Report that a callback returned something other than RTC_OK."""
     _keep_answer(component, callback, code)
     if isinstance(code, ReturnCode_t) or (type(code) is int and code in _CODES):
         component._failed(callback, f"{callback}: returned {ReturnCode_t(code).name}")
@@ -59,6 +59,6 @@ def note_answer(component: CallbackOwner, callback: str, code: object) -> None:
 
 
 def _keep_answer(component: CallbackOwner, callback: str, code: object) -> None:
-    # on_aborting follows upon another failure, which is the one to be told.
+    # on_aborting follows another failure, which is the one to report.
     if callback != "on_aborting":
         component._last_code = code if isinstance(code, ReturnCode_t) else RTC_ERROR

@@ -21,20 +21,20 @@ def period_of(rate_hz: float) -> int:
 
 
 class Clock(ABC):
-    """Where a system's time comes from; all times are integer nanoseconds."""
+    """The source of a system's time; all times are integer nanoseconds."""
 
     @property
     def network(self) -> SimulatedNetwork | None:
-        """What stands for sockets and serial lines; None where the machine's own are used."""
+        """The simulated network; None if the machine's own sockets and serial lines are used."""
         return None
 
     @abstractmethod
     def now(self) -> int:
-        """What components see and stamp: simulated from 0, real UTC since 1970."""
+        """The time for components and time stamps: simulated from 0, real UTC since 1970."""
 
     @abstractmethod
     def elapsed(self) -> int:
-        """Time since the system started to run; what schedules and records go by."""
+        """Time since the system started, used for schedules and records."""
 
     @abstractmethod
     def guard(self) -> Guard:
@@ -42,12 +42,12 @@ class Clock(ABC):
 
 
 class SimulatedClock(Clock):
-    """Time that stands still until the scheduler moves it on, from 0."""
+    """Time that only the scheduler advances, from 0."""
 
     def __init__(self) -> None:
         self.time = 0
         self.instants: Instants | None = None
-        """The scheduler that moves it; None if there is none."""
+        """The scheduler that advances the time, None without one."""
 
     @cached_property
     def network(self) -> SimulatedNetwork:
@@ -65,14 +65,14 @@ class SimulatedClock(Clock):
 
 
 class RealClock(Clock):
-    """The machine's monotonic clock, set to UTC once: it never jumps, and has no leap backwards."""
+    """The machine's monotonic clock, set to UTC once: it never jumps."""
 
     def __init__(self) -> None:
         self._start = time.monotonic_ns()
         self._utc_offset = time.time_ns() - self._start
 
     def restart(self) -> None:
-        """Makes this the instant from which `elapsed` counts."""
+        """Make this the instant from which `elapsed` counts."""
         self._start = time.monotonic_ns()
 
     def now(self) -> int:

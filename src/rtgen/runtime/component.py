@@ -1,4 +1,4 @@
-"""The base of every component: callbacks, ports, configuration, and its execution contexts."""
+"""The base class of components (OMG RTC 1.0): callbacks, ports, configuration, contexts."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ C = TypeVar("C")
 P = TypeVar("P")
 
 FIRST_FOREIGN_HANDLE = 1000
-"""Handles of contexts that a component does not own count from here, as in OpenRTM."""
+"""First handle of contexts that a component does not own, as in OpenRTM."""
 
 
 class Time(Protocol):
@@ -58,8 +58,8 @@ class Timed(Protocol):
 class Component:
     """A component (OMG RTC 1.0, 5.2.2.2 and 5.3.1). Generated bases derive from it.
 
-    Every callback returns a `ReturnCode_t`; anything but RTC_OK, None too, and every exception
-    counts as a failure. What a failure leads to says `docs/life-cycle.md`.
+    Every callback returns a `ReturnCode_t`; any value but RTC_OK, including None, and every
+    exception counts as a failure. `docs/life-cycle.md` lists the consequences.
     """
 
     profile: ClassVar[ComponentProfile] = ComponentProfile("Component")
@@ -67,15 +67,15 @@ class Component:
     def __init__(self, instance_name: str | None = None) -> None:
         self.instance_name = instance_name or f"{self.profile.type_name}0"
         self.folder = Path()
-        """Where relative file names in parameters start: the folder of the system file."""
+        """Base folder of relative file names in parameters: the folder of the system file."""
         self.observables: dict[str, Callable[[], Sequence[float] | float]] = {}
-        """What the component shows of its inside to reports and tests, by name."""
+        """Values for reports and tests, by name."""
         self.reason = ""
-        """Why the last callback failed, in ERROR why it got there; empty after a reset."""
+        """Reason of the last failure, in ERROR that of entering it; empty after a reset."""
         self.in_ports: dict[str, InPort[Any]] = {}
         self.out_ports: dict[str, OutPort[Any]] = {}
         self.providers: dict[tuple[str, str], Provider[Any]] = {}
-        """By service port and instance, as `consumers`."""
+        """Providers by service port and instance, as `consumers`."""
         self.consumers: dict[tuple[str, str], Consumer[Any]] = {}
         self._chores: deque[Callable[[], None]] = deque()
         self.configuration_sets = ConfigurationSets(
@@ -85,12 +85,12 @@ class Component:
         self._alive = False
         self._failing = ""
         self._seen_failures: dict[str, object] = {}
-        """How each callback failed last, so that the same failure is reported once."""
+        """The last failure of each callback, so that a repeated one is reported once."""
         self._report: Callable[[Failure], None] = log_failure
         self._interrupt: BaseException | None = None
-        """What ends the run of a context that no system drives."""
+        """The exception that ends a context not driven by a system."""
         self._last_code = RTC_ERROR
-        """What the callback that failed last has returned."""
+        """Return value of the callback that failed last."""
         self._awaited = ""
         self._condition = ""
         self._active_contexts = 0
@@ -100,22 +100,22 @@ class Component:
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.instance_name}>"
 
-    # Ports and configuration, added by the constructor of a generated base.
+    # Ports and configuration, added by the constructor of a generated base
 
     def add_in_port(self, name: str, type_: type[T]) -> InPort[T]:
-        """Adds an InPort. Raises DuplicatePortError if there is one of that name."""
+        """Add an InPort. Raises DuplicatePortError if the name is used."""
         return self._add(self.in_ports, name, InPort(name, type_, self.instance_name))
 
     def add_out_port(self, name: str, type_: type[T]) -> OutPort[T]:
-        """Adds an OutPort, whose name an InPort may have too. Raises DuplicatePortError."""
+        """Add an OutPort; an InPort may have the same name. Raises DuplicatePortError."""
         return self._add(self.out_ports, name, OutPort(name, type_, self.instance_name))
 
     def add_provider(
         self, port: str, instance: str, interface: Callable[..., S]
     ) -> Provider[S]:
-        """Adds a provided interface to a service port. Raises DuplicatePortError.
+        """Add a provided interface to a service port. Raises DuplicatePortError.
 
-        `interface` is its servant class; declared as a callable, since type checkers take no
+        `interface` is its servant class; declared as a callable, since type checkers accept no
         abstract class for `type[S]`.
         """
         provider = Provider(port, instance, cast("type[S]", interface), self)
@@ -124,14 +124,14 @@ class Component:
     def add_consumer(
         self, port: str, instance: str, interface: Callable[..., S]
     ) -> Consumer[S]:
-        """Adds a required interface, as `add_provider`. Raises DuplicatePortError."""
+        """Add a required interface; see `add_provider`. Raises DuplicatePortError."""
         consumer = Consumer(
             port, instance, cast("type[S]", interface), self.instance_name
         )
         return self._add(self.consumers, (port, instance), consumer)
 
     def add_configuration(self, values: C) -> C:
-        """Makes the fields of `values` the parameters of the profile; they hold the defaults."""
+        """Bind the fields of `values`, which hold the defaults, to the profile's parameters."""
         self.configuration_sets.bind(values, self.profile.configuration)
         return values
 
@@ -141,7 +141,7 @@ class Component:
         ports[key] = port
         return port
 
-    # Callbacks (ComponentAction and DataFlowComponentAction).
+    # Callbacks (ComponentAction and DataFlowComponentAction)
 
     def on_initialize(self) -> ReturnCode_t:
         """Called once, when the component joins a system; a failure keeps it out."""
@@ -160,11 +160,11 @@ class Component:
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Called on the way from INACTIVE to ACTIVE; a failure leads to ERROR."""
+        """Called at the transition from INACTIVE to ACTIVE; a failure leads to ERROR."""
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Called on the way from ACTIVE to INACTIVE; a failure is logged."""
+        """Called at the transition from ACTIVE to INACTIVE; a failure is logged."""
         return RTC_OK
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
@@ -176,7 +176,7 @@ class Component:
         return RTC_OK
 
     def on_reset(self, ec_id: int) -> ReturnCode_t:
-        """Called on the way from ERROR to INACTIVE; after a failure it stays in ERROR."""
+        """Called at the transition from ERROR to INACTIVE; after a failure it stays in ERROR."""
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
@@ -191,7 +191,7 @@ class Component:
         """Called at the tick after the context's rate was set; a failure leads to ERROR."""
         return RTC_OK
 
-    # What a callback may use.
+    # For callbacks
 
     def now(self) -> int:
         """The runtime's time in ns: simulated from 0, real as UTC since 1970."""
@@ -199,21 +199,21 @@ class Component:
 
     @property
     def network(self) -> SimulatedNetwork | None:
-        """In simulated time what stands for sockets and serial lines; None in real time."""
+        """The simulated network in simulated time; None in real time."""
         return self._clock.network
 
     def stamp(self, sample: Timed) -> None:
-        """Fills `sample.tm` from `now`."""
+        """Set `sample.tm` to `now`."""
         time = sample.tm
         time.sec, time.nsec = divmod(self._clock.now(), SECOND)
 
     def fail(self, reason: str) -> ReturnCode_t:
-        """Notes why a callback fails; returns RTC_ERROR, to be returned by the callback."""
+        """Set the reason of a failure; returns RTC_ERROR, for the callback to return."""
         self._failing = reason
         return RTC_ERROR
 
     def report(self, condition: str) -> None:
-        """Say what hinders the component while it stays ACTIVE; empty once that is over.
+        """Set a condition that impairs the component while it stays ACTIVE; empty to clear it.
 
         Logged when it changes, and shown at the end of `rtgen run`. Leaving ACTIVE clears it.
         """
@@ -224,18 +224,21 @@ class Component:
 
     @property
     def lost(self) -> int:
-        """Samples that were lost on the way to the component's InPorts."""
+        """Number of samples lost before they reached the component's InPorts."""
         return sum(port.lost for port in self.in_ports.values())
 
     @property
     def is_active(self) -> bool:
-        """Whether the component is ACTIVE in any of its contexts: its services answer then."""
+        """Whether the component is ACTIVE in any context, so that its services respond."""
         return self._active_contexts > 0
 
-    # LightweightRTObject.
+    # LightweightRTObject
 
     def initialize(self) -> ReturnCode_t:
-        """CREATED to INACTIVE by `on_initialize`. PRECONDITION_NOT_MET if it is alive already."""
+        """Initialize: CREATED to INACTIVE by `on_initialize`.
+
+        PRECONDITION_NOT_MET if already alive.
+        """
         if self._alive:
             return PRECONDITION_NOT_MET
         self.configuration_sets.apply()
@@ -244,7 +247,7 @@ class Component:
         return RTC_OK if self._alive else RTC_ERROR
 
     def finalize(self) -> ReturnCode_t:
-        """Ends the component's life by `on_finalize`.
+        """Finalize the component by `on_finalize`.
 
         PRECONDITION_NOT_MET if it is not alive or still participates in a context.
         """
@@ -255,10 +258,10 @@ class Component:
         return RTC_OK if succeeds(self, row.callback) else RTC_ERROR
 
     def exit(self) -> ReturnCode_t:
-        """Stops the contexts it owns, leaves all contexts, deactivated if need be, and finalizes.
+        """Stop owned contexts, leave all contexts (deactivating if necessary), and finalize.
 
-        PRECONDITION_NOT_MET if it is not alive; RTC_ERROR, without further callbacks, if a callback
-        does not return.
+        PRECONDITION_NOT_MET if it is not alive; RTC_ERROR, without further callbacks, if a
+        callback does not return.
         """
         if not self._alive:
             return PRECONDITION_NOT_MET
@@ -270,13 +273,18 @@ class Component:
         return self.finalize()
 
     def is_alive(self, context: ExecutionContextOperations | None = None) -> bool:
-        """Whether it is initialized and not finalized; with a context, whether it takes part."""
+        """Whether it is initialized and not finalized.
+
+        With a context, whether it participates in it.
+        """
         return self._alive and (context is None or context in self._contexts.values())
 
     def attach_context(self, context: ExecutionContextOperations) -> int:
-        """Notes a context, for `ExecutionContext.add_component`; returns its handle, the `ec_id`.
+        """Register a context, for `ExecutionContext.add_component`.
 
-        Own contexts count from 0, foreign ones from 1000.
+        Returns its handle, the `ec_id`.
+
+        Handles of owned contexts count from 0, of others from 1000.
         """
         handle = 0 if context.owner is self else FIRST_FOREIGN_HANDLE
         while handle in self._contexts:
@@ -285,7 +293,7 @@ class Component:
         return handle
 
     def detach_context(self, handle: int) -> ReturnCode_t:
-        """Forgets a context, for `ExecutionContext.remove_component`. BAD_PARAMETER if unknown."""
+        """Unregister a context, for `remove_component`. BAD_PARAMETER if unknown."""
         known = self._contexts.pop(handle, None) is not None
         return RTC_OK if known else ReturnCode_t.BAD_PARAMETER
 
@@ -294,37 +302,38 @@ class Component:
         return self._contexts.get(handle)
 
     def get_context_handle(self, context: ExecutionContextOperations) -> int:
-        """The handle of a context, -1 if the component does not take part in it."""
+        """The handle of a context, -1 if the component does not participate in it."""
         handles = (
             handle for handle, known in self._contexts.items() if known is context
         )
         return next(handles, -1)
 
     def get_owned_contexts(self) -> list[ExecutionContextOperations]:
-        """The contexts that belong to the component."""
+        """The contexts owned by the component."""
         return [context for context in self._contexts.values() if context.owner is self]
 
     def get_participating_contexts(self) -> list[ExecutionContextOperations]:
-        """The contexts of others that the component takes part in."""
+        """Contexts of others in which the component participates."""
         return [
             context for context in self._contexts.values() if context.owner is not self
         ]
 
-    # For the runtime.
+    # For the runtime
 
     def _gate(self, request: Request) -> ReturnCode_t | None:
-        """Whether activate, deactivate or reset may be carried out; None to be asked again.
+        """Whether activate, deactivate or reset may proceed; None to be called again.
 
-        Asked at every tick while the request waits, before its callback; `_awaited` may tell what
-        for. Anything but RTC_OK and None is a failure: the component enters, or stays in, ERROR.
+        Called at every tick while the request waits, before its callback; `_awaited` may name
+        what it waits for. Any result but RTC_OK and None is a failure: the component enters, or
+        stays in, ERROR.
         """
         return RTC_OK
 
     def _arrived(self) -> None:
-        """Takes what has come from outside between two ticks, after `ExecutionContext.wake`."""
+        """Process external input between two ticks, after `ExecutionContext.wake`."""
 
     def _request_failure(self, reason: str) -> None:
-        """Requests ERROR in every context, for a reason outside of the callbacks."""
+        """Request ERROR in every context, for a reason outside of the callbacks."""
         for context in list(self._contexts.values()):
             context.fail_component(self, reason)
 
@@ -344,7 +353,7 @@ class Component:
     def _failed(
         self, callback: str, what: str, error: BaseException | None = None
     ) -> None:
-        """Keeps the reason of a failure and reports it; an interrupt ends the run."""
+        """Store the reason of a failure and report it; an interrupt ends the run."""
         given, self._failing = self._failing, ""
         reason = given if given and error is None else what
         if callback not in ("on_aborting", "on_error"):
@@ -354,7 +363,7 @@ class Component:
             self._end_run(error)
 
     def _servant_failed(self, operation: str, error: BaseException) -> None:
-        """Reports what a servant of the component raised; its state is not concerned."""
+        """Report an exception of a servant, which does not affect the component's state."""
         self._report_failure(operation, described(error), error)
 
     def _report_failure(
@@ -375,12 +384,12 @@ class Component:
         )
 
     def _end_run(self, error: BaseException) -> None:
-        """Lets whoever drives the component raise an interrupt. Set by a system."""
+        """Raise an interrupt in the component's driver. Set by a system."""
         self._interrupt = error
 
 
 def _kind(error: BaseException) -> object:
-    """What makes two exceptions the same failure: their type and where they were raised."""
+    """The identity of a failure for repeated reports: type of the exception and place."""
     trace = error.__traceback__
     while trace is not None and trace.tb_next is not None:
         trace = trace.tb_next

@@ -14,11 +14,11 @@ _LINE = re.compile(r"(?P<key>[^:=\s]+)\s*[:=](?P<value>.*)", re.DOTALL)
 
 @dataclass(frozen=True, slots=True)
 class ConfFile:
-    """What a `.conf` file says; `sets` maps set id to parameter to text.
+    """Content of a `.conf` file; `sets` maps set id to parameter to text.
 
-    `others` holds the keys that mean nothing here, such as `logger.enable`. The sets whose names
-    begin with two underscores (`__widget__`, `__constraints__`, `__type__`) inform tools only,
-    and are among them.
+    `others` holds keys without meaning here, such as `logger.enable`, and the sets whose names
+    start with two underscores (`__widget__`, `__constraints__`, `__type__`), which only inform
+    tools.
     """
 
     sets: dict[str, dict[str, str]] = field(default_factory=dict)
@@ -28,7 +28,7 @@ class ConfFile:
 
 
 def read(path: Path) -> ConfFile:
-    """Reads a file in UTF-8. Raises ConfFileError, which names file, line and reason."""
+    """Read a file in UTF-8. Raises ConfFileError with file, line and reason."""
     try:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError:
@@ -39,10 +39,10 @@ def read(path: Path) -> ConfFile:
 
 
 def parse(text: str, name: str = "<conf>") -> ConfFile:
-    """Reads the text of a `.conf` file; `name` stands in messages. Raises ConfFileError.
+    """Parse the text of a `.conf` file; `name` is used in messages. Raises ConfFileError.
 
-    `#` begins a comment line, a trailing backslash joins the next line, the key ends at the first
-    `:` or `=`; a key given twice takes its last value.
+    `#` starts a comment line, a trailing backslash joins the next line, the key ends at the first
+    `:` or `=`; the last value of a repeated key counts.
     """
     conf = ConfFile()
     active_set, rate = conf.active_set, conf.rate
@@ -70,7 +70,7 @@ def parse(text: str, name: str = "<conf>") -> ConfFile:
 
 
 def _logical_lines(text: str) -> list[tuple[int, str]]:
-    """The lines that say something, joined at backslashes, with their first line's number."""
+    """The lines with content, joined at backslashes, with the number of their first line."""
     lines: list[tuple[int, str]] = []
     joined, start = "", 0
     for number, raw in enumerate(text.lstrip("\ufeff").splitlines(), 1):

@@ -1,4 +1,4 @@
-"""Configuration sets: texts checked when they come, values changed between two cycles only."""
+"""Configuration sets: texts are validated when set, values change between two cycles only."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ DEFAULT_SET = "default"
 class ConfigurationSets:
     """The configuration sets of one component.
 
-    A set holds some parameters and takes the rest from the set `default`, that one from the
-    definition. What is set or activated reaches the configuration object by `apply`: before
-    `on_initialize` and `on_activated`, and at the end of each cycle; so no callback ever sees half
-    of a change. `schedule` is told to call `apply` at the end of the next cycle.
+    A set holds some parameters and falls back on the set `default`, which falls back on the
+    definition. Changes are copied to the configuration object by `apply`: before `on_initialize`
+    and `on_activated`, and at the end of each cycle, so that no callback sees part of a change.
+    `schedule` requests a call of `apply` at the end of the next cycle.
     """
 
     def __init__(
         self, owner: str, schedule: Callable[[Callable[[], None]], None]
     ) -> None:
         self.rate: float | None = None
-        """Rate in Hz that a `.conf` file gave (`exec_cxt.periodic.rate`)."""
+        """Rate in Hz from a `.conf` file (`exec_cxt.periodic.rate`)."""
         self.on_change: Callable[[], None] | None = None
         """Called when values of the configuration object have changed."""
         self._owner = owner
         self._schedule = schedule
         self._target: object = None
         self._converters: dict[str, Converter] = {}
-        # Replaced as a whole by every change, since another thread may be applying them.
+        # Replaced as a whole by every change, because another thread may be applying it.
         self._texts: dict[str, dict[str, str]] = {DEFAULT_SET: {}}
         self._lock = threading.Lock()
         self._initial: dict[str, Any] = {}
@@ -42,7 +42,7 @@ class ConfigurationSets:
         self._active = DEFAULT_SET
 
     def bind(self, target: object, profiles: tuple[ParameterProfile, ...]) -> None:
-        """Makes `target` the object whose fields the parameters are; its values are defaults."""
+        """Bind the fields of `target` to the parameters; its values are the defaults."""
         self._target = target
         for profile in profiles:
             value = getattr(target, profile.python_name)
@@ -66,15 +66,15 @@ class ConfigurationSets:
         return tuple(converter.profile for converter in self._converters.values())
 
     def texts(self, set_id: str = DEFAULT_SET) -> Mapping[str, str]:
-        """The texts of a set, filled up from `default`. Raises UnknownConfigurationSetError."""
+        """The texts of a set, completed from `default`. Raises UnknownConfigurationSetError."""
         self._require(set_id, self._texts)
         defaults = {profile.name: profile.default for profile in self.parameters}
         return defaults | self._texts[DEFAULT_SET] | self._texts[set_id]
 
     def set(self, parameter: str, text: str, set_id: str = DEFAULT_SET) -> None:
-        """Sets a parameter in a set, which comes into being if need be.
+        """Set a parameter in a set, which is created if necessary.
 
-        Raises UnknownParameterError or ParameterValueError; the old value stays then.
+        Raises UnknownParameterError or ParameterValueError, leaving the old value.
         """
         self.check(parameter, text)
         with self._lock:
@@ -83,11 +83,11 @@ class ConfigurationSets:
         self._schedule(self.apply)
 
     def check(self, parameter: str, text: str) -> None:
-        """Raises what `set` would raise, and sets nothing."""
+        """Validate a value without setting it. Raises as `set`."""
         self.value(parameter, text)
 
     def value(self, parameter: str, text: str) -> Any:
-        """The value that a text gives a parameter. Raises what `set` would raise."""
+        """The value of a text for a parameter. Raises as `set`."""
         if parameter not in self._converters:
             known = ", ".join(self._converters) or "none"
             raise UnknownParameterError(
@@ -96,13 +96,13 @@ class ConfigurationSets:
         return self._converters[parameter](text)
 
     def activate(self, set_id: str) -> None:
-        """Makes a set the active one. Raises UnknownConfigurationSetError."""
+        """Activate a set. Raises UnknownConfigurationSetError."""
         self._require(set_id, self._texts)
         self._active = set_id
         self._schedule(self.apply)
 
     def load(self, conf: ConfFile) -> None:
-        """Takes over values, active set and rate of a `.conf` file, all or nothing.
+        """Load values, active set and rate of a `.conf` file, all or nothing.
 
         Raises UnknownParameterError, ParameterValueError or UnknownConfigurationSetError.
         """
@@ -120,8 +120,8 @@ class ConfigurationSets:
             self.rate = conf.rate
 
     def apply(self) -> None:
-        """Brings the values that changed since the last time into the configuration object."""
-        # In this order: a set that is active was there before it became so.
+        """Copy the values that changed since the last call to the configuration object."""
+        # In this order: an active set existed before it became active.
         active, texts = self._active, self._texts
         effective = texts[DEFAULT_SET] | texts[active]
         changed = False

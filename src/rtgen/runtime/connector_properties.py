@@ -1,4 +1,4 @@
-"""Connector properties by OpenRTM's names, read once, when the connection is made."""
+"""Connector properties by OpenRTM's names, parsed once, when the connection is established."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from rtgen.runtime.errors import ConnectorPropertyError
 
 @dataclass(frozen=True, slots=True)
 class ConnectorSettings:
-    """What the properties of a data connection say; `push_rate` in Hz, 0.0 if not periodic."""
+    """Settings of a data connection; `push_rate` in Hz, 0.0 if not periodic."""
 
     inport_buffer: BufferSettings
     outport_buffer: BufferSettings
@@ -42,12 +42,12 @@ class ConnectorSettings:
 
 
 def parse(properties: Mapping[str, str]) -> ConnectorSettings:
-    """Reads the properties of a data connection.
+    """Parse the properties of a data connection.
 
-    Interface, byte order and marshalling are checked and have no effect, since both ends are in
-    one process; `dataport.data_type` informs only; addresses (`dataport.corba_cdr.*`), which
-    system editors save, and what other targets read (`rtgen.*`) are ignored.
-    Raises ConnectorPropertyError.
+    Interface, byte order and marshalling are validated without effect, since both ends are in one
+    process; `dataport.data_type` is informative; addresses (`dataport.corba_cdr.*`), which system
+    editors store, and properties of other targets (`rtgen.*`) are ignored. Raises
+    ConnectorPropertyError.
     """
     texts = {key: str(value).strip() for key, value in properties.items()}
     check(texts, EMBEDDED_DATA)

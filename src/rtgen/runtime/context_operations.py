@@ -1,4 +1,4 @@
-"""The operations of an execution context (OMG RTC 1.0, 5.2.2.5) as its components see them."""
+"""Operations of an execution context (OMG RTC 1.0, 5.2.2.5) as seen by its components."""
 
 from __future__ import annotations
 

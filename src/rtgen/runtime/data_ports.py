@@ -59,7 +59,7 @@ class InPort(Generic[T]):
         self._guard: Guard = SINGLE_THREAD
         self._last: T | None = None
         self.lost_when_cut = 0
-        """Samples lost on connections that are cut."""
+        """Samples lost on connections that were removed."""
         self._arrivals: deque[RingBuffer[T]] | None = None
         self._feed: Callable[[], None] | None = None
         """Brings a sample into a buffer of this port, if one waits elsewhere."""

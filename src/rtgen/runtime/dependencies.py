@@ -1,4 +1,4 @@
-"""Which components of a system call services of which: the order of activation and of the end."""
+"""Service dependencies between components: order of activation and of finalization."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rtgen.runtime.service_connectors import ServiceConnector
 
 
 class Dependencies:
-    """Reads the service connections of a system; both mappings may change meanwhile."""
+    """Derives dependencies from service connections; both mappings may change meanwhile."""
 
     def __init__(
         self, participants: Mapping[str, Participant], connectors: Mapping[str, Any]
@@ -19,9 +19,9 @@ class Dependencies:
         self._connectors = connectors
 
     def order(self, instances: Sequence[str]) -> list[str]:
-        """The instances, each after those that provide what it consumes.
+        """The instances, each after the providers of its consumers.
 
-        Instances that depend on each other, or not at all, keep their order.
+        Instances in a cycle, or without dependencies, keep their order.
         """
         found: list[str] = []
         under_way: set[str] = set()
@@ -62,7 +62,7 @@ class Dependencies:
         return found
 
     def _awaited_by(self, instance: str) -> set[str]:
-        """The providers that an instance waits for, and those that they wait for."""
+        """The providers that an instance waits for, directly or indirectly."""
         found: set[str] = set()
         waiting = [instance]
         while waiting:

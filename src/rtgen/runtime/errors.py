@@ -1,4 +1,4 @@
-"""Every error that the runtime raises, under one base class."""
+"""All errors raised by the runtime, under one base class."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from rtgen.runtime.places import shown
 
 
 class RtcError(Exception):
-    """Base of all errors of the runtime but those of service calls (`rtgen.runtime.services`)."""
+    """Base class of the runtime's errors, except those of service calls (`services`)."""
 
 
 class InitializationError(RtcError):
@@ -16,7 +16,7 @@ class InitializationError(RtcError):
 
 
 class ReturnValueError(RtcError, TypeError):
-    """A callback returned something that is no ReturnCode_t; `code` is that of the callback."""
+    """A callback returned a value that is no ReturnCode_t; `code` is the value."""
 
     def __init__(self, returned: str, code: CodeType | None = None) -> None:
         self.code = code
@@ -27,7 +27,7 @@ class ReturnValueError(RtcError, TypeError):
 
 
 class BlockedError(RtcError):
-    """A callback did not return; `file` and `line` say where it was last seen."""
+    """A callback did not return; `file` and `line` are its last known place."""
 
     def __init__(self, callback: str, file: str, line: int) -> None:
         self.callback = callback
@@ -45,7 +45,7 @@ class UnknownComponentError(RtcError):
 
 
 class ConnectError(RtcError):
-    """Two ports cannot be connected; the subclasses say why."""
+    """Two ports cannot be connected; subclasses give the reason."""
 
 
 class UnknownPortError(ConnectError):
@@ -73,7 +73,7 @@ class ConnectorPropertyError(ConnectError):
 
 
 class UnknownConnectionError(RtcError):
-    """There is no connection of that name, or it is cut already."""
+    """There is no connection of that name, or it was removed."""
 
 
 class UnknownObservableError(RtcError):
@@ -81,7 +81,7 @@ class UnknownObservableError(RtcError):
 
 
 class ObservableError(RtcError):
-    """A component's function for an observable raised, which is the cause, or gave no numbers."""
+    """A component's function for an observable raised (see the cause), or returned no numbers."""
 
 
 class ConfigurationError(RtcError):
@@ -117,12 +117,12 @@ class RateError(RtcError, ValueError):
 
 
 class TransportError(RtcError):
-    """What carries service calls cannot work as it was told to, or the naming service is gone."""
+    """The transport of service calls cannot work as configured, or the naming service is gone."""
 
 
 class NoNamingServiceError(TransportError):
-    """No naming service answers where one was told to be."""
+    """No naming service answers at the configured address."""
 
 
 class ServedElsewhereError(TransportError):
-    """Another process serves a component of that instance name."""
+    """Another process provides a component of that instance name."""

@@ -1,4 +1,4 @@
-"""Execution contexts: whose tick it is, and what the tick does to each participant."""
+"""Execution contexts (OMG RTC 1.0, 5.2.2.5): ticks, and requests to participants."""
 
 from __future__ import annotations
 
@@ -30,14 +30,15 @@ from rtgen.runtime.return_codes import (
 
 
 class Driver(Protocol):
-    """Whoever calls a context's `cycle` in time; it is told what it has to know."""
+    """The scheduler of a context: calls `cycle` and is notified of changes."""
 
     def started(self, context: ExecutionContext) -> None: ...
 
     def stopped(self, context: ExecutionContext) -> bool:
-        """Waits until no tick is under way (unless the tick itself asks).
+        """Wait until no tick is in progress (unless called from the tick itself).
 
-        False if one does not end in time: then nothing more is called of its components.
+        False if a tick does not end in time; no further callback of its components is called
+        then.
         """
 
     def rate_changed(self, context: ExecutionContext) -> None: ...
@@ -45,11 +46,11 @@ class Driver(Protocol):
     def cycle_changed(self, context: ExecutionContext) -> None: ...
 
     def woken(self, context: ExecutionContext) -> None:
-        """Has `between_ticks` of the context called soon, where its ticks are called."""
+        """Request a call of `between_ticks` soon, in the thread of the ticks."""
 
 
 class Undriven:
-    """A driver that does nothing: somebody calls `ExecutionContext.tick`."""
+    """A scheduler without effect: `ExecutionContext.tick` is called explicitly."""
 
     def started(self, context: ExecutionContext) -> None:
         return None
@@ -78,7 +79,7 @@ def _nobody() -> str:
 
 
 class Participant:
-    """A component in a context: its state there, and the requests that wait for the next tick."""
+    """A component in a context: its state there, and the requests for the next tick."""
 
     __slots__ = (
         "_chores",
@@ -100,11 +101,11 @@ class Participant:
         self.handle = component.attach_context(context)
         self.state = INACTIVE_STATE
         self.ticks = 0
-        """How often `on_execute` was called."""
+        """Number of calls of `on_execute`."""
         self.activating = False
-        """Whether ACTIVATE was requested and is not carried out yet."""
+        """Whether ACTIVATE was requested and is still pending."""
         self.provider_awaited: Callable[[], str] = _nobody
-        """The name of a component that has to be activated before this one; empty if none."""
+        """The component that has to be activated before this one; empty if none."""
         self._requests: deque[Request] = deque()
         self._failure = ""
         self._chores = component._chores
@@ -112,7 +113,7 @@ class Participant:
         self._updates = own is not Component.on_state_update
 
     def request(self, request: Request) -> ReturnCode_t:
-        """Notes a legal request for the next tick; PRECONDITION_NOT_MET for an illegal one."""
+        """Queue a legal request for the next tick; PRECONDITION_NOT_MET for an illegal one."""
         if (self.state, request) not in TRANSITIONS:
             return PRECONDITION_NOT_MET
         if request not in self._requests:
@@ -122,7 +123,7 @@ class Participant:
         return RTC_OK
 
     def fail(self, reason: str) -> ReturnCode_t:
-        """Notes FAIL for the next tick, and why; the first reason stays."""
+        """Queue FAIL for the next tick with its reason; the first reason is kept."""
         if (self.state, Request.FAIL) not in TRANSITIONS:
             return PRECONDITION_NOT_MET
         if Request.FAIL not in self._requests:
@@ -130,7 +131,7 @@ class Participant:
         return self.request(Request.FAIL)
 
     def cycle(self) -> None:
-        """A whole tick, where this is the only participant."""
+        """A complete tick of a context with a single participant."""
         if not (self._requests and self.carry_out_requests()):
             if self.state is ACTIVE_STATE:
                 self.ticks += 1
@@ -177,7 +178,7 @@ class Participant:
             self.enter(row.failure)
 
     def arrive(self) -> None:
-        """Takes what has come since the last tick, if the component is ACTIVE."""
+        """Process external input since the last tick, if the component is ACTIVE."""
         if self.state is not ACTIVE_STATE:
             return
         try:
@@ -188,12 +189,12 @@ class Participant:
         self.finish()
 
     def finish(self) -> None:
-        """The end of a tick: deliveries and configuration that were put off till now."""
+        """The end of a tick: deferred deliveries and configuration changes."""
         if self._chores:
             self.component._do_chores()
 
     def carry_out(self, request: Request) -> None:
-        """Does now what a legal request asks for; ignores one that has become illegal."""
+        """Carry out a legal request; ignore one that has become illegal."""
         row = TRANSITIONS.get((self.state, request))
         if row is None:
             if self.state is _GOALS.get(request):
@@ -209,7 +210,7 @@ class Participant:
             self.activating = False
 
     def enter(self, state: LifeCycleState) -> None:
-        """Changes the state, and calls `on_aborting` on the way into ERROR."""
+        """Change the state; calls `on_aborting` when entering ERROR."""
         before = self.state
         if state is before:
             return
@@ -225,7 +226,7 @@ class Participant:
             succeeds(self.component, "on_aborting", self.handle)
 
     def _passes(self, request: Request) -> bool:
-        """Whether to carry out a gated request now; one that has to wait is put back."""
+        """Whether to carry out a gated request now; a waiting one is queued again."""
         if (self.state, request) not in TRANSITIONS:
             return True
         component = self.component
@@ -249,12 +250,12 @@ class Participant:
 
 
 class ExecutionContext:
-    """An execution context (OMG RTC 1.0, 5.2.2.6) of PERIODIC kind unless told otherwise.
+    """An execution context (OMG RTC 1.0, 5.2.2.6), of PERIODIC kind by default.
 
-    Activation, deactivation, reset and rate change are requests: they are answered at once and
-    carried out at the next tick, so that callbacks never run outside of a tick. Each phase of a
-    tick runs over all participants before the next: requests, `on_execute` (or `on_error`),
-    `on_state_update`, and what was put off to the end of the cycle.
+    Activation, deactivation, reset and rate change are requests: they return immediately and are
+    carried out at the next tick, so that callbacks only run within ticks. Each phase of a tick
+    runs for all participants before the next: requests, `on_execute` (or `on_error`),
+    `on_state_update`, and deferred work at the end of the cycle.
     """
 
     def __init__(
@@ -268,11 +269,11 @@ class ExecutionContext:
     ) -> None:
         self.owner = owner
         self.overruns = 0
-        """Instants at which no tick could begin, because one was still running (real time)."""
+        """Instants (real time) without a tick because the previous one was still running."""
         self.longest = 0
         """The longest tick so far in ns, as of the last overrun."""
         self.cycle: Callable[[], None] = self._cycle_of_all
-        """One tick, whether the context runs or not: for the driver."""
+        """One tick, whether or not the context is running; called by the scheduler."""
         self._rate = _checked_rate(rate_hz)
         self._kind = kind
         self._running = False
@@ -291,9 +292,9 @@ class ExecutionContext:
         return self._participants
 
     def tick(self) -> ReturnCode_t:
-        """One tick now, for a context that nothing else drives. PRECONDITION_NOT_MET if stopped.
+        """Execute one tick in a context without a scheduler. PRECONDITION_NOT_MET if stopped.
 
-        Raises a KeyboardInterrupt that came in a callback, once the tick is over.
+        Re-raises a KeyboardInterrupt of a callback after the tick.
         """
         if not self._running:
             return PRECONDITION_NOT_MET
@@ -306,15 +307,15 @@ class ExecutionContext:
         return RTC_OK
 
     def wake(self) -> None:
-        """Lets the participants take what has come from outside, without waiting for a tick.
+        """Let the participants process external input, without waiting for a tick.
 
-        From any thread. A context that nothing drives does so at its next tick.
+        Callable from any thread. Without a scheduler this happens at the next tick.
         """
         if self._running:
             self._driver.woken(self)
 
     def between_ticks(self) -> None:
-        """What `wake` asked for: for the driver, never while a tick is under way."""
+        """The work requested by `wake`; called by the scheduler, never during a tick."""
         for participant in self._participants:
             with participant.component._turn:
                 participant.arrive()
@@ -324,7 +325,7 @@ class ExecutionContext:
         return self._running
 
     def start(self) -> ReturnCode_t:
-        """Calls every `on_startup`, then ticks begin. PRECONDITION_NOT_MET if it runs already."""
+        """Start: call every `on_startup`, then start ticks. PRECONDITION_NOT_MET if running."""
         if self._running:
             return PRECONDITION_NOT_MET
         for participant in self._participants:
@@ -334,10 +335,9 @@ class ExecutionContext:
         return RTC_OK
 
     def stop(self) -> ReturnCode_t:
-        """Ends the ticks, then calls every `on_shutdown`; states stay as they are.
+        """Stop: end the ticks, then call every `on_shutdown`; states are kept.
 
-        PRECONDITION_NOT_MET if it is stopped already; RTC_ERROR, without `on_shutdown`, if a tick
-        does not end.
+        PRECONDITION_NOT_MET if stopped; RTC_ERROR, without `on_shutdown`, if a tick does not end.
         """
         if not self._running:
             return PRECONDITION_NOT_MET
@@ -353,11 +353,11 @@ class ExecutionContext:
         return self._rate
 
     def set_rate(self, rate: float) -> ReturnCode_t:
-        """Sets the rate in Hz; `on_rate_changed` follows at the next tick.
+        """Set the rate in Hz; `on_rate_changed` follows at the next tick.
 
         The next tick comes one new period after the last, or now if that has passed.
         BAD_PARAMETER for a rate that is not above 0, UNSUPPORTED for a context that is not of
-        PERIODIC kind: its rate is that of its making.
+        PERIODIC kind.
         """
         if self._kind is not ExecutionKind.PERIODIC:
             return UNSUPPORTED
@@ -374,9 +374,9 @@ class ExecutionContext:
         return self._kind
 
     def add_component(self, component: Component) -> ReturnCode_t:
-        """Makes a component a participant, INACTIVE; `on_startup` follows if the context runs.
+        """Add an INACTIVE participant; `on_startup` follows if the context is running.
 
-        PRECONDITION_NOT_MET if it is not initialized, or takes part already.
+        PRECONDITION_NOT_MET if it is not initialized, or already participates.
         """
         if not component.is_alive() or self._find(component) is not None:
             return PRECONDITION_NOT_MET
@@ -387,9 +387,9 @@ class ExecutionContext:
         return RTC_OK
 
     def remove_component(self, component: Component) -> ReturnCode_t:
-        """Ends a participation; `on_shutdown` is called before if the context runs.
+        """Remove a participant, after `on_shutdown` if the context is running.
 
-        BAD_PARAMETER if it takes no part, PRECONDITION_NOT_MET while it is ACTIVE.
+        BAD_PARAMETER if it does not participate, PRECONDITION_NOT_MET while it is ACTIVE.
         """
         participant = self._find(component)
         if participant is None:
@@ -416,15 +416,15 @@ class ExecutionContext:
         return self._request(component, Request.RESET)
 
     def fail_component(self, component: Component, reason: str) -> ReturnCode_t:
-        """Requests ERROR, for a reason outside of the callbacks.
+        """Request ERROR, for a reason outside of the callbacks.
 
-        BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: in ERROR already.
+        BAD_PARAMETER: no participant; PRECONDITION_NOT_MET: already in ERROR.
         """
         participant = self._find(component)
         return BAD_PARAMETER if participant is None else participant.fail(reason)
 
     def get_component_state(self, component: Component) -> LifeCycleState:
-        """The component's state here; CREATED if it takes no part."""
+        """The component's state here; CREATED if it does not participate."""
         participant = self._find(component)
         return CREATED_STATE if participant is None else participant.state
 
@@ -437,10 +437,10 @@ class ExecutionContext:
         return next(found, None)
 
     def _expel(self, component: Component) -> bool:
-        """Ends a participation whatever the state, for a component that exits.
+        """Remove a participant in any state, for a component that exits.
 
-        If it owns the context, that stops for all. False if a tick of the context does not end:
-        no further callback is called then.
+        An owner's context stops for all. False if a tick of the context does not end: no further
+        callback is called then.
         """
         participant = self._find(component)
         if participant is None:

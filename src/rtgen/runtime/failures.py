@@ -1,6 +1,6 @@
-"""What is reported when a component's own code fails, and how.
+"""Failures of components' own code, and how they are reported.
 
-The rule for users is in `docs/runtime.md`, section Failures.
+The rules for users are in `docs/runtime.md`, section Failures.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def ends_run(error: BaseException) -> bool:
 
 
 def has_lost_its_reader(stream: TextIO | None) -> bool:
-    """Whether a stream is a pipe that nobody reads any more; False where the system cannot say."""
+    """Whether a stream is a pipe without a reader; False if the system cannot tell."""
     if stream is None or not hasattr(select, "poll"):
         return False
     poll = select.poll()

@@ -1,4 +1,4 @@
-"""Faults on their way out of a value: each level that they pass adds its part of the path."""
+"""Errors in nested values: each level adds its part of the path."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from rtgen.runtime.cdr import FAILURES, CdrError
 
 
 class Fault(ValueError):
-    """What is wrong, and where: the parts of the path, the innermost first."""
+    """The error and its place: the parts of the path, innermost first."""
 
     def __init__(self, message: str) -> None:
         self.message = message
@@ -14,16 +14,16 @@ class Fault(ValueError):
         super().__init__(message)
 
     def error(self, root: str) -> CdrError:
-        """The error to raise, with its path from `root` on."""
+        """The exception to raise, with the path starting at `root`."""
         return CdrError(root + "".join(reversed(self.parts)), self.message)
 
 
 LOCATED = tuple(f for f in FAILURES if f is not RecursionError)
-"""What gets a place. A recursion without end has none."""
+"""Exceptions that get a path. Infinite recursion has none."""
 
 
 def located(failure: Exception, part: str) -> Fault:
-    """The failure as a fault, with a further part of its path in front."""
+    """Convert an exception to a fault, or extend the path of a fault."""
     if not isinstance(failure, Fault):
         failure = Fault(str(failure) or type(failure).__name__)
     failure.parts.append(part)

@@ -1,4 +1,4 @@
-"""What protects a port from two threads at once: a condition in real time, nothing in simulated."""
+"""Locks of ports: a condition variable in real time, nothing in simulated time."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ class Guard(Protocol):
     def wait_for(
         self, predicate: Callable[[], bool], timeout: float | None = None
     ) -> bool:
-        """Waits until the predicate holds, at most `timeout` seconds; whether it held."""
+        """Wait until the predicate holds, at most `timeout` seconds; return whether it holds."""
 
     def notify_all(self) -> None: ...
 
 
 class SingleThread:
-    """A guard where nobody else runs: to wait would be to wait for ever, so it never does."""
+    """A guard for a single thread; it never waits, since nothing could end the wait."""
 
     __slots__ = ()
 

@@ -1,4 +1,4 @@
-"""Simulated time as its users see it: the time, and actions at an instant."""
+"""Interface to simulated time: the time, and actions at an instant."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from typing import Protocol
 
 
 class Instants(Protocol):
-    """What lets things happen in simulated time: the scheduler."""
+    """Schedules actions in simulated time."""
 
     def at(self, instant: int, action: Callable[[], None]) -> None:
-        """Calls an action once, before the ticks of that instant; at once if it has passed."""
+        """Call an action once, before the ticks of that instant; immediately if it has passed."""
 
     def behind_ticks(self, action: Callable[[], None]) -> None:
-        """Calls an action once, at this instant, after its ticks."""
+        """Call an action once, at this instant, after its ticks."""
 
 
 class SimulatedTime(Protocol):
@@ -25,4 +25,4 @@ class SimulatedTime(Protocol):
 
     @property
     def instants(self) -> Instants | None:
-        """The scheduler that moves the time on; None if there is none."""
+        """The scheduler that advances the time; None without one."""

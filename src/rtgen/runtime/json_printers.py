@@ -1,8 +1,8 @@
-"""Printers of values as JSON, made once for each type: for logs, where each microsecond counts.
+"""Compiled JSON printers for log records, cached by type.
 
-A printer takes the members of a value out and puts them into a text. A value that is not what its
-definition promises (an enumerator in a `long`, a number that is not finite) goes the slow way,
-`plain`, which knows every type and gives the same text.
+A printer inserts the members of a value into a text. Values that violate their definition (an
+enumerator in a `long`, a non-finite number) fall back on `plain`, which knows every type and
+gives the same text.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _FLOATS = ("float", "double")
 
 
 def json_printer(type_: type[DataType]) -> Printer:
-    """What prints the values of a type: as `json.dumps` prints what `plain` makes of them."""
+    """The printer of a type: equal to `json.dumps` of the result of `plain`."""
     descriptor = getattr(type_, "_descriptor_", None)
     if isinstance(descriptor, StructDescriptor):
         return _Compiler().compiled(descriptor) or _print
@@ -62,9 +62,9 @@ def _numbers(values: list[Any]) -> str:
 
 
 class _Compiler:
-    """Writes a function that prints one struct; what is not plain enough has none.
+    """Compile a function that prints a struct; structs with unsupported members have none.
 
-    Of a definition only the names of attributes get into the function; texts are values in it.
+    Only names of attributes are inserted into the function's text; texts are passed as values.
     """
 
     def __init__(self) -> None:
@@ -83,11 +83,11 @@ class _Compiler:
         }
 
     def compiled(self, struct: StructDescriptor) -> Printer | None:
-        """The function; None for a struct with members that only `plain` knows."""
+        """The function; None for a struct with members that only `plain` supports."""
         if not self._struct(struct, "value"):
             return None
         self._end_text()
-        # Not finite in sum: one of them is not, or the sum is out of range.
+        # A non-finite sum: one of them is not finite, or the sum is out of range.
         total = " + ".join(self._floats)
         checks = [*self._checks, f"({total}) * 0.0 == 0.0"] if total else self._checks
         body = [
@@ -154,9 +154,9 @@ class _Compiler:
 
 
 def plain(value: object) -> Any:
-    """A generated value as what JSON knows, with the names that the definition has.
+    """Convert a generated value to JSON types, with the names of its definition.
 
-    A valuetype inside of itself is told by its name alone.
+    A recursive valuetype is represented by its name.
     """
     return _plain(value, ())
 

@@ -1,4 +1,4 @@
-"""Packages whose names are imported when they are asked for."""
+"""Lazy imports for packages that re-export names."""
 
 from __future__ import annotations
 

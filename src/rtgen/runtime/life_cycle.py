@@ -1,6 +1,6 @@
-"""The life cycle of OMG RTC 1.0 as one table: what a request does to a component in a state.
+"""The life cycle of OMG RTC 1.0 as a table: state and request to callback and next state.
 
-The same table, with the answers, stands in `docs/life-cycle.md` for readers and tests.
+The same table, with return codes, is in `docs/life-cycle.md` for readers and tests.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from rtgen.runtime.return_codes import (
 
 
 class Request(StrEnum):
-    """What can be asked of a component in an execution context, or happens to it there."""
+    """Requests to a component in an execution context, and events there."""
 
     INITIALIZE = "initialize"
     STARTUP = "start"
@@ -34,12 +34,12 @@ class Request(StrEnum):
 
 
 GATED = frozenset({Request.ACTIVATE, Request.DEACTIVATE, Request.RESET})
-"""Requests that wait until the component lets them pass (`Component._gate`)."""
+"""Requests that wait until the component's gate lets them pass (`Component._gate`)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Transition:
-    """The callback of a legal request, and the state after it returned RTC_OK or did not.
+    """The callback of a legal request, and the states after success and failure.
 
     Without a callback the request succeeds.
     """
@@ -89,7 +89,7 @@ TRANSITIONS: dict[tuple[LifeCycleState, Request], Transition] = {
         "on_finalize", CREATED_STATE, CREATED_STATE
     ),
 }
-"""Legal requests. Whatever is not here is refused with PRECONDITION_NOT_MET and changes nothing.
+"""Legal requests; all others are rejected with PRECONDITION_NOT_MET and without effect.
 
-Entering ERROR from another state calls `on_aborting` at once. A gate that refuses leads to ERROR.
+Entering ERROR from another state calls `on_aborting`. A rejecting gate leads to ERROR.
 """

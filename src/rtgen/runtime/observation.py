@@ -1,4 +1,4 @@
-"""What a system shows while it runs: records to its listeners, samples to watchers of ports."""
+"""Observation of a running system: records for listeners, samples for watchers of ports."""
 
 from __future__ import annotations
 
@@ -19,10 +19,9 @@ from rtgen.runtime.return_codes import ERROR_STATE, LifeCycleState
 
 
 class Observation:
-    """The listeners of a system, and who watches which OutPort.
+    """The listeners of a system, and the watchers of its OutPorts.
 
-    What they raise goes to `end_run`: it is no failure of the component that happens to be at
-    work.
+    Their exceptions go to `end_run`: they are no failures of a component.
     """
 
     def __init__(
@@ -38,7 +37,7 @@ class Observation:
         self._set_listeners((*self._listeners, listener), components)
 
     def remove(self, listener: Listener, components: Iterable[Component]) -> None:
-        """Removes a listener; one that is not there is no error."""
+        """Remove a listener; an unknown one is ignored."""
         left = tuple(known for known in self._listeners if known is not listener)
         self._set_listeners(left, components)
 
@@ -49,7 +48,7 @@ class Observation:
         self._observe(port)
 
     def observe(self, component: Component) -> None:
-        """Lets the OutPorts of a component show what they write to those who want it."""
+        """Report samples of a component's OutPorts to listeners and watchers."""
         for port in component.out_ports.values():
             self._observe(port)
 

@@ -1,4 +1,4 @@
-"""From the text of a configuration parameter to its value, by the parameter's IDL type."""
+"""Converts texts of configuration parameters to values, by IDL type."""
 
 from __future__ import annotations
 
@@ -28,15 +28,15 @@ _FIXED = re.compile(r"fixed<(?P<digits>\d+),(?P<scale>\d+)>")
 
 
 class _RefusalError(Exception):
-    """Why a text is not a value; the converter adds the parameter and the text."""
+    """The reason why a text is invalid; the converter adds the parameter and the text."""
 
 
 class Converter:
-    """Converts and checks the texts of one parameter.
+    """Converts and validates the texts of one parameter.
 
-    `example` is a value of the parameter's Python type: it gives the class of an enumeration, and
-    the kind of value where the profile's type is the name of an alias. Raises ConfigurationError
-    for a constraint that cannot be read.
+    `example` is a value of the parameter's Python type: it provides the class of an enumeration,
+    and the kind of value if the profile's type is the name of an alias. Raises ConfigurationError
+    for a malformed constraint.
     """
 
     def __init__(self, profile: ParameterProfile, example: object) -> None:
@@ -53,7 +53,7 @@ class Converter:
             ) from None
 
     def __call__(self, text: str) -> Any:
-        """The value; raises ParameterValueError, which names parameter, text and reason."""
+        """Convert a text. Raises ParameterValueError with parameter, text and reason."""
         try:
             value = self._parse(text.strip())
             self._check(value)
@@ -86,7 +86,7 @@ class Converter:
 
 
 def _is_numeric(type_: str, example: object) -> bool | None:
-    """Whether the values, or the elements, are numbers; None where type and example do not say."""
+    """Whether the values, or their elements, are numbers; None if unknown."""
     if isinstance(example, IntEnum):
         return False
     if match := _SEQUENCE.fullmatch(type_) or _ARRAY.fullmatch(type_):

@@ -1,4 +1,4 @@
-"""Which frames of a stack are a user's own: neither rtgen's nor of Python or installed packages."""
+"""Distinguishes stack frames of the user from those of rtgen, Python and installed packages."""
 
 from __future__ import annotations
 
@@ -19,28 +19,28 @@ _DEBUGGER = (f"{os.sep}pdb.py", f"{os.sep}bdb.py")
 
 
 def shown(file: str) -> str:
-    """The file as messages show it: relative to the working folder if it is below."""
+    """The file as shown in messages: relative to the working folder if it is below."""
     folder = f"{Path.cwd()}{os.sep}"
     return file.removeprefix(folder).replace(os.sep, "/")
 
 
 def is_rtgens(file: str) -> bool:
-    """Whether a file is rtgen's own."""
+    """Whether a file belongs to rtgen."""
     return file.startswith(_RTGEN)
 
 
 def is_users(file: str) -> bool:
-    """Whether a file is a user's own."""
+    """Whether a file belongs to the user."""
     return not (file.startswith((_RTGEN, "<")) or file.startswith(_INSTALLED))
 
 
 def is_debugger(frame: FrameType) -> bool:
-    """Whether a frame is the debugger's."""
+    """Whether a frame belongs to the debugger."""
     return frame.f_code.co_filename.endswith(_DEBUGGER)
 
 
 def users_frame(frames: Sequence[FrameType]) -> FrameType:
-    """The first frame of a user's own; else the first that is not rtgen's; else the first."""
+    """The first frame of the user; else the first outside rtgen; else the first."""
     for wanted in (is_users, lambda file: not is_rtgens(file)):
         for frame in frames:
             if wanted(frame.f_code.co_filename):

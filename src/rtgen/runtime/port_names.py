@@ -1,4 +1,4 @@
-"""What ports of components are called, and why two of them cannot be connected."""
+"""Names of ports in messages, and reasons why two ports cannot be connected."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rtgen.runtime.service_ports import ServicePort
 def cannot_join(
     source: Component, port: str, target: Component, other: str
 ) -> ConnectError:
-    """Why two ports, none of which goes with the other, cannot be connected."""
+    """The reason why two ports cannot be connected in either direction."""
     for component, name in ((source, port), (target, other)):
         if name not in port_names(component):
             return unknown_port(component, name)
@@ -23,7 +23,7 @@ def cannot_join(
 
 
 def unknown_port(component: Component, name: str) -> UnknownPortError:
-    """The error for a port that a component does not have."""
+    """The error for an unknown port of a component."""
     known = ", ".join(port_names(component)) or "none"
     return UnknownPortError(
         f"{component.instance_name} has no port {name!r}; known: {known}"
@@ -37,7 +37,7 @@ def port_names(component: Component) -> tuple[str, ...]:
 
 
 def kinds(component: Component, port: str) -> str:
-    """What kinds of port a component has under a name."""
+    """The kinds of ports that a component has under a name."""
     kinds = {
         "InPort": port in component.in_ports,
         "OutPort": port in component.out_ports,

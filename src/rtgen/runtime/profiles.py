@@ -1,4 +1,4 @@
-"""What a component says about itself: the runtime form of its definition."""
+"""Profiles of components: the runtime form of their definitions."""
 
 from __future__ import annotations
 
@@ -56,9 +56,9 @@ def service_port(
     description: str = "",
     python_name: str = "",
 ) -> PortProfile:
-    """The profile of a service port whose one interface has the port's name.
+    """The profile of a service port with a single interface of the same name.
 
-    `python_name` is the attribute of the component, where it is not that name.
+    `python_name` is the attribute of the component, if it differs from the name.
     """
     described = interface._descriptor_
     return PortProfile(
@@ -75,7 +75,7 @@ def service_port(
 
 @dataclass(frozen=True, slots=True)
 class ComponentProfile:
-    """A component type; `rate` in Hz, used where neither system nor `.conf` file gives one."""
+    """A component type; `rate` in Hz is the default of system and `.conf` file."""
 
     type_name: str
     kind: str = "DataFlowComponent"

@@ -1,4 +1,4 @@
-"""The sending half of connections of subscription type `new` and `periodic`."""
+"""Sending half of connections of subscription type `new` and `periodic`."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ def _do_nothing() -> None:
 
 
 class Publisher(Generic[T]):
-    """The sending half of a `new` or `periodic` connection: an own buffer and a push policy.
+    """The sending half of a `new` or `periodic` connection: a buffer and a push policy.
 
-    `signal` is called after each write; whoever runs the publisher sets it. A sample that the
-    reader's buffer refuses stays in hand and is offered again at the next turn.
+    `signal` is called after each write; set by the publisher's driver. A sample that the reader's
+    buffer rejects is kept and offered again at the next turn.
     """
 
     def __init__(
@@ -42,30 +42,30 @@ class Publisher(Generic[T]):
 
     @property
     def idle(self) -> bool:
-        """Whether nothing waits to be delivered."""
+        """Whether no sample waits for delivery."""
         return self._in_hand is None and not self.waiting.samples
 
     def publish(self) -> None:
-        """Delivers what the policy picks of the waiting samples."""
+        """Deliver the waiting samples that the policy selects."""
         if self._policy is PushPolicy.NEW:
             self._drop_all_but_newest()
         while self._pick() and self._deliver() and self._policy is not PushPolicy.FIFO:
             continue
 
     def wait(self) -> None:
-        """Waits until there is something to do, or the connection is cut."""
+        """Wait for work, or until the connection is removed."""
         guard = self.waiting.guard if self._in_hand is None else self._target.guard
         with guard:
             guard.wait_for(self._can_go_on)
 
     @property
     def closed(self) -> bool:
-        """Whether the connection is cut."""
+        """Whether the connection was removed."""
         return self.waiting.closed
 
     @property
     def in_hand(self) -> int:
-        """How many samples were taken from the buffer and not delivered: 0 or 1."""
+        """Number of samples taken from the buffer and not delivered: 0 or 1."""
         return self._in_hand is not None
 
     def _can_go_on(self) -> bool:

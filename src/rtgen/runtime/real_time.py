@@ -1,4 +1,4 @@
-"""Real time: a thread for each execution context and publisher, on a grid that does not drift."""
+"""Real time: a thread for each execution context and publisher, with drift-free periods."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from rtgen.runtime.watchdog import (
 )
 
 _LOOK_AGAIN = 5_000_000
-"""How often, in ns, a condition of `run` is looked at where no state changes."""
+"""Polling period of a condition of `run`, in ns, while no state changes."""
 
 
 def next_instant(due: int, period: int, now: int) -> tuple[int, int]:
-    """The instant for the tick after the one of `due`, and how many overruns that tick caused.
+    """The instant for the tick after the one of `due`, and the number of overruns.
 
-    All instants stay on the grid of `due`. If the next one has passed while the tick ran, the
-    latest that has passed is made up for at once; those before it are left out.
+    All instants are multiples of the period from `due`. If the next one passed while the tick
+    ran, the latest passed instant is made up for immediately; earlier ones are skipped.
     """
     following = due + period
     if now <= following:
@@ -41,7 +41,7 @@ def next_instant(due: int, period: int, now: int) -> tuple[int, int]:
 
 
 class PeriodicThread:
-    """Calls an action at every instant of a grid, in a thread of its own."""
+    """Calls an action periodically, in a separate thread."""
 
     def __init__(
         self,
@@ -64,12 +64,12 @@ class PeriodicThread:
         """The longest action so far, in ns."""
         self._stopped = False
         self._given_up = 0.0
-        """When, by the monotonic clock in seconds, an action under way is given up."""
+        """When an action in progress is abandoned, by the monotonic clock in seconds."""
         self._woken: Action | None = None
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     def start(self) -> PeriodicThread:
-        """Begins to call, now."""
+        """Start to call the action, now."""
         self._due = self._clock.elapsed()
         self._thread.start()
         return self
@@ -83,13 +83,13 @@ class PeriodicThread:
             self._wake.notify()
 
     def wake(self, action: Action) -> None:
-        """Calls another action in the thread, soon; the next instant makes up for it, too."""
+        """Call another action in the thread, soon; the next instant also makes up for it."""
         with self._wake:
             self._woken = action
             self._wake.notify()
 
     def halt(self) -> None:
-        """Begins no further action."""
+        """Start no further action."""
         with self._wake:
             if not self._stopped:
                 self._stopped = True
@@ -97,9 +97,9 @@ class PeriodicThread:
             self._wake.notify()
 
     def stop(self) -> bool:
-        """Ends the thread, after the action that may be under way; False if that goes on.
+        """End the thread after the action in progress; False if that does not end.
 
-        It is waited for until PATIENCE after the first call of `halt` or `stop`.
+        Waits until PATIENCE after the first call of `halt` or `stop`.
         """
         self.halt()
         if self._thread.is_alive() and threading.current_thread() is not self._thread:
@@ -109,7 +109,7 @@ class PeriodicThread:
 
     @property
     def ident(self) -> int | None:
-        """The number of the thread."""
+        """The identifier of the thread."""
         return self._thread.ident
 
     def _run(self) -> None:
@@ -147,7 +147,7 @@ class PeriodicThread:
 
 
 class RealTimeScheduler:
-    """Threads for contexts and publishers; timeline and conditions in the thread of `run`."""
+    """Threads for contexts and publishers; timeline and conditions run in the thread of `run`."""
 
     def __init__(self, clock: RealClock) -> None:
         self._clock = clock
@@ -299,7 +299,7 @@ class RealTimeScheduler:
             context.longest = thread.longest
 
         owner = context.owner.instance_name if context.owner else "shared"
-        # Known before it starts, since its first tick may stop it.
+        # Registered before it starts, because its first tick may stop it.
         thread = self._contexts[context] = PeriodicThread(
             f"rtgen {owner}",
             context.period,
@@ -336,7 +336,7 @@ def _publish_when_written(publisher: Publisher[Any]) -> Action:
 
 
 def _report_blocked(participants: Sequence[Participant], call: Call) -> None:
-    """Reports a call that does not return as a failure of who takes part in the context."""
+    """Report a call that does not return as a failure of the context's participants."""
     error = BlockedError(call.callback, call.file, call.line)
     for participant in participants:
         if participant.component.instance_name == call.instance:

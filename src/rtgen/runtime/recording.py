@@ -1,4 +1,4 @@
-"""Writes what happens in a system as JSON lines: the same run gives the same bytes."""
+"""Writes events of a system as JSON lines, deterministically in simulated time."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class JsonLinesRecorder:
     def sample_writer(
         self, port: OutPort[Any], elapsed: Callable[[], int]
     ) -> Callable[[Any], None]:
-        """What writes each sample of a port at once, so that no snapshot is needed."""
+        """A writer for the samples of a port that needs no snapshot."""
         told = {"event": "sample", "instance": port.owner, "port": port.name}
         text = json.dumps(told, ensure_ascii=False).removeprefix("{").removesuffix("}")
         between = f', {text}, "value": '

@@ -1,4 +1,4 @@
-"""What a system tells its listeners: changes of state, and samples as they are written."""
+"""Records for the listeners of a system: changes of state, and written samples."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class StateRecord(NamedTuple):
     after: LifeCycleState
     ec_id: int
     reason: str
-    """Why, where `after` is ERROR; else empty."""
+    """The reason, if `after` is ERROR; else empty."""
 
 
 class SampleRecord(NamedTuple):
-    """A component wrote a sample; `value` is the listeners' own snapshot of it."""
+    """A component wrote a sample; `value` is a snapshot shared by the listeners."""
 
     kind: str
     """`sample`."""
@@ -44,24 +44,24 @@ Listener = Callable[[Record], None]
 
 @runtime_checkable
 class SampleWriter(Protocol):
-    """A listener that has done with a sample when it returns, so that it needs no snapshot."""
+    """A listener that finishes with a sample before it returns, so that it needs no snapshot."""
 
     def sample_writer(
         self, port: OutPort[Any], elapsed: Callable[[], int]
     ) -> Callable[[Any], None]:
-        """What takes the samples of a port, in place of the listener itself.
+        """A function that receives the samples of a port in place of the listener.
 
-        A sample goes on belonging to its writer; `elapsed` tells the time [ns since the start].
+        The sample remains the writer's; `elapsed` returns the time [ns since the start].
         """
 
 
 @dataclass(frozen=True, slots=True)
 class Statistics:
-    """What became of a component so far.
+    """Statistics of a component.
 
     `ticks` counts `on_execute`, `overruns` the instants of its own context at which no tick could
-    begin, `lost` the samples lost on the way to its InPorts; `reason` says why a callback failed,
-    `awaited` what a request waits for, `condition` what hinders an ACTIVE component.
+    start, `lost` the samples lost before its InPorts; `reason` is that of the last failure,
+    `awaited` what a request waits for, `condition` what impairs an ACTIVE component.
     """
 
     state: LifeCycleState

@@ -4,7 +4,7 @@ from enum import IntEnum
 
 
 class ReturnCode_t(IntEnum):
-    """What an operation of the life cycle answers (OMG RTC 1.0, 5.2.2.1)."""
+    """Return code of life cycle operations (OMG RTC 1.0, 5.2.2.1)."""
 
     RTC_OK = 0
     RTC_ERROR = 1
@@ -24,7 +24,7 @@ class LifeCycleState(IntEnum):
 
 
 class ExecutionKind(IntEnum):
-    """How an execution context comes to its ticks (OMG RTC 1.0, 5.2.2.7)."""
+    """Kind of an execution context: the source of its ticks (OMG RTC 1.0, 5.2.2.7)."""
 
     PERIODIC = 0
     EVENT_DRIVEN = 1
@@ -41,9 +41,9 @@ class PortStatus(IntEnum):
     BUFFER_TIMEOUT = 4
     UNKNOWN_ERROR = 5
     PRECONDITION_NOT_MET = 6
-    """The port has no connection: the sample went nowhere."""
+    """The port has no connection; the sample was not sent."""
     CONNECTION_LOST = 7
-    """The connection was cut while the writer waited for room."""
+    """The connection was removed while the writer waited for room."""
 
 
 RTC_OK = ReturnCode_t.RTC_OK

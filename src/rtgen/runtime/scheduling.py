@@ -1,4 +1,4 @@
-"""What a system asks of the scheduler that drives its contexts, publishers and timeline."""
+"""Interface between a system and the scheduler of its contexts, publishers and timeline."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ Action = Callable[[], None]
 
 
 class Scheduler(Driver, Protocol):
-    """Drives contexts, publishers and actions by one clock; times in ns since the start."""
+    """Schedules contexts, publishers and actions by one clock; times in ns since the start."""
 
     def start(self) -> None:
-        """Lets real time begin; simulated time moves in `run` only."""
+        """Start real time; simulated time only advances in `run`."""
 
     def at(self, instant: int, action: Action) -> None:
-        """Calls an action once, before the ticks of that instant; at once if it has passed."""
+        """Call an action once, before the ticks of that instant; immediately if it has passed."""
 
     def every(self, period: int, action: Action) -> Action:
-        """Calls an action now and every period, after the ticks; returns how to end that."""
+        """Call an action now and every period, after the ticks; returns a function to end it."""
 
     def drive(self, publisher: Publisher[Any], writer: Component) -> Action:
-        """Runs a publisher of a port of `writer`; returns how to end that."""
+        """Run a publisher of a port of `writer`; returns a function that ends it."""
 
     def changed(self) -> None:
-        """Told of every change of state."""
+        """Called after every change of state."""
 
     def end_run(self, error: BaseException) -> None:
         """See `System.end_run`."""
@@ -37,7 +37,7 @@ class Scheduler(Driver, Protocol):
         """See `System.run`."""
 
     def halt(self) -> None:
-        """Ends the ticks of all contexts; one that does not end in time goes on (`stopped`)."""
+        """End the ticks of all contexts; one that does not end in time continues (`stopped`)."""
 
     def close(self) -> None:
-        """Ends everything that still runs."""
+        """End all remaining activity."""

@@ -1,4 +1,4 @@
-"""Service connections: which consumer meets which provider when two service ports are joined."""
+"""Service connections: matches consumers and providers of two service ports."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Pair = tuple[Consumer[Any], Provider[Any]]
 
 
 class ServiceConnector:
-    """One connection of service ports; `pairs` are the consumers and providers that met."""
+    """A connection of service ports; `pairs` are the matched consumers and providers."""
 
     def __init__(
         self,
@@ -44,14 +44,14 @@ class ServiceConnector:
         return f"<ServiceConnector {self.name}: {self.source} -- {self.target}>"
 
     def attach(self) -> None:
-        """Makes the connection: from now on calls reach the providers."""
+        """Establish the connection, so that calls reach the providers."""
         self.connected = True
         for consumer, provider in self.pairs:
             consumer._provider = self._carrier(consumer, provider)
             provider.connections += 1
 
     def detach(self) -> None:
-        """Cuts the connection; later calls raise ObjectNotExist."""
+        """Remove the connection; later calls raise ObjectNotExist."""
         self.connected = False
         for consumer, provider in self.pairs:
             consumer._provider = None
@@ -100,7 +100,7 @@ def _pairs(
 
 
 def read_properties(properties: Mapping[str, str]) -> tuple[dict[str, str], bool]:
-    """The pairs that properties name, consumer to provider, and whether all have to be joined.
+    """The pairs selected by properties, consumer to provider, and whether all must match.
 
     Raises ConnectorPropertyError.
     """
@@ -116,8 +116,11 @@ def _partner(
     there: ServicePort,
     named: dict[str, str],
 ) -> Provider[Any] | None:
-    """The provider for a consumer: the one told by property, else of equal instance name and
-    type, else the only one of the type if the consumer is the only one too."""
+    """The provider for a consumer.
+
+    Selected by property, else of equal instance name and type, else the only one of the type
+    for the only consumer.
+    """
     wish = end(here, "required", consumer)
     if wish in named:
         told = named.pop(wish)
@@ -147,7 +150,7 @@ def end(
 def _interface_difference(
     consumer: Consumer[Any], provider: Provider[Any]
 ) -> str | None:
-    """None if the provider's interface, or one that it derives from, is the consumer's."""
+    """None if the provider's interface is, or derives from, the consumer's; else a reason."""
     wanted, offered = consumer.interface._descriptor_, provider.interface._descriptor_
     line = lineage(offered).values()
     if any(difference(wanted, ancestor) is None for ancestor in line):

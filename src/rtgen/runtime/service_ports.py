@@ -1,7 +1,7 @@
 """Service ports: providers and consumers of interfaces, and the calls between them.
 
-Arguments and results are copied on their way, so components share no object. In real time a
-call runs in the caller's thread, beside the provider's own ticks.
+Arguments and results are copied, so components share no object. In real time a call runs in the
+caller's thread, concurrently with the provider's ticks.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ S = TypeVar("S", bound=Servant)
 
 
 class PortOwner(Protocol):
-    """What service ports need of their component."""
+    """The attributes of a component that service ports use."""
 
     instance_name: str
     providers: dict[tuple[str, str], Provider[Any]]
@@ -29,21 +29,21 @@ class PortOwner(Protocol):
 
 
 class Carrier(Protocol):
-    """Where the calls of a consumer go: a provider, or what carries them to one elsewhere."""
+    """The target of a consumer's calls: a provider, or a transport to one elsewhere."""
 
     @property
     def reachable(self) -> bool:
-        """Whether there is an object to be called, ACTIVE or not."""
+        """Whether the object exists, whether or not it is ACTIVE."""
 
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """Carries out a call. Raises what the IDL allows, or a ServiceError."""
+        """Make a call. Raises what the IDL declares, or a ServiceError."""
 
 
 class Provider(Generic[S]):
-    """An interface that a component provides; one servant serves every consumer.
+    """An interface provided by a component; one servant serves all consumers.
 
-    `limit` is how many consumers may be connected at a time, None for any number. Calls are carried
-    out while the component is ACTIVE; with `in_every_state` also in INACTIVE and ERROR.
+    `limit` is the maximum number of connected consumers, None for any number. Calls are served
+    while the component is ACTIVE; with `in_every_state` also in INACTIVE and ERROR.
     """
 
     __slots__ = (
@@ -73,7 +73,7 @@ class Provider(Generic[S]):
         return f"{self._component.instance_name}.{self.port}:{self.instance}"
 
     def set_servant(self, servant: S) -> None:
-        """Sets the object that carries out the calls, usually in `on_initialize`."""
+        """Set the servant, usually in `on_initialize`."""
         skeleton = self.interface._skeleton_(servant)
         skeleton._report = self._servant_failed
         self._skeleton = skeleton
@@ -93,7 +93,7 @@ class Provider(Generic[S]):
 
     @property
     def exists(self) -> bool:
-        """Whether calls are carried out: the component's state allows it, and it has a servant."""
+        """Whether calls are served: the component's state allows it, and a servant is set."""
         return self._serves and self._skeleton is not None
 
     @property
@@ -102,16 +102,16 @@ class Provider(Generic[S]):
         return component.is_alive() if self.in_every_state else component.is_active
 
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """Carries out a call with copies of the arguments, and copies the result.
+        """Make a call with copies of arguments and result.
 
         Raises as `carry_out`.
         """
         return _snapshot(self.carry_out(operation, _snapshot(arguments)))
 
     def carry_out(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """Carries out a call. Raises what the IDL allows, ObjectNotExist or UnknownException.
+        """Make a call. Raises what the IDL declares, ObjectNotExist or UnknownException.
 
-        ObjectNotExist: the component is not ACTIVE (see `in_every_state`), or has set no servant.
+        ObjectNotExist: the component is not ACTIVE (see `in_every_state`), or has no servant.
         """
         if not self._serves:
             raise ObjectNotExist(
@@ -125,10 +125,10 @@ class Provider(Generic[S]):
 
 
 class Consumer(Generic[S]):
-    """An interface that a component requires; at most one provider serves it at a time.
+    """An interface required by a component; connected to at most one provider at a time.
 
-    Operations are called on the consumer itself (`self.motor.stop()`), or on its `object`, which
-    has their types. They raise ObjectNotExist without an ACTIVE provider.
+    Operations are called on the consumer itself (`self.motor.stop()`), or on its typed `object`.
+    They raise ObjectNotExist without an ACTIVE provider.
     """
 
     __slots__ = ("_provider", "_stub", "instance", "interface", "owner", "port")
@@ -155,14 +155,14 @@ class Consumer(Generic[S]):
         return provider.call(operation, arguments)
 
     def __getattr__(self, name: str) -> Any:
-        """An operation or attribute of the interface, as `object` has it."""
+        """An operation or attribute of the interface, as in `object`."""
         if name.startswith("__") or name == "_stub":
             raise AttributeError(name)
         return getattr(self._stub, name)
 
     @property
     def connected(self) -> bool:
-        """Whether there is a provider, ACTIVE or not."""
+        """Whether there is a provider, whether or not it is ACTIVE."""
         return self._provider is not None and self._provider.reachable
 
     @property

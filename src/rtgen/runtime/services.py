@@ -1,4 +1,4 @@
-"""Interfaces at work: abstract servants, client stubs and the skeletons that call servants."""
+"""Servants, stubs and skeletons of generated interfaces."""
 
 from __future__ import annotations
 
@@ -15,20 +15,22 @@ from rtgen.runtime.failures import described, ends_run, log
 _F = TypeVar("_F", bound=Callable[..., object])
 
 Invoker: TypeAlias = Callable[[str, tuple[object, ...]], object]
-"""Carries a call: operation name (`_get_x`, `_set_x` for an attribute), `in` and `inout`
-arguments; gives the result, a tuple where there are several (return value first)."""
+"""Makes a call: operation name (`_get_x`, `_set_x` for an attribute), `in` and `inout` arguments.
+
+Returns the result, a tuple if there are several (return value first).
+"""
 
 
 class ServiceError(RuntimeError):
-    """A call that did not reach its end, whatever the interface says."""
+    """A call that failed for a reason outside its interface."""
 
 
 class ObjectNotExist(ServiceError):
-    """Nobody serves the object: not connected, or the provider is not active."""
+    """The object does not exist: not connected, or the provider is not active."""
 
 
 class UnknownException(ServiceError):
-    """The servant raised what the operation does not declare; that is its cause."""
+    """The servant raised an undeclared exception, which is the cause."""
 
 
 class BadOperation(ServiceError):
@@ -36,19 +38,19 @@ class BadOperation(ServiceError):
 
 
 class MarshalError(ServiceError):
-    """What came over the wire, or what was to go over it, is not what the interface says."""
+    """Data on the wire, or to be sent, violate the interface."""
 
 
 class CommunicationFailure(ServiceError):
-    """The servant's process cannot be reached, or was lost; the call may have been carried out."""
+    """The servant's process is unreachable, or was lost; the call may have been carried out."""
 
 
 class CallTimeout(CommunicationFailure):
-    """There was no answer in time; the call may have been carried out, or be at work still."""
+    """No response in time; the call may have been carried out, or be in progress."""
 
 
 class Servant(ABC):
-    """The base of generated interfaces: what a servant implements, and what a client sees."""
+    """The base class of generated interfaces, for servants and clients."""
 
     _descriptor_: ClassVar[InterfaceDescriptor]
     _stub_: ClassVar[type[Any]]
@@ -58,10 +60,10 @@ class Servant(ABC):
 
 @dataclass(frozen=True, slots=True)
 class Operation:
-    """How an operation is called, or an attribute read or written.
+    """How to call an operation, or to read or write an attribute.
 
-    `python_name` is the method or property, `count` how many arguments a call takes, `raises` are
-    the exceptions that the interface declares. `kind` is `call`, `get` or `set`.
+    `python_name` is the method or property, `count` the number of arguments, `raises` are the
+    declared exceptions. `kind` is `call`, `get` or `set`.
     """
 
     python_name: str
@@ -77,9 +79,9 @@ def operation(
     raises: tuple[type[Exception], ...] = (),
     oneway: bool = False,
 ) -> Callable[[_F], _F]:
-    """What the annotations of a method do not say of its operation.
+    """Properties of an operation beyond the annotations of its method.
 
-    `name` is the name in IDL where it is not the method's.
+    `name` is the name in IDL, if it differs from the method's.
     """
 
     def marked(function: _F) -> _F:
@@ -91,9 +93,9 @@ def operation(
 
 @cache
 def operations_of(interface: type[Servant]) -> Mapping[str, Operation]:
-    """The operations of an interface and its bases, by the name that invokers get.
+    """The operations of an interface and its bases, by their names on the wire.
 
-    They are the abstract methods and properties that the interface's classes declare.
+    They are the abstract methods and properties of the interface's classes.
     """
     found: dict[str, Operation] = {}
     for base in reversed(interface.__mro__):
@@ -119,10 +121,10 @@ def _declared(python_name: str, member: Any) -> Iterator[tuple[str, Operation]]:
 
 
 class Stub:
-    """The base of generated stubs: each operation is handed to the invoker."""
+    """The base class of generated stubs: delegates each operation to the invoker."""
 
     def __init_subclass__(cls, **options: Any) -> None:
-        """Defines the operations that the interface declares and the class does not define."""
+        """Define the operations of the interface that the class does not define."""
         super().__init_subclass__(**options)
         if not issubclass(cls, Servant):
             return
@@ -168,14 +170,14 @@ def _accessor(key: str) -> Callable[..., object]:
 
 
 class Skeleton:
-    """The base of generated skeletons: calls a servant by operation name."""
+    """The base class of generated skeletons: calls a servant by operation name."""
 
     _interface_: ClassVar[type[Servant]]
 
     def __init_subclass__(
         cls, interface: type[Servant] | None = None, **options: Any
     ) -> None:
-        """Makes this the skeleton of `interface`."""
+        """Make this the skeleton of `interface`."""
         super().__init_subclass__(**options)
         if interface is not None:
             cls._interface_ = interface
@@ -184,14 +186,14 @@ class Skeleton:
     def __init__(self, servant: Any) -> None:
         self._servant = servant
         self._report: Callable[[str, BaseException], None] = _log_failure
-        """Notified of what the servant raises and the operation does not declare."""
+        """Called with undeclared exceptions of the servant."""
 
     def dispatch(self, operation: str, arguments: tuple[object, ...]) -> object:
-        """The result of the operation.
+        """Call the operation.
 
-        Raises what the operation declares, UnknownException for anything else that the servant
-        raises, BadOperation for a name or a number of arguments that the interface has not.
-        KeyboardInterrupt and the debugger's quit pass, since they end the run.
+        Raises what the operation declares, UnknownException for other exceptions of the servant,
+        BadOperation for an unknown operation or a wrong number of arguments. KeyboardInterrupt
+        and the debugger's quit pass, since they end the run.
         """
         found = operations_of(self._interface_).get(operation)
         if found is None:

@@ -1,8 +1,8 @@
-"""The network of a system in simulated time: what its components reach each other by.
+"""The network of a system in simulated time.
 
-It stands for sockets and serial lines. Bytes go through a socket pair, and the end that listens is
-served inside the other end's `send`: no threads, nothing waits, and a run depends on nothing but
-its inputs.
+It replaces sockets and serial lines. Octets go through a socket pair, and the listening end is
+served inside the other end's `send`: there are no threads, nothing blocks, and a run is
+deterministic.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _CHUNK = 65536
 
 
 class Stream:
-    """One end of a connection. Nothing waits: what is not there yet is a TimeoutError."""
+    """One end of a connection. It never blocks: missing data raise TimeoutError."""
 
     def __init__(self, end: socket.socket) -> None:
         end.setblocking(False)
@@ -27,10 +27,10 @@ class Stream:
         self._peer: Stream | None = None
         self._unsent = bytearray()
         self.on_data: Callable[[], None] | None = None
-        """Called inside `send` and `close` of the other end: there is something to take."""
+        """Called inside `send` and `close` of the other end, when data have arrived."""
 
     def send(self, data: bytes) -> None:
-        """Sends all of it; what a socket cannot hold goes when the other end takes it.
+        """Send all data; what a socket cannot hold is sent when the other end reads.
 
         Raises ConnectionError if the other end is closed.
         """
@@ -43,7 +43,7 @@ class Stream:
             self._push()
 
     def take(self, size: int) -> bytes:
-        """What has arrived, at most `size` bytes; empty at the end of the stream.
+        """Received data, at most `size` octets; empty at the end of the stream.
 
         Raises TimeoutError if nothing has arrived.
         """
@@ -72,7 +72,7 @@ class Stream:
 
     @property
     def stale(self) -> bool:
-        """Whether the stream has ended, or holds bytes that nobody read."""
+        """Whether the stream has ended, or contains unread octets."""
         try:
             self._end.recv(1, socket.MSG_PEEK)
         except BlockingIOError:
@@ -104,7 +104,7 @@ class Stream:
 
 
 Accept: TypeAlias = Callable[[Stream], bool]
-"""Takes the listening end of a new connection; False refuses it."""
+"""Accepts the listening end of a new connection; False rejects it."""
 
 
 class Listener:
@@ -126,7 +126,7 @@ D = TypeVar("D")
 
 
 class SimulatedNetwork:
-    """Who listens where, and the devices that have a name, such as buses.
+    """Listeners by address, and named devices such as buses.
 
     An address is any text: `127.0.0.1:8931`, or the name of a device.
     """
@@ -137,21 +137,21 @@ class SimulatedNetwork:
         self._devices: dict[tuple[type[object], str], object] = {}
 
     def device(self, kind: type[D], name: str, make: Callable[[], D]) -> D:
-        """The device of that kind and name; made when it is first asked for."""
+        """The device of that kind and name, created at the first call."""
         device = self._devices.get((kind, name))
         if not isinstance(device, kind):
             device = self._devices[kind, name] = make()
         return device
 
     def listen(self, address: str, accept: Accept) -> Listener:
-        """Listens at an address. Raises OSError (EADDRINUSE) if somebody does so already."""
+        """Listen at an address. Raises OSError (EADDRINUSE) if it is in use."""
         if address in self._listeners:
             code = errno.EADDRINUSE
             raise OSError(code, os.strerror(code), address)
         return Listener(self._listeners, address, accept)
 
     def connect(self, address: str) -> Stream:
-        """A connection to whoever listens there. Raises ConnectionRefusedError if nobody does."""
+        """Connect to the listener of an address. Raises ConnectionRefusedError without one."""
         listener = self._listeners.get(address)
         near, far = (Stream(end) for end in socket.socketpair())
         near._peer, far._peer = far, near

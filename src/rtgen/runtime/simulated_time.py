@@ -1,4 +1,4 @@
-"""Simulated time: one loop over instants of integer nanoseconds, without threads."""
+"""Simulated time: a loop over scheduled instants in integer nanoseconds, without threads."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from rtgen.runtime.execution_context import ExecutionContext
 from rtgen.runtime.publisher import Publisher
 from rtgen.runtime.scheduling import Action
 
-# What comes first at one instant; within a band, what was added first.
+# Order at one instant; within a band, in order of insertion.
 _ACTIONS, _PUBLISHERS, _CONTEXTS, _BUSES, _WATCHERS = (band << 32 for band in range(5))
 
 
 class _Task:
-    """Something due at an instant; `period` 0 means once."""
+    """A scheduled task; `period` 0 means once."""
 
     __slots__ = ("action", "period")
 
@@ -30,14 +30,14 @@ class _Task:
 
 @dataclass(slots=True)
 class _Driven:
-    """A running context: its task, and when its first tick is or was due."""
+    """A running context: its task, and the instant of its first tick."""
 
     task: _Task
     since: int
 
 
 class SimulatedScheduler:
-    """Runs everything in the order of instants.
+    """Runs all tasks in order of time.
 
     At one instant the timeline goes first, then publishers, contexts, buses, watchers. Contexts
     go in the order in which their components were added to the system.
@@ -61,7 +61,7 @@ class SimulatedScheduler:
         self._push(max(instant, self._clock.time), _ACTIONS, _Task(action, 0))
 
     def behind_ticks(self, action: Action) -> None:
-        """Calls an action once, at this instant, after its ticks."""
+        """Call an action once, at this instant, after its ticks."""
         self._push(self._clock.time, _BUSES, _Task(action, 0))
 
     def every(self, period: int, action: Action) -> Action:
@@ -165,7 +165,7 @@ class SimulatedScheduler:
         return False
 
     def halt(self) -> None:
-        return None  # Between two runs there are none.
+        return None  # No instant between two runs.
 
     def close(self) -> None:
         self._heap.clear()
@@ -192,7 +192,7 @@ class SimulatedScheduler:
         return end
 
     def _cancel(self, task: _Task) -> int:
-        """Takes a task out of the heap; returns when it was due."""
+        """Remove a task from the heap; return when it was due."""
         due = [entry[0] for entry in self._heap if entry[2] is task]
         self._heap[:] = [entry for entry in self._heap if entry[2] is not task]
         heapify(self._heap)

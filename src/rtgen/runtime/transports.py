@@ -1,4 +1,4 @@
-"""What carries service calls in place of a call in the same process, and between processes."""
+"""Interface of transports of service calls, within a process and between processes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class RemotePort:
 
 
 class RemoteConnector(Protocol):
-    """One connection with a service port of another process."""
+    """A connection to a service port of another process."""
 
     name: str
     source: ServicePort
@@ -30,23 +30,23 @@ class RemoteConnector(Protocol):
     connected: bool
 
     def attach(self) -> None:
-        """Makes the connection: calls go to the other process. Raises ConnectError."""
+        """Establish the connection. Raises ConnectError."""
 
     def detach(self) -> None:
-        """Cuts the connection; later calls raise ObjectNotExist."""
+        """Remove the connection; later calls raise ObjectNotExist."""
 
 
 class Transport(Protocol):
     """Carries the calls of a system's service ports. Methods raise RtcError."""
 
     def serve(self, component: Component) -> None:
-        """Makes the providers of a component reachable."""
+        """Publish the providers of a component."""
 
     def withdraw(self, component: Component) -> None:
-        """Ends that."""
+        """Withdraw the providers of a component."""
 
     def reach(self, consumer_interface: Any, provider: Provider[Any]) -> Carrier:
-        """What carries calls of a consumer's interface to a provider of this process."""
+        """The carrier of calls from a consumer's interface to a provider of this process."""
 
     def connector(
         self,
@@ -55,4 +55,4 @@ class Transport(Protocol):
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> RemoteConnector:
-        """A connection with a port of another process, not made yet. Raises ConnectError."""
+        """A connection to a port of another process, not established yet. Raises ConnectError."""

@@ -1,6 +1,6 @@
-"""Finds code of components that does not return, by looking at the stacks of the threads.
+"""Finds code of components that does not return, by inspecting the stacks of all threads.
 
-Nothing is noted when a callback begins, so a tick costs the same with and without it.
+Nothing is recorded when a callback starts, so ticks cost the same with and without it.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ from rtgen.runtime.failures import log
 from rtgen.runtime.places import is_debugger, shown, users_frame
 
 PATIENCE = 2.0
-"""How long, in seconds, a call may take before it is reported, and before a run that ends gives it
-up."""
+"""Seconds after which a call is reported, and after which an ending run abandons it."""
 _PERIOD = 0.2
 
 P = ParamSpec("P")
@@ -29,7 +28,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """A call of a component's code that is under way; `file` and `line` say where it is now."""
+    """A call of a component's code in progress; `file` and `line` are its current place."""
 
     instance: str
     callback: str
@@ -49,7 +48,7 @@ def calling(
     *args: P.args,
     **kwargs: P.kwargs,
 ) -> T:
-    """Calls code of a component that is no callback, such as a constructor, as a named call."""
+    """Call code of a component other than a callback, such as a constructor, under a name."""
     return function(*args, **kwargs)
 
 
@@ -70,11 +69,11 @@ _CALLERS: dict[CodeType, Callable[[FrameType], tuple[str, str]]] = {
     succeeds.__code__: _of_succeeds,
     Participant.cycle.__code__: _of_cycle,
 }
-"""The functions that call components, and whom they call."""
+"""The functions that call components, with their components."""
 
 
 def calls_under_way() -> list[Call]:
-    """The calls of components' code in all threads, except those that stand in the debugger."""
+    """The calls of components' code in all threads, except those in the debugger."""
     frames = sys._current_frames()
     return [
         call
@@ -104,9 +103,9 @@ def _call_in(thread: int, innermost: FrameType) -> Call | None:
 
 
 class Watchdog:
-    """Reports calls that take longer than PATIENCE, each once, from a thread of its own.
+    """Reports calls that take longer than PATIENCE, once each, from a separate thread.
 
-    One looks at all threads of the process; while one is at work, a further one does nothing.
+    It inspects all threads of the process; a second instance does nothing.
     """
 
     _at_work = threading.Lock()
@@ -124,7 +123,7 @@ class Watchdog:
         self.stop()
 
     def start(self) -> None:
-        """Begins to look."""
+        """Start the thread."""
         if self._at_work.acquire(blocking=False):
             self._thread = threading.Thread(
                 target=self._run, name="rtgen watchdog", daemon=True
@@ -132,7 +131,7 @@ class Watchdog:
             self._thread.start()
 
     def stop(self) -> None:
-        """Ends that."""
+        """End the thread."""
         if self._thread is not None:
             self._end.set()
             self._thread.join()
@@ -151,7 +150,7 @@ class Watchdog:
 
 @dataclass(slots=True)
 class Since:
-    """A call that is under way, since when it has been seen, and whether it was reported."""
+    """A call in progress, since when it has been seen, and whether it was reported."""
 
     call: Call
     begin: float
@@ -159,12 +158,12 @@ class Since:
 
     @property
     def seconds(self) -> float:
-        """How long it has been under way, at least."""
+        """Minimum time that it has been in progress."""
         return time.monotonic() - self.begin
 
 
 def followed(seen: dict[int, Since]) -> Iterator[tuple[Call, Since]]:
-    """The calls under way; those that were under way before keep the time of their begin."""
+    """The calls in progress; those seen before keep their start time."""
     for call in calls_under_way():
         before = seen.get(call.thread)
         if before is not None and before.call.frame is call.frame:
@@ -175,5 +174,5 @@ def followed(seen: dict[int, Since]) -> Iterator[tuple[Call, Since]]:
 
 
 def log_blocked(call: Call, seconds: float) -> None:
-    """Reports a call that does not return to the logger `rtgen.runtime`."""
+    """Report a call that does not return to the logger `rtgen.runtime`."""
     log.warning("%s has not returned for %.0f s", call, seconds)
