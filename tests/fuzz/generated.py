@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache
 from importlib.abc import InspectLoader, MetaPathFinder
 from importlib.machinery import ModuleSpec
@@ -18,6 +19,7 @@ from rtgen.backends import Backend, Options
 from rtgen.compiler import BUILT_IN
 from rtgen.diagnostics import InputError, has_errors
 from rtgen.model import Model
+from rtgen.runtime import descriptors
 
 
 def generate(model: Model) -> dict[str, str]:
@@ -42,6 +44,23 @@ def generate(model: Model) -> dict[str, str]:
 @cache
 def _backends() -> tuple[Backend, ...]:
     return tuple(importlib.import_module(module).BACKEND for module in BUILT_IN)
+
+
+@contextmanager
+def forgotten_types() -> Iterator[None]:
+    """Lets the runtime forget the types that are imported meanwhile: those that it knows by their
+    repository ids, and those that it has worked something out for.
+    """
+    before = dict(descriptors._REGISTERED)
+    try:
+        yield
+    finally:
+        descriptors._REGISTERED.clear()
+        descriptors._REGISTERED.update(before)
+        for name in [n for n in sys.modules if n.startswith("rtgen.runtime.")]:
+            for value in vars(sys.modules[name]).values():
+                if clear := getattr(value, "cache_clear", None):
+                    clear()
 
 
 class Generated(MetaPathFinder, InspectLoader):

@@ -24,11 +24,11 @@ _TARGETS = ("embedded", "openrtm", "small")
 _KINDS = tuple((language, target) for target in _TARGETS for language in MAKERS)
 _OTHERS = tuple((conversion, "") for conversion in CONVERSIONS)
 _PROJECT = """[sources]
-paths = [{paths}]
+paths = [%s]
 [output]
 package = "fuzzed"
 skeletons = "src/fuzzednodes"
-target = "{target}"
+target = "TARGET"
 """
 
 Twins = Mapping[str, tuple[str, Content]]
@@ -113,9 +113,8 @@ class HostileTarget:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(text.encode("utf-8", "surrogatepass"))
         folders = sorted({f'"{name.partition("/")[0]}"' for name in files})
-        (root / "rtgen.toml").write_text(
-            _PROJECT.format(paths=", ".join(folders), target=target)
-        )
+        settings = files.get("rtgen.toml", _PROJECT % ", ".join(folders))
+        (root / "rtgen.toml").write_text(settings.replace("TARGET", target))
         with chdir(root):
             run = compile_project(load())
         report(run.diagnostics, run.sources)

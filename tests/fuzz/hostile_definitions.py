@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from xml.sax.saxutils import quoteattr
 
@@ -381,12 +382,60 @@ def _toml(text: str) -> str:
     )
 
 
+def _toml_string(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def _folder(text: str, number: int) -> str:
+    """A name that a file system takes; the number keeps two of them apart."""
+    return f"{text.replace('/', ':')[:60]} {number}"
+
+
+def project(texts: Texts, count: int) -> Files:
+    """IDL in folders of any name, with macros and factories from rtgen.toml."""
+    files = {}
+    paths, macros, factories = [], [], []
+    for n in range(count):
+        folder = _folder(texts.text(keep=False), n)
+        paths.append(_toml_string(f"{folder}/part{n}.idl"))
+        macros += [
+            f"{name}{n} = {_toml_string(_idl_string(texts.text(printable=True)))}"
+            for name in ("TEXT", "NAME", "WORD")
+        ]
+        factories.append(
+            f'{_toml_string(texts.text(keep=False))} = "fuzzednodes.part{n}:Part{n}"'
+        )
+        files[f"{folder}/part{n}.idl"] = f"""
+module M{n} {{
+    const string TEXT = TEXT{n};
+    struct Data {{ long number; }};
+}};
+component Part{n} {{
+    @name(NAME{n}) publishes M{n}::Data out_data;
+    @default(WORD{n}) attribute string word;
+}};
+"""
+    files["rtgen.toml"] = f"""
+[sources]
+paths = [{", ".join(paths)}]
+define = {{ {", ".join(macros)} }}
+[output]
+package = "fuzzed"
+skeletons = "src/fuzzednodes"
+target = "TARGET"
+[components]
+{chr(10).join(factories)}
+"""
+    return files
+
+
 MAKERS: Mapping[str, Maker] = {
     "idl": idl,
     "profile": profile,
     "yaml": profile_yaml,
     "cdl": cdl,
     "eds": eds,
+    "project": project,
 }
 
 DEFINITIONS: Mapping[str, int] = {
@@ -395,6 +444,7 @@ DEFINITIONS: Mapping[str, int] = {
     "yaml": 8,
     "cdl": 8,
     "eds": 10,
+    "project": 5,
     "system": 8,
     "python": 5,
     "convert": 8,
@@ -402,5 +452,6 @@ DEFINITIONS: Mapping[str, int] = {
 """How many definitions of a file have hostile texts of their own.
 
 These are modules, types, members, constants, operations, components, ports and parameters;
-signatures, functions, celltypes, attributes and joins; devices, objects and sections.
+signatures, functions, celltypes, attributes and joins; devices, objects and sections; folders,
+macros and factories.
 """

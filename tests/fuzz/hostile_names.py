@@ -13,7 +13,7 @@ from pathlib import Path
 from random import Random
 
 from fuzzing import ViolationError
-from generated import Generated
+from generated import Generated, forgotten_types
 
 from rtgen.backends import Owner
 from rtgen.compiler import compile_project
@@ -203,7 +203,8 @@ class NamesTarget:
         if not texts:
             raise ViolationError("nothing was made")
         try:
-            Generated(texts).load()
+            with forgotten_types():
+                Generated(texts).load()
         finally:
             for name in [n for n in sys.modules if n.partition(".")[0] == "fuzzed"]:
                 del sys.modules[name]

@@ -10,7 +10,7 @@ from random import Random
 
 import octets
 from fuzzing import ViolationError
-from generated import Generated, generate
+from generated import Generated, forgotten_types, generate
 
 from rtgen.diagnostics import (
     Diagnostic,
@@ -169,10 +169,10 @@ def _emit(model: Model, number: int) -> str:
     if number % EVERY["import"]:
         return "emitted"
     chance = Random(number)
-    found = [
-        t for module in Generated(texts).load().values() for t in octets.types(module)
-    ]
-    for type_ in chance.sample(found, min(len(found), 2)):
-        for encoding in octets.encodings(type_):
-            list(octets.explore(encoding, chance, 10))
+    with forgotten_types():
+        modules = Generated(texts).load().values()
+        found = [t for module in modules for t in octets.types(module)]
+        for type_ in chance.sample(found, min(len(found), 2)):
+            for encoding in octets.encodings(type_):
+                list(octets.explore(encoding, chance, 10))
     return "imported"

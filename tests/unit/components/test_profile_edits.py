@@ -15,6 +15,7 @@ from random_components import FILES
 from test_profile_round_trip import SPECS, Folder, declaration, told_of_profiles
 
 from rtgen.cli.component_text import component_idl
+from rtgen.model import Struct
 
 ARM = """\
 #include "BasicDataType.idl"
@@ -297,3 +298,25 @@ def test_each_rule_can_be_broken(folder: Folder) -> None:
         changed = deepcopy(root)
         put("Arm", attribute, value)(changed)
         assert broken(changed), attribute
+
+
+def test_types_are_not_compared_with_each_other(
+    folder: Folder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Thousands of unknown types take no longer than their text."""
+    model, component, _ = folder.read(folder.write("Arm.idl", ARM))
+    root = etree.fromstring(folder.profile(model, component).encode())
+    port = named(root, "angle")
+    for n in range(9):
+        other = deepcopy(port)
+        other.set(key("rtc:name"), f"p{n}")
+        other.set(key("rtc:type"), f"Lab::Unknown{n}")
+        port.addnext(other)
+    many = folder.write("many/Arm.xml", etree.tostring(root, encoding="unicode"))
+    model, component, _ = folder.read(many)
+
+    def compared(one: object, other: object) -> bool:
+        raise AssertionError("a declaration is compared as a whole")
+
+    monkeypatch.setattr(Struct, "__eq__", compared)
+    assert component_idl(model, component).count("@opaque") == 9
