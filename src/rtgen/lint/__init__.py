@@ -1,4 +1,4 @@
-"""Lint: what is allowed in a definition, but better done otherwise."""
+"""The linter: rules about valid definitions that could be better."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ def lint(
     *,
     select: Collection[str] = (),
 ) -> list[Diagnostic]:
-    """The findings for the files that were given, in order.
+    """Diagnostics for the given files, in order.
 
-    `sources` maps displayed paths to texts. Rules of ON_DEMAND are left out unless `select` has
-    their codes.
+    `sources` maps displayed paths to texts. Rules of ON_DEMAND only run if `select` has their
+    codes.
     """
     context = Context(model, sources)
     left_out = {rule.code for rule in ON_DEMAND} - set(select)

@@ -1,4 +1,4 @@
-"""What every check of the linter may look at."""
+"""Context of the lint checks."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _WORD = re.compile(r"[^\W\d]\w*")
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """The model and the texts it was read from, by their displayed paths."""
+    """The model and the source texts, by their displayed paths."""
 
     model: Model
     sources: Mapping[str, str]
@@ -38,11 +38,11 @@ class Context:
 
     @cached_property
     def declarations(self) -> list[Declaration]:
-        """The declarations of the files that were given."""
+        """The declarations of the given files."""
         return [d for d in self.model.declarations if self.is_given(d.file)]
 
     def is_given(self, name: str) -> bool:
-        """Whether a file was given, not only included, or stands inside one that was."""
+        """Whether a file was given (not only included), or is part of one that was."""
         file = self.files.get(name)
         return file is not None and (
             file.main
@@ -51,7 +51,7 @@ class Context:
 
     @cached_property
     def words(self) -> dict[str, list[str]]:
-        """The identifiers of each file, those of directives too, comments and texts left out."""
+        """The identifiers of each file, including directives, without comments and texts."""
         return {
             name: _WORD.findall(_NO_CODE.sub(" ", text))
             for name, text in self.sources.items()
@@ -59,7 +59,7 @@ class Context:
 
 
 def fields(declaration: Declaration) -> Iterator[Member | Case]:
-    """The members of a struct or exception, the branches of a union."""
+    """The members of a struct or exception, or the branches of a union."""
     match declaration:
         case Struct(members=members) | ExceptionDecl(members=members):
             yield from members

@@ -1,4 +1,4 @@
-"""Data that travels: types of ports, bounds, unions."""
+"""Lint checks of transmitted data: types of ports, bounds, unions."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def _ports(context: Context) -> Iterator[tuple[Component, Port]]:
 
 
 def any_in_ports(context: Context) -> Iterator[Diagnostic]:
-    """Data ports whose data holds an `any`, so that nobody knows what is sent."""
+    """Data ports whose type contains an `any`, so that the transmitted type is unknown."""
     for _, port in _ports(context):
         field = _any_in(context, port.type, set())
         if field is not None:
@@ -56,7 +56,7 @@ def any_in_ports(context: Context) -> Iterator[Diagnostic]:
 def _any_in(
     context: Context, type_: Type, seen: set[ScopedName]
 ) -> Member | Case | None:
-    """The field that is an `any`, or holds one."""
+    """The field that is, or contains, an `any`."""
     while isinstance(type_, SequenceType | ArrayType):
         type_ = type_.element
     plain = context.model.unalias(type_)
@@ -82,7 +82,7 @@ def _is_any(context: Context, type_: Type) -> bool:
 
 
 def times_of_ports(context: Context) -> Iterator[Diagnostic]:
-    """Data ports of RT components whose data has no time stamp."""
+    """Data ports of RT components without a time stamp."""
     for _, port in _ports(context):
         plain = context.model.unalias(port.type)
         struct = (
@@ -109,7 +109,7 @@ def _has_time(context: Context, struct: Struct) -> bool:
 
 
 def unbounded(context: Context) -> Iterator[Diagnostic]:
-    """Members that can hold any number of elements."""
+    """Members with an unbounded number of elements."""
     for declaration in context.declarations:
         for field in fields(declaration):
             what = _unbounded(context, field.type)
@@ -137,7 +137,7 @@ def _unbounded(context: Context, type_: Type) -> str | None:
 
 
 def missing_enumerators(context: Context) -> Iterator[Diagnostic]:
-    """Unions over an enum that have neither a branch for each enumerator nor a default."""
+    """Unions over an enum without a default and without a branch for each enumerator."""
     for declaration in context.declarations:
         if not isinstance(declaration, Union):
             continue

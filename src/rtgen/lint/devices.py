@@ -1,4 +1,4 @@
-"""What the descriptions of CANopen devices lack that a network is better off with."""
+"""Lint checks of CANopen device descriptions."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ _HEARTBEAT = 0x1017
 _IDENTITY = 0x1018
 _VENDOR = 1
 _FIRST_OF_DEVICE = 0x2000
-"""Lower indices are the communication profile, whose names repeat by their nature."""
+"""Lower indices are the communication profile, whose names repeat by design."""
 
 
 def heartbeats(context: Context) -> Iterator[Diagnostic]:
-    """Devices that have no heartbeat, so that nobody notices when they die."""
+    """Devices without heartbeat, whose failure goes unnoticed."""
     for device in context.model.devices:
         if device.find(_HEARTBEAT) is None:
             yield rules.NO_HEARTBEAT.at(
@@ -30,7 +30,7 @@ def heartbeats(context: Context) -> Iterator[Diagnostic]:
 
 
 def identities(context: Context) -> Iterator[Diagnostic]:
-    """Devices that do not tell who made them, so that any other can take their place."""
+    """Devices without an identity, so that they cannot be distinguished from others."""
     for device in context.model.devices:
         vendor = device.find(_IDENTITY, _VENDOR)
         told = device.vendor_id or (None if vendor is None else vendor.current)
@@ -43,9 +43,9 @@ def identities(context: Context) -> Iterator[Diagnostic]:
 
 
 def names(context: Context) -> Iterator[Diagnostic]:
-    """Objects of the application with one name: their fields bear their numbers."""
+    """Application objects with equal names, whose fields are numbered."""
     for device in context.model.devices:
-        for alike in _alike(device):
+        for alike in _with_equal_names(device):
             first, *others = alike
             numbers = ", ".join(f"{v.index:04X}:{v.subindex:X}" for v in others)
             yield rules.SAME_NAME.at(
@@ -56,7 +56,7 @@ def names(context: Context) -> Iterator[Diagnostic]:
             )
 
 
-def _alike(device: Device) -> list[list[Variable]]:
+def _with_equal_names(device: Device) -> list[list[Variable]]:
     found: defaultdict[str, list[Variable]] = defaultdict(list)
     for variable in device.variables:
         if variable.index >= _FIRST_OF_DEVICE and not _is_count(device, variable):
@@ -65,5 +65,5 @@ def _alike(device: Device) -> list[list[Variable]]:
 
 
 def _is_count(device: Device, variable: Variable) -> bool:
-    """Whether it is the sub-index 0 of an object that has more."""
+    """Whether it is sub-index 0 of an object with further sub-indices."""
     return not variable.subindex and device.find(variable.index, 1) is not None

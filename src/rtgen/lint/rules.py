@@ -247,4 +247,4 @@ RULES: tuple[Rule, ...] = (
 )
 
 ON_DEMAND: tuple[Rule, ...] = (UNDOCUMENTED, UNBOUNDED)
-"""The rules that are checked only where they are selected."""
+"""Rules that only run if selected."""

@@ -1,4 +1,4 @@
-"""How definitions are written: names, comments, anonymous types, prefixes."""
+"""Lint checks of style: names, comments, anonymous types, prefixes."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ Named = list[tuple[str, Span]]
 
 
 def anonymous_types(context: Context) -> Iterator[Diagnostic]:
-    """Sequences, arrays and maps without a name of their own."""
+    """Sequences, arrays and maps without a typedef."""
     for declaration in context.declarations:
         for field in fields(declaration):
             if isinstance(field.type, SequenceType | ArrayType | MapType):
@@ -55,7 +55,7 @@ def anonymous_types(context: Context) -> Iterator[Diagnostic]:
 
 
 def naming(context: Context) -> Iterator[Diagnostic]:
-    """Names in another style than most of their kind in their file."""
+    """Names whose style differs from most of their kind in the file."""
     for (_, kind), names in _kinds(context).items():
         clear = Counter(style for name, _ in names if (style := _style(name)))
         if not clear or sum(clear.values()) < _FEWEST:
@@ -73,7 +73,7 @@ def naming(context: Context) -> Iterator[Diagnostic]:
 
 
 def _style(name: str) -> str | None:
-    """The style of a name; None where one word fits several."""
+    """The style of a name; None if a single word fits several."""
     if name.islower() and "_" not in name:
         return None
     fitting = [style for style, form in _STYLES.items() if form.fullmatch(name)]
@@ -94,7 +94,7 @@ def _kinds(context: Context) -> dict[tuple[str, str], Named]:
 
 
 def _named(declaration: Declaration) -> Iterator[tuple[str, str, Span]]:
-    """Kind, name and place of a declaration and of what it holds."""
+    """Kind, name and place of a declaration and of its members."""
     name, span = declaration.name[-1], declaration.span
     if isinstance(declaration, Const):
         yield "constants", name, span
@@ -131,7 +131,7 @@ def _undocumented(span: Span, name: str) -> Diagnostic:
 
 
 def prefixes(context: Context) -> Iterator[Diagnostic]:
-    """Interfaces whose repository id says nothing of who made them."""
+    """Interfaces whose repository id has no prefix."""
     for declaration in context.declarations:
         if isinstance(declaration, Interface) and _plain_id(declaration):
             yield rules.NO_PREFIX.at(

@@ -1,4 +1,4 @@
-"""What is there, but not used."""
+"""Lint checks of unused includes and typedefs."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _DEFINE = re.compile(r"^[ \t]*#[ \t]*define[ \t]+(\w+)", re.MULTILINE)
 
 
 def includes(context: Context) -> Iterator[Diagnostic]:
-    """Files that are included, though the including file names nothing that they bring.
+    """Included files from which the including file uses no name.
 
-    A file that declares nothing itself is there to gather others. One that is included inside a
-    scope is a part of its includer.
+    A file without declarations of its own collects others, and is not checked. A file included
+    inside a scope is part of its includer.
     """
     declaring = {declaration.file for declaration in context.model.declarations}
     for file in context.model.files:
@@ -40,7 +40,7 @@ def includes(context: Context) -> Iterator[Diagnostic]:
 
 
 def _brought(context: Context, name: str) -> set[str]:
-    """The names and macros that a file brings, with what it includes itself."""
+    """The names and macros that a file provides, with its own includes."""
     files: dict[str, None] = {}
     pending = [name]
     while pending:
@@ -73,7 +73,7 @@ def _include_of(context: Context, file: SourceFile, included: str) -> Span | Non
 
 
 def typedefs(context: Context) -> Iterator[Diagnostic]:
-    """Typedefs whose name stands nowhere else in what was read."""
+    """Typedefs whose name is never used."""
     count: Counter[str] = Counter()
     for words in context.words.values():
         count.update(words)

@@ -1,4 +1,4 @@
-"""The model: one frozen value for whatever was read, the same for every input language."""
+"""The model: a frozen value for everything that was read, common to all input languages."""
 
 from __future__ import annotations
 
@@ -126,10 +126,10 @@ __all__ = [
 class SourceFile:
     """A file that was read.
 
-    `name` is the displayed path (as in spans), `key` the path that goes into generated text
-    (relative to the project or to the include folder, never absolute), `sha256` of its bytes.
-    `includes` are the names of the files it includes directly, in order. `main` says that it was
-    given, not only included. A file included inside a scope has its includer in `belongs_to`.
+    `name` is the displayed path (as in spans), `key` the path for generated text (relative to the
+    project or to the include folder, never absolute), `sha256` of its content. `includes` are the
+    names of directly included files, in order. `main`: the file was given, not only included. A
+    file included inside a scope has its includer in `belongs_to`.
     """
 
     name: str
@@ -144,7 +144,7 @@ class SourceFile:
 class Model:
     """Everything that was read: files (included before includer) and declarations in order.
 
-    Each main CDL file is a unit of its own in `tecs`; `rtgen.model.tecs` has what it holds.
+    Each main CDL file is a separate unit in `tecs`; see `rtgen.model.tecs`.
     """
 
     files: tuple[SourceFile, ...] = ()
@@ -162,11 +162,11 @@ class Model:
         self._by_name.update((d.name, d) for d in self.declarations)
 
     def find(self, name: ScopedName) -> Declaration:
-        """The declaration of that scoped name; KeyError where there is none."""
+        """Find a declaration by scoped name. Raises KeyError."""
         return self._by_name[name]
 
     def bases(self, declaration: Interface | Valuetype) -> list[Interface | Valuetype]:
-        """All that it inherits from, directly or not, each once and behind its own bases."""
+        """All direct and indirect bases, each once and after its own bases."""
         found: dict[ScopedName, Interface | Valuetype] = {}
         waiting = [*reversed(declaration.bases)]
         while waiting:
@@ -182,7 +182,7 @@ class Model:
         return [*found.values()]
 
     def unalias(self, type_: Type) -> Type:
-        """The type behind typedefs: never a NamedType that names a Typedef."""
+        """The type behind typedefs; never a NamedType that refers to a Typedef."""
         while isinstance(type_, NamedType):
             declaration = self._by_name[type_.name]
             if not isinstance(declaration, Typedef):
@@ -191,5 +191,5 @@ class Model:
         return type_
 
     def of_file(self, name: str) -> Iterable[Declaration]:
-        """The declarations that stand in the file of that displayed path."""
+        """The declarations in a file, by its displayed path."""
         return (d for d in self.declarations if d.file == name)

@@ -1,4 +1,4 @@
-"""A CANopen bus: its nodes, how their PDOs are joined, and what is asked of the components."""
+"""A CANopen bus: nodes, PDO links, and settings for generated components."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from rtgen.model.canopen import Device, Value
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DeviceKind:
-    """A kind of device on the bus: its description, and how components of it are made.
+    """A kind of device on the bus: its description, and settings for its components.
 
     `ports` is `pdo` (a port for each PDO) or `object` (one for each object). `parameters` are the
-    objects that become configuration parameters, `operations` those that have operations of their
-    own in the SDO service, both by (index, sub-index), as keys of `factors` (physical value =
-    factor * value) and `units` are. `device` is the description with the values
-    of the kind, for no node in particular, `described` the one without, where there are any.
+    objects that become configuration parameters, `operations` those with operations in the SDO
+    service, both by (index, sub-index), as are the keys of `factors` (physical value = factor *
+    value) and `units`. `device` is the description with the values of the kind, for no particular
+    node; `described` is the one without these values, if there are any.
     """
 
     name: str
@@ -33,7 +33,7 @@ class DeviceKind:
 
 
 def kind_of(device: Device) -> DeviceKind:
-    """The kind of a device that no bus file has: without settings, a port for each PDO."""
+    """The default kind of a device without a bus file: no settings, a port for each PDO."""
     return DeviceKind(
         name=device.name,
         module=device.name,
@@ -45,14 +45,14 @@ def kind_of(device: Device) -> DeviceKind:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BusNode:
-    """A node: its kind, and the device with the values that are written to it at start-up.
+    """A node: its kind, and the device with the values written to it at start-up.
 
-    Times are in seconds; without a `heartbeat_timeout` of its own it has three periods. After an
-    error the manager resets it up to `restarts` times. One that is not `mandatory` may be missing.
-    With `start` it is started when it is configured, with `lss` it may have no node-id yet.
-    `revision` and `serial` are checked if they are given. `emergency_stop` has the patterns of
-    codes that stop its proxy, separated by commas, empty for the default; `recoveries` is how often
-    in a row its proxy leaves ERROR by itself.
+    Times are in seconds; `heartbeat_timeout` defaults to three periods. After an error the
+    manager resets the node up to `restarts` times. A node that is not `mandatory` may be missing.
+    With `start` the manager starts the configured node; with `lss` the node may have no node-id
+    yet. `revision` and `serial` are checked if given. `emergency_stop` has the comma-separated
+    patterns of emergency codes that stop its proxy, empty for the default; `recoveries` is how
+    often in a row its proxy leaves ERROR by itself.
     """
 
     name: str
@@ -75,7 +75,7 @@ class BusNode:
 
 @dataclass(frozen=True, slots=True)
 class PdoLink:
-    """A TPDO of a node that an RPDO of another takes, each as (node, number)."""
+    """A TPDO that another node receives as an RPDO, each as (node, number)."""
 
     source: tuple[str, int]
     target: tuple[str, int]
@@ -83,11 +83,11 @@ class PdoLink:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Bus:
-    """A network. `bit_rate` is in kbit/s; times are in seconds, 0 where there is no such message.
+    """A network. `bit_rate` is in kbit/s; times are in seconds, 0 for none.
 
-    `file` is the displayed path, `key` the one for generated text, `sha256` that of its bytes.
-    `event` is the least time that is assumed between two event-driven PDOs that tell of none.
-    `sync_counter` is the greatest SYNC counter, 0 for none. With `dcf` each node has a DCF.
+    `file` is the displayed path, `key` the one for generated text, `sha256` that of its content.
+    `event` is the assumed minimum time between two event-driven PDOs without an inhibit time.
+    `sync_counter` is the highest SYNC counter, 0 for none. With `dcf` each node gets a DCF.
     """
 
     name: str

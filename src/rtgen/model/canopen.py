@@ -1,7 +1,7 @@
-"""CANopen devices as EDS and DCF files describe them (CiA 306), for the protocol of CiA 301.
+"""CANopen devices as described by EDS and DCF files (CiA 306), for the protocol of CiA 301.
 
-Numbers are as the object dictionary has them: PDO times in units of 100 us (inhibit) and of ms
-(event), COB-IDs with their flag bits.
+Numbers have the units of the object dictionary: PDO times in 100 us (inhibit) and ms (event),
+COB-IDs with their flag bits.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from rtgen.facts.canopen import DataType as DataType
 
 
 class ObjectType(IntEnum):
-    """What an entry of the object dictionary is (CiA 301, table 42)."""
+    """Kinds of entries of the object dictionary (CiA 301, table 42)."""
 
     NULL = 0x0
     DOMAIN = 0x2
@@ -45,11 +45,11 @@ STRUCTURES = {
     0x22: "SDO_PARAMETER",
     0x23: "IDENTITY",
 }
-"""The structured types of CiA 301; as the type of one variable they are octets."""
+"""Structured types of CiA 301; a variable of such a type is treated as octets."""
 
 
 class Access(StrEnum):
-    """Who may do what with a variable over the network (CiA 306, 4.6.3.2)."""
+    """Access types of variables over the network (CiA 306, 4.6.3.2)."""
 
     RO = "ro"
     WO = "wo"
@@ -81,12 +81,12 @@ class Access(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class NodeRelative:
-    """A number that depends on the node-id: `$NODEID+offset`."""
+    """A number relative to the node-id: `$NODEID+offset`."""
 
     offset: int
 
     def of(self, node_id: int) -> int:
-        """The number for a node."""
+        """The number for a node-id."""
         return node_id + self.offset
 
     def __str__(self) -> str:
@@ -97,11 +97,11 @@ class NodeRelative:
 
 
 Value: TypeAlias = int | float | str | bytes | NodeRelative
-"""A value of a variable; which of them is told by its data type (bytes: octets and domains)."""
+"""A value of a variable; its Python type depends on the data type (bytes: octets and domains)."""
 
 
 def resolved(value: Value | None, node_id: int | None) -> Value | None:
-    """The value for a node; without a node-id what depends on it stays as it is."""
+    """The value for a node-id; without one, a relative value is left unchanged."""
     if isinstance(value, NodeRelative) and node_id is not None:
         return value.of(node_id)
     return value
@@ -109,12 +109,12 @@ def resolved(value: Value | None, node_id: int | None) -> Value | None:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Variable:
-    """One value of the object dictionary: an object of type VAR or DOMAIN, or a sub-object.
+    """A value of the object dictionary: an object of type VAR or DOMAIN, or a sub-object.
 
-    `data_type` is a DataType where the code is known, else the file's code. `value` is what a DCF
-    configures (ParameterValue). `written_access` is the file's word, in lower case. `value_span` is
-    where the current value stands, or else the variable. Limits,
-    `unit` and `factor` (physical value = factor * value) are None or empty where not given.
+    `data_type` is a DataType if the code is known, else the file's code. `value` is the value
+    configured by a DCF (ParameterValue). `written_access` is the file's word, in lower case.
+    `value_span` is the place of the current value, or else of the variable. Limits, `unit` and
+    `factor` (physical value = factor * value) are None or empty if not given.
     """
 
     index: int
@@ -141,12 +141,12 @@ class Variable:
 
     @property
     def current(self) -> Value | None:
-        """The configured value, else the default."""
+        """The configured value, defaulting to the default value."""
         return self.default if self.value is None else self.value
 
     @property
     def bits(self) -> int | None:
-        """The width of its type, None for strings and other types without one."""
+        """Width of its type in bits, None for strings and other types of variable length."""
         try:
             return BITS.get(DataType(self.data_type))
         except ValueError:
@@ -168,7 +168,7 @@ class Object:
 
 
 class PdoDirection(StrEnum):
-    """As the device sees it: it transmits a TPDO, and receives an RPDO."""
+    """Direction as the device sees it: it transmits TPDOs and receives RPDOs."""
 
     TPDO = "tpdo"
     RPDO = "rpdo"
@@ -176,7 +176,7 @@ class PdoDirection(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class PdoEntry:
-    """A stretch of a PDO: the object that is mapped there, or a gap."""
+    """An entry of a PDO mapping: an object or a gap."""
 
     index: int
     subindex: int
@@ -184,16 +184,16 @@ class PdoEntry:
 
     @property
     def dummy(self) -> bool:
-        """Whether it only fills: mapped by the index of a data type, or no object at all."""
+        """Whether it is a gap: mapped by the index of a data type, or no object at all."""
         return self.index < 0x1000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pdo:
-    """A process data object: `number` from 1; None stands for what the file does not tell.
+    """A process data object: `number` from 1; None for values missing in the file.
 
-    `entries` is the current mapping (a DCF's where it has one), `default_entries` the EDS's.
-    `cob_id` has the flag bits. `inhibit_time` is in 100 us, `event_timer` in ms.
+    `entries` is the current mapping (that of a DCF if it has one), `default_entries` that of the
+    EDS. `cob_id` includes the flag bits. `inhibit_time` is in 100 us, `event_timer` in ms.
     """
 
     direction: PdoDirection
@@ -225,7 +225,7 @@ class Pdo:
 
     @property
     def valid(self) -> bool:
-        """Whether it exists: the COB-ID is known and does not say otherwise."""
+        """Whether the PDO is valid: the COB-ID is known and its valid bit is clear."""
         cob_id = self.cob_id
         offset = cob_id.offset if isinstance(cob_id, NodeRelative) else cob_id
         return offset is not None and not offset & INVALID
@@ -284,7 +284,7 @@ class Commissioning:
 
 @dataclass(frozen=True, slots=True)
 class Module:
-    """A kind of plug-in module of a modular device."""
+    """A module type of a modular device."""
 
     number: int
     product_name: str
@@ -293,13 +293,13 @@ class Module:
 
 @dataclass(frozen=True, kw_only=True)
 class Device:
-    """A device as one EDS or DCF describes it.
+    """A device described by one EDS or DCF.
 
     `name` is that of its IDL module. `file` is the displayed path, `key` the one for generated
-    text, `sha256` that of the file's bytes. `node_id` is the one asked for, else a DCF's own.
-    `dummies` are the data types that may be mapped as gaps. `modules` are the kinds of module it
-    can take, `connected` the numbers of those in its slots. `further` holds the sections that are
-    not CiA 306's, as (section, ((key, value), ...)).
+    text, `sha256` that of the file's content. `node_id` is the requested one, else that of a DCF.
+    `dummies` are the data types that may be mapped as gaps. `modules` are the supported module
+    types, `connected` the numbers of those in its slots. `further` holds the sections unknown to
+    CiA 306, as (section, ((key, value), ...)).
     """
 
     name: str
@@ -331,7 +331,7 @@ class Device:
         return (v for o in self.objects for v in o.variables)
 
     def find(self, index: int, subindex: int = 0) -> Variable | None:
-        """The variable of that number."""
+        """Find a variable by index and sub-index."""
         return self._by_number.get((index, subindex))
 
     @property

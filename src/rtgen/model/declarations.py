@@ -1,4 +1,4 @@
-"""Declarations: what a definition file says, resolved, with the place each came from."""
+"""Resolved declarations of definition files, with their places."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from rtgen.diagnostics import Span
 from rtgen.model.types import ScopedName, Type
 
 OPAQUE = "opaque"
-"""The annotation of a struct or interface of which the name alone is known."""
+"""The annotation of a struct or interface known by name only."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class EnumeratorName:
 
 
 ConstantValue: TypeAlias = bool | int | float | str | Decimal | EnumeratorName
-"""What a constant expression evaluates to; which of them is told by the constant's type."""
+"""The value of a constant expression; its Python type depends on the constant's type."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class Annotation:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Documented:
-    """What every declaration and member carries: its place, doc comment and annotations."""
+    """Attributes common to declarations and members: place, doc comment and annotations."""
 
     span: Span
     doc: str = ""
@@ -52,7 +52,7 @@ class Documented:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Declaration(Documented):
-    """A named declaration. `span` is that of the name's token; `file` is the one it stands in."""
+    """A named declaration. `span` is the place of its name; `file` is the file that contains it."""
 
     name: ScopedName
     repository_id: str
@@ -68,8 +68,8 @@ class Declaration(Documented):
 class Member(Documented):
     """A field of a struct or exception.
 
-    `id` is its member id where a definition gives one, as a number or as a hash of a name; None
-    stands for the one after that of the member before (DDS-XTypes 1.3, 7.3.1.2.1).
+    `id` is its member id if the definition gives one, as a number or as a hash of a name; None is
+    the id after that of the previous member (DDS-XTypes 1.3, 7.3.1.2.1).
     """
 
     name: str
@@ -82,7 +82,7 @@ class Member(Documented):
 
 
 class Extensibility(StrEnum):
-    """How a type may change between versions (DDS-XTypes 1.3, 7.2.2.4.3)."""
+    """Extensibility of a type between versions (DDS-XTypes 1.3, 7.2.2.4.3)."""
 
     FINAL = "final"
     APPENDABLE = "appendable"
@@ -91,7 +91,7 @@ class Extensibility(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Struct(Declaration):
-    """A struct; `base` as in IDL 4.2's struct inheritance. `members` are its own only."""
+    """A struct; `base` as in IDL 4.2's struct inheritance. `members` excludes inherited ones."""
 
     members: tuple[Member, ...]
     base: ScopedName | None = None
@@ -108,7 +108,7 @@ class ExceptionDecl(Declaration):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case(Documented):
-    """A branch of a union. `labels` are of the switch type; `default` may stand beside them."""
+    """A branch of a union. `labels` are of the switch type; `default` may be given in addition."""
 
     labels: tuple[ConstantValue, ...]
     default: bool
@@ -138,7 +138,7 @@ class Enumerator(Documented):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Enum(Declaration):
-    """An enum; its enumerators live in the scope that holds it. `bound` is in bits."""
+    """An enum; its enumerators belong to the enclosing scope. `bound` is in bits."""
 
     members: tuple[Enumerator, ...]
     bound: int = 32
@@ -233,9 +233,9 @@ class Attribute(Documented):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Interface(Declaration):
-    """An interface. Operations and attributes are its own, in source order each.
+    """An interface. Operations and attributes exclude inherited ones, each in source order.
 
-    `forward` says that it is only declared, and defined in no file that was read.
+    `forward`: the interface is only declared, and not defined in any file that was read.
     """
 
     bases: tuple[ScopedName, ...] = ()
@@ -279,6 +279,6 @@ class ValueBox(Declaration):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Home(Declaration):
-    """A component home; read, not generated from."""
+    """A component home; parsed, but not generated from."""
 
     manages: ScopedName | None = None

@@ -1,6 +1,6 @@
-"""A component as an RtcProfile tells it: words and texts, before types are looked up.
+"""A component as described by an RtcProfile: texts, before types are resolved.
 
-`facts` are what a profile of rtgen says beyond its attributes: see `rtgen.typemap.profile_facts`.
+`facts` are properties of rtgen's profiles beyond the schema: see `rtgen.typemap.profile_facts`.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ from rtgen.diagnostics import Span
 from rtgen.facts.constraints import Constraint
 
 EVENT_PORT, EVENT = "event_port", "event"
-"""The annotations of a port for events, and of each of its events."""
+"""Annotations of a port for events, and of each of its events."""
 
 EVENT_ARGUMENTS = ("name", "source", "target", "condition", "type")
-"""What an event says: its name, the states before and after, when it counts, its type of data."""
+"""Attributes of an event: name, states before and after, time, data type."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,9 +86,9 @@ class ProfileServicePort:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RtcProfile:
-    """What `rtc:RtcProfile` says: `format_version` of itself, `version` of the component.
+    """Content of `rtc:RtcProfile`; `format_version` of the profile, `version` of the component.
 
-    `rate` is in Hz, None where the file has none.
+    `rate` is in Hz, None if not given.
     """
 
     file: str

@@ -1,4 +1,4 @@
-"""How the definitions of components answer the connectors of a system."""
+"""Matches the connectors of a system with the definitions of its components."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ DATA_KINDS = (PortKind.INPORT, PortKind.OUTPORT)
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """A component's definition, and the model that has its types."""
+    """A component's definition, and the model that contains its types."""
 
     component: Component
     model: Model
 
 
 def known_components(models: Iterable[Model]) -> dict[str, Known]:
-    """The components of models by the name of their type; the first of a name counts."""
+    """The components of models by type name; the first of each name is used."""
     found: dict[str, Known] = {}
     for model in models:
         for declaration in model.declarations:
@@ -42,7 +42,7 @@ def known_components(models: Iterable[Model]) -> dict[str, Known]:
 
 @dataclass(frozen=True, slots=True)
 class Pair:
-    """A consumer that meets a provider."""
+    """A consumer matched with a provider."""
 
     consumer_end: PortReference
     consumer: Port
@@ -53,11 +53,11 @@ class Pair:
 def service_pairs(
     connection: Connection, ends: Mapping[str, Known]
 ) -> tuple[list[Pair], list[tuple[PortReference, Port]]]:
-    """Which consumer of a service connector meets which provider, and which meet none.
+    """Matches the consumers of a service connector with its providers, as the runtime does.
 
-    The provider that a property names; else the one of the consumer's interface, or one derived
-    from it, and of its instance name; else the only one of the interface, if the consumer is the
-    only one of it, too.
+    The provider selected by a property; else the one whose interface is, or derives from, the
+    consumer's, with the same instance name; else the only one of the interface, if the consumer
+    is the only one, too.
     """
     named = dict(connection.properties)
     pairs: list[Pair] = []
@@ -87,20 +87,20 @@ def service_pairs(
 
 
 def interface_key(end: PortReference, port: Port) -> str:
-    """How a property of a connector names an interface of a service port."""
+    """The name of an interface of a service port in a connector's properties."""
     polarity = "provided" if port.kind is PortKind.PROVIDER else "required"
     type_name = port.type_name or port.type
     return f"{end.instance}.port.{end.port}.{polarity}.{type_name}.{port.instance}"
 
 
 def interfaces(end: PortReference, ends: Mapping[str, Known]) -> list[Port]:
-    """The interfaces of the service port at an end."""
+    """The interfaces of the service port at one end."""
     ports = ends[end.instance].component.ports
     return [p for p in ports if p.kind not in DATA_KINDS and p.port == end.port]
 
 
 def _serves(model: Model, provider: Port, consumer: Port) -> bool:
-    """Whether the provider's interface is the consumer's, or derived from it."""
+    """Whether the provider's interface is, or derives from, the consumer's."""
     type_ = model.unalias(provider.type)
     served = [type_]
     if isinstance(type_, NamedType):

@@ -1,7 +1,7 @@
-"""TECS component descriptions (CDL), resolved: signatures, celltypes, cells and their joins.
+"""TECS component descriptions (CDL), resolved: signatures, celltypes, cells and joins.
 
-Types are C's as far as CDL has them. What tecsgen decides by the *written* type (`ER`) stays
-visible: a use of a typedef is a `CTypedefType`, and `resolve` looks through it.
+Types are C's, as far as CDL supports them. tecsgen distinguishes types as *written* (`ER`): a use
+of a typedef is a `CTypedefType`, which `resolve` looks through.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ _PLAIN = {
 
 @dataclass(frozen=True, slots=True)
 class CScalarType:
-    """A basic type with its qualifiers; `plain` tells that `char_t` was written as C's `char`."""
+    """A basic type with its qualifiers; `plain`: `char_t` was written as C's `char`."""
 
     kind: Scalar
     const: bool = False
@@ -69,7 +69,7 @@ class CScalarType:
 
 @dataclass(frozen=True, slots=True)
 class CTypedefType:
-    """A use of a typedef: `name` as declared (C headers: one part), `target` what it stands for."""
+    """A use of a typedef: `name` as declared (C headers: one part), `target` its type."""
 
     name: ScopedName
     target: CType
@@ -143,7 +143,7 @@ class CFunctionType:
 
 @dataclass(frozen=True, slots=True)
 class DescriptorType:
-    """`Descriptor(signature)`, a join that is made at run time."""
+    """`Descriptor(signature)`, a join made at run time."""
 
     signature: ScopedName
 
@@ -171,7 +171,7 @@ def resolve(type_: CType) -> CType:
 
 
 def _declared(type_: CType, inner: str = "") -> str:
-    """A type as C writes it without a name: `int16_t(*)[2]` is a pointer to an array."""
+    """A type in C syntax without a name: `int16_t(*)[2]` is a pointer to an array."""
     match type_:
         case CPointerType(target=target):
             qualifiers = " const" * type_.const + " volatile" * type_.volatile
@@ -268,7 +268,7 @@ class CastExpression:
 
 @dataclass(frozen=True, slots=True)
 class CExpression:
-    """`C_EXP("text")`, for the C compiler alone."""
+    """`C_EXP("text")`, only for the C compiler."""
 
     text: str
 
@@ -320,9 +320,9 @@ class TecsDirection(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Sizes:
-    """The bracket of a parameter or struct member as far as sizes go.
+    """Size specifiers of a parameter or struct member.
 
-    `string` is None without the specifier; `unsized_string` tells `string` without an argument.
+    `string` is None without the specifier; `unsized_string`: `string` without an argument.
     `max_size` is the second argument of `size_is`, a constant.
     """
 
@@ -366,7 +366,7 @@ class TecsFunction:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TecsDeclaration:
-    """What every named thing of CDL has: its name from the root down, its file, its place."""
+    """Attributes of all named declarations of CDL: scoped name, file, place."""
 
     name: ScopedName
     file: str
@@ -396,7 +396,7 @@ class TecsMember:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TecsStruct(TecsDeclaration):
-    """A struct by its tag; `from_c` tells that a C header declares it."""
+    """A struct by its tag; `from_c`: declared in a C header."""
 
     members: tuple[TecsMember, ...]
     from_c: bool = False
@@ -404,7 +404,7 @@ class TecsStruct(TecsDeclaration):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TecsTypedef(TecsDeclaration):
-    """A typedef; `from_c` tells that a C header or the prelude declares it."""
+    """A typedef; `from_c`: declared in a C header or in the prelude."""
 
     type: CType
     from_c: bool = False
@@ -440,8 +440,8 @@ class Signature(TecsDeclaration):
 class TecsPort:
     """A call port or entry port (`kind` is `call` or `entry`).
 
-    `size` of an array is None for `[]`. Two kinds of call ports nobody wrote: `required` tells
-    that `require` made it, `hidden` that it is for the allocator of a send or receive parameter.
+    `size` of an array is None for `[]`. Two kinds of call ports are implicit: `required` ones
+    come from `require`, `hidden` ones are for the allocator of a send or receive parameter.
     """
 
     name: str
@@ -486,7 +486,7 @@ class Celltype(TecsDeclaration):
 
 @dataclass(frozen=True, slots=True)
 class TextPiece:
-    """A stretch of a joined string: it starts at `offset` of the text, and came from `span`.
+    """A piece of a concatenated string: it starts at `offset` of the text, and came from `span`.
 
     The span is that of the text between the quotes, on one line of the source.
     """
@@ -526,11 +526,11 @@ class PluginOption:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Through:
-    """One plug-in on the way of a join. `origin` tells where it was written.
+    """A plug-in of a join. `origin` is the kind of specifier that added it.
 
-    `origin` is `through`, `out_through`, `to_through` or `in_through`; `region` the region that
-    it belongs to, for the last three. `options` are those of the argument, for our plug-in alone:
-    tecsgen's read their arguments in their own ways.
+    `origin` is `through`, `out_through`, `to_through` or `in_through`; `region` is its region,
+    for the last three. `options` are those of the argument, only parsed for rtgen's plug-in:
+    tecsgen's plug-ins have their own syntax.
     """
 
     plugin: str
@@ -570,9 +570,9 @@ class Cell(TecsDeclaration):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Composite(TecsDeclaration):
-    """A composite celltype: its outer ports and attributes, and the cells inside.
+    """A composite celltype: its outer ports and attributes, and the inner cells.
 
-    `exports` tells what a port outside is inside: its name, the cell and the port of the cell.
+    `exports` maps an outer port to its name, inner cell and inner port.
     """
 
     ports: tuple[TecsPort, ...] = ()
@@ -585,7 +585,7 @@ class Composite(TecsDeclaration):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Region(TecsDeclaration):
-    """A region; `linkunit` and `node` start an executable of their own."""
+    """A region; `linkunit` and `node` start a separate executable."""
 
     linkunit: bool = False
     node: bool = False
@@ -593,7 +593,7 @@ class Region(TecsDeclaration):
 
 @dataclass(frozen=True, slots=True)
 class TecsUnit:
-    """What one main CDL file and its imports declare, imports before importers.
+    """The declarations of a main CDL file and its imports, imports before importers.
 
     `file` is the displayed path of the main file, `key` the one for generated text.
     """
@@ -603,9 +603,9 @@ class TecsUnit:
     declarations: tuple[TecsDeclaration, ...]
 
     def find(self, name: ScopedName, kind: type[TecsDeclaration]) -> TecsDeclaration:
-        """The declaration of that name and kind; KeyError where there is none.
+        """Find a declaration by name and kind. Raises KeyError.
 
-        Struct tags have a name space of their own, so the kind is part of the question.
+        Struct tags have a separate name space, so the kind is required.
         """
         for declaration in self.declarations:
             if declaration.name == name and isinstance(declaration, kind):
@@ -613,7 +613,7 @@ class TecsUnit:
         raise KeyError(name)
 
     def joins_through(self, plugin: str) -> tuple[tuple[Cell, Join], ...]:
-        """The joins that go through a plug-in of that name, in the order of the text."""
+        """The joins through a plug-in of that name, in order of the text."""
         return tuple(
             (cell, join)
             for cell in self.declarations

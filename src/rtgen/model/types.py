@@ -1,7 +1,7 @@
-"""Type expressions, as every front end gives them and every back end takes them.
+"""Type expressions, common to all front ends and back ends.
 
-A named type is a reference by scoped name; `Model.find` gives its declaration. So the model is a
-plain value without cycles, also where types are recursive.
+A named type is a reference by scoped name; `Model.find` returns its declaration. So the model is
+a plain value without cycles, even if types are recursive.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What behaviours, a user's own files, use and the definitions do not have (any more)."""
+"""Checks behaviours, files of the user, for names that the definitions lack (any more)."""
 
 from __future__ import annotations
 
@@ -18,9 +18,11 @@ _CLASS = re.compile(r"^class \w+\(([^)]*)\):", re.M)
 
 
 def check(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagnostic]:
-    """Findings for the modules in the folders of skeletons. Raises ToolError if one is unreadable.
+    """Diagnostics for the modules in the folders of skeletons.
 
-    `artifacts` are what the definitions ask for now.
+    Raises ToolError if one is unreadable.
+
+    `artifacts` are those of the current definitions.
     """
     prefix = f"{project.package}/components/"
     bases = {
@@ -48,7 +50,7 @@ def check(project: Project, artifacts: Sequence[Artifact]) -> Iterator[Diagnosti
 
 
 def _modules(project: Project, artifacts: Sequence[Artifact]) -> Mapping[str, str]:
-    """The texts of the modules beside skeletons, by their paths as messages show them."""
+    """The texts of the modules beside skeletons, by displayed path."""
     folders = {project.skeletons}
     for artifact in artifacts:
         if artifact.owner is Owner.USER:
@@ -65,9 +67,9 @@ def _modules(project: Project, artifacts: Sequence[Artifact]) -> Mapping[str, st
 
 
 def _ports(file: str, text: str, base: str) -> Iterator[Diagnostic]:
-    """Uses of ports that neither the generated base has nor the module makes.
+    """Uses of ports that are neither in the generated base nor made by the module.
 
-    Only where both classes have no further base, from which a port may come.
+    Only if both classes have no further base, which might define a port.
     """
     if _CLASS.findall(base) != ["Component"] or any(
         "," in parents for parents in _CLASS.findall(text)

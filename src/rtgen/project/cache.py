@@ -1,8 +1,8 @@
-"""The cache of whole runs: artifacts by what they were made from.
+"""Cache of complete runs: artifacts by their inputs.
 
-The key tells the tool and the options; an entry tells every file that the run read or looked for,
-which must all be as they were. An entry is one JSON text after a line with its hash: whatever is
-damaged is as good as not there.
+The key covers the tool and the options; an entry lists all files that the run read or searched
+for, which must be unchanged. An entry is a JSON text after a line with its hash: damaged entries
+are ignored.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _FORMAT = "rtgen-run/3"
 _LIBRARIES = {"artifacts": ("jinja2", "lark")}
-"""The libraries that have a hand in what is made."""
+"""Libraries whose versions affect the output."""
 
 _MOST_ENTRIES = 128
 _MOST_BYTES = 64 * 1024 * 1024
@@ -37,7 +37,7 @@ _NOT_COMPILER = frozenset({"__pycache__", "cli", "runtime"})
 
 
 class Cache:
-    """Entries in one folder, of bounded number and size; runs at the same time may share it."""
+    """A folder of entries, bounded in number and size; concurrent runs may share it."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -48,7 +48,7 @@ class Cache:
         plugins: Sequence[metadata.EntryPoint],
         made: str = "artifacts",
     ) -> str:
-        """The hash of everything but the definitions that decides what a run makes."""
+        """The hash of everything except the definitions that affects the output."""
         content = [
             _FORMAT,
             made,
@@ -90,7 +90,7 @@ class Cache:
         return sha256(json.dumps(content).encode()).hexdigest()
 
     def load(self, key: str) -> Compilation | None:
-        """The entry of that key, if there is one and what it depends on has not changed."""
+        """The entry of a key, if it exists and its dependencies are unchanged."""
         file = self._file(key)
         try:
             digest, _, payload = file.read_bytes().partition(b"\n")
@@ -116,7 +116,7 @@ class Cache:
         )
 
     def store(self, key: str, run: Compilation) -> None:
-        """Keeps a run without errors. A folder that cannot be written is passed over."""
+        """Store a run without errors. A folder that is not writable is ignored."""
         entry = {
             "artifacts": [[a.path, a.text, a.origin, a.owner] for a in run.artifacts],
             "inputs": dict(run.inputs),
@@ -139,7 +139,7 @@ class Cache:
         return self._folder / f"{key}.json"
 
     def _trim(self) -> None:
-        """Removes the entries that were used longest ago, and what killed runs left."""
+        """Remove the least recently used entries, and leftovers of killed runs."""
         found = []
         for file in self._folder.iterdir():
             with contextlib.suppress(FileNotFoundError):
@@ -153,7 +153,7 @@ class Cache:
 
 
 def default() -> Cache:
-    """The user's cache: in `RTGEN_CACHE_DIR`, else in the system's folder for caches."""
+    """The user's cache: `RTGEN_CACHE_DIR`, or the system's cache folder."""
     folder = os.environ.get("RTGEN_CACHE_DIR")
     if not folder:
         from platformdirs import user_cache_dir
@@ -163,7 +163,7 @@ def default() -> Cache:
 
 
 def _files_told(run: Compilation) -> set[str]:
-    """The files that findings show lines of."""
+    """The files whose lines appear in diagnostics."""
     spans = [d.span for d in run.diagnostics]
     spans += [related.span for d in run.diagnostics for related in d.related]
     return {span.file for span in spans if span is not None}
@@ -192,7 +192,7 @@ def _hash_of_files(files: Iterator[Path]) -> str:
 
 
 def _compiler_files() -> Iterator[Path]:
-    """rtgen's own files that decide what it makes."""
+    """rtgen's own files that affect the output."""
     yield from _files_below(_PACKAGE, skip=_NOT_COMPILER)
     beside = _PACKAGE.parent.parent / "grammars"
     if not (_PACKAGE / "grammars").is_dir() and beside.is_dir():
@@ -200,7 +200,7 @@ def _compiler_files() -> Iterator[Path]:
 
 
 def _plugin_files(entry: metadata.EntryPoint) -> Iterator[Path]:
-    """The files of the package that holds a plug-in."""
+    """The files of a plug-in's package."""
     spec = find_spec(entry.module.partition(".")[0])
     if spec is not None:
         for folder in spec.submodule_search_locations or ():

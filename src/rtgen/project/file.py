@@ -1,4 +1,4 @@
-"""`rtgen.toml`: read, checked against its schema, with the place of every key."""
+"""Reads and validates `rtgen.toml`, with the place of every key."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ _KEY = re.compile(r"\s*(\"[^\"]*\"|'[^']*'|[\w-]+)\s*=")
 _MACRO = re.compile(r"[A-Za-z_]\w*", re.ASCII)
 
 Check = Callable[[Any], str | None]
-"""What is wrong with a value, or None."""
+"""Returns the error in a value, or None."""
 
 
 def is_macro(name: str) -> bool:
-    """Whether the preprocessor takes the name."""
+    """Whether the name is a valid macro name."""
     return _MACRO.fullmatch(name) is not None
 
 
@@ -43,7 +43,7 @@ def _flag(value: Any) -> str | None:
 
 
 def macros(value: list[str] | dict[str, str | int]) -> dict[str, str]:
-    """Macros by name, from texts `NAME` or `NAME=VALUE` as behind `-D`, or from a table."""
+    """Macros by name, from texts `NAME` or `NAME=VALUE` as in `-D`, or from a table."""
     if isinstance(value, dict):
         return {name: str(item) for name, item in value.items()}
     pairs = (text.partition("=") for text in value)
@@ -125,7 +125,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """The checked content of an rtgen.toml and its text."""
+    """The validated content of an rtgen.toml, and its text."""
 
     name: str
     source: str
@@ -162,7 +162,7 @@ class Settings:
         return value
 
     def macros(self) -> dict[str, str]:
-        """What `[sources] define` says."""
+        """The macros of `[sources] define`."""
         return macros(self.content.get("sources", {}).get("define", []))
 
     def span(
@@ -211,7 +211,7 @@ class Settings:
         return Span(self.name, line, start + 1, line, start + 1 + max(len(text), 1))
 
     def check_paths(self, root: Path) -> Iterator[Diagnostic]:
-        """Findings for the paths of `[sources]` that are not there."""
+        """Diagnostics for missing paths of `[sources]`."""
         for key in ("paths", "include"):
             for path in self.texts("sources", key):
                 if not (root / path).exists():
@@ -221,7 +221,7 @@ class Settings:
 
 
 def read(file: Path, name: str) -> Settings:
-    """The settings in the file, shown as `name`; InputError if they are wrong."""
+    """Parse the settings in the file, shown as `name`. Raises InputError."""
     try:
         data = file.read_bytes()
     except OSError as error:

@@ -1,4 +1,4 @@
-"""What a file of a project is, by its suffix and its first bytes."""
+"""Kinds of files in a project, by suffix and first octets."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 FILE_NAME = "rtgen.toml"
 
 SUFFIXES = (".idl", ".cdl", ".eds", ".dcf")
-"""What the front ends read, in lower case."""
+"""Suffixes of definitions, in lower case."""
 
 XML_DEVICES = (".xdd", ".xdc", ".xpd")
 
@@ -27,7 +27,7 @@ _SYSTEMS = {
 
 
 def is_definition(path: Path) -> bool:
-    """Whether a front end reads it, or it is a system."""
+    """Whether a front end reads the file, or it is a system."""
     return (
         path.name.lower().endswith(SUFFIXES)
         or is_bus_file(path)
@@ -37,7 +37,7 @@ def is_definition(path: Path) -> bool:
 
 
 def is_component_profile(path: Path) -> bool:
-    """Whether it describes a component (RtcProfile, in XML or YAML), and is no other such file."""
+    """Whether the file describes a component (RtcProfile, in XML or YAML), and nothing else."""
     return _begins_as(path, _PROFILES)
 
 

@@ -1,4 +1,4 @@
-"""What a system says against the definitions of its components (codes RTC058x)."""
+"""Validates a system against the definitions of its components (codes RTC058x)."""
 
 from __future__ import annotations
 
@@ -144,7 +144,7 @@ _TYPE_KEY = "dataport.data_type"
 
 
 def check(system: System, known: Mapping[str, Known]) -> list[Diagnostic]:
-    """All findings about a system, against the definitions of its components by type name."""
+    """All diagnostics about a system, with the definitions of its components by type name."""
     found = [*check_properties(system)]
     for c in system.components:
         found += _component(c, known)
@@ -159,7 +159,7 @@ def check(system: System, known: Mapping[str, Known]) -> list[Diagnostic]:
 
 
 def as_warnings(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """The findings, none of which ends a command that only reads and writes a system."""
+    """The diagnostics as warnings, for commands that only read and write a system."""
     return [
         replace(f, severity=min(f.severity, Severity.WARNING, key=_MILDNESS.index))
         for f in findings
@@ -167,7 +167,7 @@ def as_warnings(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
 
 
 def check_properties(system: System) -> Iterator[Diagnostic]:
-    """The findings about connectors that need no definitions."""
+    """Diagnostics about connectors that need no definitions."""
     for connection in system.connections:
         table = (
             connector_properties.SERVICE
@@ -250,7 +250,7 @@ def _component(c: SystemComponent, known: Mapping[str, Known]) -> Iterator[Diagn
 
 
 def _dotted(id_: str) -> str:
-    """The id of a component in its older form, `RTC:vendor.category.type:version`."""
+    """The older form of a component's id, `RTC:vendor.category.type:version`."""
     head, *parts, version = id_.split(":")
     return f"{head}:{'.'.join(parts)}:{version}"
 
@@ -258,7 +258,7 @@ def _dotted(id_: str) -> str:
 def _value_problem(
     reader: Parameters, parameter: ConfigurationParameter, text: str
 ) -> str | None:
-    """What is wrong with the text of a number, or of several."""
+    """The error in the text of a number, or of several; None if it is valid."""
     if not reader.is_number(parameter.type):
         return None
     item = reader.item_type(parameter.type)

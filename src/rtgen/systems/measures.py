@@ -1,4 +1,4 @@
-"""What is measured of the poses in a run, and whether it is as it should be: `[[measure]]`."""
+"""Measures of poses during a run, and their limits: `[[measure]]`."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ Pose: TypeAlias = tuple[float, float, float]
 
 _MOST = 1e9
 _STEP = 0.05
-"""Points of a track lie at least this far apart [m]."""
+"""Minimum distance of the points of a track [m]."""
 _ALWAYS: Final = ("name", "kind", "of")
 _LIMITS: Final = ("from", "until", "least", "most")
 
 
 @dataclass(frozen=True, slots=True)
 class Measure:
-    """A length [m] that is looked at from `begin` to `end` [s], and its limits."""
+    """A quantity [m] measured from `begin` to `end` [s], and its limits."""
 
     name: str
     kind: str
@@ -39,13 +39,13 @@ class Measure:
 
     @property
     def observables(self) -> tuple[str, ...]:
-        """The poses that it needs."""
+        """The observables it needs."""
         return (self.of,) if self.to is None else (self.of, self.to)
 
 
 @dataclass(frozen=True, slots=True)
 class Result:
-    """The least and the greatest value that were found; None: nothing to measure."""
+    """The least and the greatest value; None if there was nothing to measure."""
 
     measure: Measure
     seen: tuple[float, float] | None
@@ -66,13 +66,13 @@ class Course:
     poses: Mapping[str, Sequence[Pose]]
 
     def between(self, begin: float, end: float) -> range:
-        """The indices of the samples in that time, both ends included."""
+        """The indices of the samples in a time span, both ends included."""
         first = bisect_left(self.times, begin - 1e-9)
         return range(first, bisect_right(self.times, end + 1e-9))
 
 
 def parse(entry: Mapping[str, Any], place: Callable[[str], Span]) -> Measure:
-    """The measure of a table `[[measure]]`; `place` is where its keys stand.
+    """Parse a table `[[measure]]`; `place` returns the places of its keys.
 
     Raises InputError.
     """
@@ -128,20 +128,20 @@ def _number(value: Any) -> float | None:
 
 
 def evaluate(measure: Measure, course: Course) -> Result:
-    """What came of a measure."""
+    """Evaluate a measure."""
     values = [*_KINDS[measure.kind].values(measure, course)]
     return Result(measure, (min(values), max(values)) if values else None)
 
 
 def _distance(measure: Measure, course: Course) -> Iterator[float]:
-    """How far apart two robots are."""
+    """The distance between two robots."""
     one, other = _two(measure, course)
     for i in course.between(measure.begin, measure.end):
         yield _apart(one[i], other[i])
 
 
 def _track(measure: Measure, course: Course) -> Iterator[float]:
-    """How far a robot is from where another one has been, since `values[0]`."""
+    """The distance of a robot from the track of another, since `values[0]`."""
     follower, leader = _two(measure, course)
     [since] = measure.values
     track: list[Pose] = []
@@ -159,7 +159,7 @@ def _track(measure: Measure, course: Course) -> Iterator[float]:
 
 
 def _inside(measure: Measure, course: Course) -> Iterator[float]:
-    """How far a robot is outside an area: x and y at least, x and y at most."""
+    """The distance of a robot from an area: minimum x and y, maximum x and y."""
     left, bottom, right, top = measure.values
     poses = course.poses[measure.of]
     for i in course.between(measure.begin, measure.end):
@@ -168,15 +168,15 @@ def _inside(measure: Measure, course: Course) -> Iterator[float]:
 
 
 def _moved(measure: Measure, course: Course) -> Iterator[float]:
-    """How far a robot is from where it was at the beginning."""
+    """The distance of a robot from its start."""
     poses = course.poses[measure.of]
     within = course.between(measure.begin, measure.end)
     for i in within:
         yield _apart(poses[i], poses[within[0]])
 
 
-def _alike(measure: Measure, course: Course) -> Iterator[float]:
-    """How far apart two robots would be, had they begun at one place in one direction."""
+def _relative_distance(measure: Measure, course: Course) -> Iterator[float]:
+    """The distance between two robots, both transformed to a common start pose."""
     one, other = _two(measure, course)
     within = course.between(measure.begin, measure.end)
     for i in within:
@@ -186,7 +186,7 @@ def _alike(measure: Measure, course: Course) -> Iterator[float]:
 
 
 def _displacement(measure: Measure, course: Course) -> Iterator[float]:
-    """How far the whole motion is from the expected one: in m, or in rad if that is more."""
+    """The deviation of the whole motion from the expected one: in m, or in rad if that is more."""
     poses = course.poses[measure.of]
     within = course.between(measure.begin, measure.end)
     if within:
@@ -201,14 +201,14 @@ class _Kind:
     values: Callable[[Measure, Course], Iterator[float]]
     two: bool = False
     keys: Mapping[str, int] = field(default_factory=dict)
-    """Further keys, and how many numbers each has; a single one may be left out, for 0."""
+    """Further keys, and their number of values; a single value defaults to 0."""
     most: float = _MOST
 
 
 _KINDS = {
     "distance": _Kind(_distance, two=True),
     "track": _Kind(_track, two=True, keys={"since": 1}),
-    "alike": _Kind(_alike, two=True),
+    "alike": _Kind(_relative_distance, two=True),
     "inside": _Kind(_inside, keys={"area": 4}, most=0.0),
     "moved": _Kind(_moved),
     "displacement": _Kind(_displacement, keys={"expected": 3}),

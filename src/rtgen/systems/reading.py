@@ -1,4 +1,4 @@
-"""The systems among a project's sources: read, with the files beside them, and checked."""
+"""Reads and validates the systems among a project's sources, with the files beside them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _MOST_OF_CONF = 1024 * 1024
 
 @dataclass(slots=True)
 class Systems:
-    """What reading gives; the fields as those of `frontends.FrontendResult`."""
+    """Result of reading; fields as in `frontends.FrontendResult`."""
 
     systems: list[System] = field(default_factory=list)
     diagnostics: list[Diagnostic] = field(default_factory=list)
@@ -30,7 +30,7 @@ class Systems:
 
 
 def read(paths: Sequence[Path], *, root: Path, output: Path) -> Systems:
-    """Reads systems, each with `<Type>.conf` and `<Instance>.conf` of its folder.
+    """Read systems, each with `<Type>.conf` and `<Instance>.conf` of its folder.
 
     `output` is the output folder of the project.
     """
@@ -73,7 +73,7 @@ def _way(start: Path, folder: Path) -> str:
 
 
 def as_defined(systems: Iterable[System], models: Iterable[Model]) -> list[System]:
-    """The systems with the names that ports have in their definitions, not in OpenRTM."""
+    """The systems with port names of the definitions in place of OpenRTM's."""
     known = known_components(models)
     return [
         with_definition_names(
@@ -89,7 +89,7 @@ def as_defined(systems: Iterable[System], models: Iterable[Model]) -> list[Syste
 
 
 def checked(systems: Iterable[System], models: Iterable[Model]) -> Iterator[Diagnostic]:
-    """What is wrong with systems whose components are defined in models."""
+    """Diagnostics about systems whose components are defined in models."""
     known = known_components(models)
     for system in systems:
         yield from check(system, known)

@@ -1,4 +1,4 @@
-"""What happens to a system while it runs: `timeline.toml`, `--until`, `--set`, as values."""
+"""Events during a run as values: `timeline.toml`, `--until`, `--set`."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _ENTRY = re.compile(r"\s*\[\[\s*(\w+)\s*\]\]")
 _SUB = re.compile(r"\s*(?:\[\s*at\s*\.\s*)?[\"']?(\w+)[\"']?\s*[\]=.]")
 _REQUESTS: Final = ("deactivate", "reset", "activate")
 _ORDER = ("disconnect", "connect", "set", *_REQUESTS)
-"""The order of what happens at one instant."""
+"""Order of events at one instant."""
 _SECTIONS = ("at", "measure", "follows")
 _LINK_KEYS = frozenset({"from", "to", "name", "properties"})
 _ENDS = frozenset({"from", "to"})
@@ -33,14 +33,14 @@ _MOST_FOLLOWED = 8
 
 @dataclass(frozen=True, slots=True)
 class Disconnect:
-    """Cut the connection of that name."""
+    """Remove the connection of that name."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
 class Connect:
-    """Join two ports."""
+    """Connect two ports."""
 
     name: str
     source: PortReference
@@ -50,7 +50,7 @@ class Connect:
 
 @dataclass(frozen=True, slots=True)
 class SetParameter:
-    """Give a parameter another value, in the active configuration set."""
+    """Set a parameter in the active configuration set."""
 
     instance: str
     parameter: str
@@ -59,7 +59,7 @@ class SetParameter:
 
 @dataclass(frozen=True, slots=True)
 class Ask:
-    """Ask for a transition of the component: `activate`, `deactivate` or `reset`."""
+    """Request a transition of the component: `activate`, `deactivate` or `reset`."""
 
     request: str
     instance: str
@@ -81,7 +81,7 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Timeline:
-    """What happens, in order of time, and what is measured of it."""
+    """The events in order of time, and the measures."""
 
     steps: Sequence[Step] = ()
     measures: Sequence[Measure] = ()
@@ -89,7 +89,7 @@ class Timeline:
 
 @dataclass(frozen=True, slots=True)
 class Condition:
-    """When a run ends: at `limit` ns, or once `instance` is in `state` (`ERROR`, ...)."""
+    """The end of a run: at `limit` ns, or once `instance` is in `state` (`ERROR`, ...)."""
 
     limit: int | None = None
     instance: str | None = None
@@ -97,7 +97,7 @@ class Condition:
 
 
 def condition(text: str, system: System, span: Span | None) -> Condition:
-    """The condition that the text means (see rule SYS0006); InputError if none."""
+    """Parse a condition (see rule SYS0006). Raises InputError."""
     found = Condition()
     for part in text.split(","):
         instance, equals, state = part.strip().partition("=")
@@ -133,9 +133,9 @@ def _seconds(part: str, text: str, span: Span | None) -> int:
 
 
 def assignment(text: str, system: System, span: Span | None = None) -> SetParameter:
-    """`INSTANCE.PARAMETER=VALUE` as an action; InputError if it is none.
+    """Parse `INSTANCE.PARAMETER=VALUE`. Raises InputError.
 
-    Parameter names may hold dots and instance names may not.
+    Parameter names may contain dots, instance names may not.
     """
     name, equals, value = text.partition("=")
     instance, dot, parameter = name.strip().partition(".")
@@ -148,7 +148,7 @@ def assignment(text: str, system: System, span: Span | None = None) -> SetParame
 
 
 def require_instance(instance: str, system: System, span: Span | None) -> str:
-    """The name, if the system has such a component; InputError otherwise."""
+    """The name of a component of the system. Raises InputError for an unknown one."""
     known = [c.instance for c in system.components]
     if instance not in known:
         from difflib import get_close_matches
@@ -163,14 +163,14 @@ def require_instance(instance: str, system: System, span: Span | None) -> str:
 
 
 def parse(text: str, name: str, system: System) -> tuple[Step, ...]:
-    """The steps of a timeline.toml, shown as `name`, in order of time; InputError if wrong."""
+    """Parse the text of a timeline.toml, shown as `name`. Raises InputError."""
     return _ordered(_read(text, name, system).found)
 
 
 def load(file: Path, system: System) -> Timeline:
-    """The timeline in a file, after that which it follows; InputError if one is wrong.
+    """Read a timeline from a file, after those it follows. Raises InputError.
 
-    Raises ToolError if one cannot be read.
+    Raises ToolError if a file cannot be read.
     """
     readers = [*_chain(file, system, _MOST_FOLLOWED)]
     return Timeline(
@@ -180,7 +180,7 @@ def load(file: Path, system: System) -> Timeline:
 
 
 def of_system(path: Path, named: str | None, system: System) -> Timeline:
-    """The timeline of that name, else `timeline.toml` if the system is a folder and has one.
+    """The timeline of that name, else the `timeline.toml` in the system's folder.
 
     Raises InputError and ToolError as `load` does.
     """
@@ -229,14 +229,14 @@ def _content(text: str, name: str) -> dict[str, Any]:
 
 
 def _place(action: Action) -> int:
-    """Where it comes among what happens at one instant."""
+    """Its place in the order of events at one instant."""
     if isinstance(action, Ask):
         return _ORDER.index(action.request)
     return _ORDER.index(_KINDS[type(action)])
 
 
 class _Reader:
-    """Reads the content of a timeline, with the place of each key."""
+    """Parses the content of a timeline, with the place of each key."""
 
     def __init__(
         self, text: str, name: str, system: System, links: Sequence[_Link] = ()
@@ -253,7 +253,7 @@ class _Reader:
             _Link(c.name, c.id, c.source, c.target) for c in system.connections
         ]
         self.links = [*(links or self._own)]
-        """The connections that there can be: of the system, of the timelines up to here."""
+        """The connections that may exist: of the system and of the timelines so far."""
         self.found: list[Step] = []
         self.measures: list[Measure] = []
         self.findings: list[Diagnostic] = []
@@ -347,7 +347,7 @@ class _Reader:
         )
 
     def _link(self, text: str, span: Span, links: list[_Link]) -> _Link:
-        """The connection of that name, else of that connector id."""
+        """Find a connection by name, or else by connector id."""
         for found in (
             [link for link in links if link.name == text],
             [link for link in links if link.id and link.id == text],
@@ -359,7 +359,7 @@ class _Reader:
         raise InputError([TIMELINE.at(span, message, hint=f"known: {known}")])
 
     def _between(self, value: dict[str, Any], span: Span) -> _Link:
-        """The one connection of two ports, whichever of them is called its source."""
+        """The only connection of two ports, in either direction."""
         if set(value) != _ENDS:
             message = "'disconnect' takes a name, or a table of from and to"
             raise InputError([TIMELINE.at(span, message)])
@@ -392,7 +392,7 @@ class _Reader:
         return Connect(name, ends[0], ends[1], properties)
 
     def _settings(self, value: dict[str, Any], span: Span) -> Iterator[SetParameter]:
-        """`{ "A0.gain" = 2 }` or `{ A0.gain = 2 }`, which TOML reads as a table in a table."""
+        """Parse `{ "A0.gain" = 2 }` or `{ A0.gain = 2 }`, which TOML reads as nested tables."""
         for name, content in value.items():
             pairs = {"": content}
             if isinstance(content, dict):
@@ -416,7 +416,7 @@ class _Reader:
         self.findings.append(TIMELINE.at(span, message))
 
     def _span(self, section: str, number: int, key: str = "") -> Span:
-        """The place of a key of an entry, else of the entry."""
+        """The place of a key of an entry, falling back on the entry."""
         places = [n for n, (_, name) in enumerate(self._entries) if name == section]
         if not 0 <= number < len(places):
             return Span(self._name, 1, 1, 1, 7)
@@ -450,7 +450,7 @@ _FORMS = {
 
 
 def _parameter_text(value: object) -> str | None:
-    """A value of TOML as the text of a parameter; None for one that no parameter has."""
+    """A TOML value as the text of a parameter; None if it is no parameter value."""
     match value:
         case str():
             return value

@@ -1,1 +1,1 @@
-"""The mapping tables of the field as data: each once, each row with its source."""
+"""Mapping tables between the input languages, IDL and Python, each row with its source."""

@@ -1,7 +1,7 @@
-"""Table: CANopen data types to IDL types and RTC data ports.
+"""CANopen data types (CiA 301, 7.4.7) to IDL types and RTC data ports.
 
-Sources: Table 4 of the published description of RTC-CANopen (`TABLE_4`); what it leaves out follows
-the next wider IDL type, as IDL 3 has no others (`WIDER`), or is raw octets (`OCTETS`).
+Sources: Table 4 of the published description of RTC-CANopen (`TABLE_4`); other types map to the
+next wider IDL type, since IDL 3 has no others (`WIDER`), or to raw octets (`OCTETS`).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from rtgen.model.canopen import SIGNED, UNSIGNED, DataType
 
 
 class Source(StrEnum):
-    """Where a row comes from."""
+    """The source of a row."""
 
     TABLE_4 = "RTC-CANopen, Table 4"
     WIDER = "next wider type"
@@ -82,7 +82,7 @@ ROWS = {
 
 
 def row(data_type: int) -> Row:
-    """The row of a data type; one that is not known is raw octets."""
+    """The row of a data type; unknown types are raw octets."""
     try:
         return ROWS[DataType(data_type)]
     except ValueError:

@@ -1,4 +1,4 @@
-"""Names made from those in device descriptions."""
+"""IDL and Python names derived from those in device descriptions."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ _OTHER = re.compile(r"[^A-Za-z0-9]+")
 
 
 def module_name(stem: str) -> str:
-    """The IDL module of a device: Pascal case of its file's stem."""
+    """The IDL module of a device: Pascal case of the file's stem."""
     parts = _PARTS.findall(_ascii(stem))
     name = "".join(part[0].upper() + part[1:] for part in parts)
     return f"Device{name}" if not name or name[0].isdigit() else name
 
 
 def _ascii(text: str) -> str:
-    """The text with letters without their marks; it keeps what has no like in ASCII."""
+    """Remove diacritics; characters without an ASCII base are kept."""
     return "".join(c for c in normalize("NFKD", text) if not combining(c))
 
 
 def identifier(name: str) -> str:
-    """The name as an identifier: ASCII, other characters as `_`, runs of them as one."""
+    """The name as an identifier: ASCII, runs of other characters replaced by `_`."""
     text = _OTHER.sub("_", _ascii(name))
     return text if text[:1].isalpha() else f"o_{text.lstrip('_')}"
 
@@ -36,7 +36,8 @@ def identifier(name: str) -> str:
 def field_names(variables: Iterable[Variable]) -> dict[tuple[int, int], str]:
     """The identifiers of a device's variables by index and sub-index.
 
-    Names that differ in case only, or that are keywords of IDL or Python, bear the number.
+    The number is appended to names that differ in case only, or that are keywords of IDL or
+    Python.
     """
     numbers = {(v.index, v.subindex): identifier(v.name) for v in variables}
     counts = Counter(name.lower() for name in numbers.values())

@@ -1,6 +1,6 @@
-"""Which ports a device's PDOs become, and what their samples hold.
+"""The ports of a device's PDOs and the members of their samples.
 
-One place for what the IDL text, the codecs and the conversions of a device have to agree in.
+The common source for IDL, codecs and conversions of a device.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from rtgen.typemap.canopen_idl import row
 from rtgen.typemap.canopen_names import field_names, numbered
 
 STAMP = "tm"
-"""The first member of every sample: when it was taken or came, of type `RTC::Time`."""
+"""The first member of every sample: the time of measurement or arrival, of type `RTC::Time`."""
 
 _DOUBLE = PrimitiveType(Primitive.DOUBLE)
 OWN_PARAMETERS = (
@@ -33,11 +33,10 @@ OWN_PARAMETERS = (
     *("master", "heartbeat_timeout", "boot_timeout", "emergency_stop", "recoveries"),
     "sdo_in_error",
 )
-"""The configuration parameters of every proxy; a device has those up to `network`, and
-`merged_stop`."""
+"""Configuration parameters of every proxy; devices have those up to `network`, `merged_stop`."""
 
 NUMERIC = frozenset((*SIGNED, *UNSIGNED, DataType.REAL32, DataType.REAL64))
-"""The types of numbers."""
+"""Numeric kinds."""
 _PLAIN_PARAMETERS = (
     DataType.BOOLEAN,
     DataType.VISIBLE_STRING,
@@ -52,9 +51,9 @@ _OWN_TIMED = {
 
 @dataclass(frozen=True, slots=True)
 class Quantity:
-    """A variable as components show it: with a factor it is a physical value, a `double`.
+    """A variable as shown by components: with a factor it is a physical value, a `double`.
 
-    Physical value = `factor` * value; None where the value is shown as it is.
+    Physical value = `factor` * value; None if the raw value is shown.
     """
 
     name: str
@@ -68,7 +67,7 @@ class Quantity:
         return row(self.variable.data_type).type if self.factor is None else _DOUBLE
 
     def timed(self, module: str) -> ScopedName:
-        """The type of a port that carries it alone; `module` has those that RTC has not."""
+        """The type of a port for this variable alone; `module` contains those that RTC lacks."""
         if self.factor is not None:
             return ("RTC", "TimedDouble")
         told = row(self.variable.data_type).timed
@@ -76,7 +75,7 @@ class Quantity:
 
 
 def _usable(factor: float | None, variable: Variable) -> float | None:
-    """A factor that makes another number of a value."""
+    """A factor that changes the value."""
     fine = factor is not None and isfinite(factor) and factor not in (0, 1)
     return factor if fine and variable.data_type in NUMERIC else None
 
@@ -91,7 +90,7 @@ def can_be_parameter(quantity: Quantity) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class PdoSample:
-    """A PDO that becomes a port: `fields` are the members of its struct behind the time stamp.
+    """A PDO with a port: `fields` are the members of its struct after the time stamp.
 
     `layout` has the same fields, under the same names.
     """
@@ -113,9 +112,9 @@ class PdoSample:
 
 @dataclass(frozen=True, slots=True)
 class ObjectPort:
-    """A mapped object that becomes a port of its own.
+    """A mapped object with a separate port.
 
-    `places` are the PDOs that carry it, as (PDO number, place among that PDO's fields).
+    `places` are the PDOs that map it, as (PDO number, index among the PDO's fields).
     """
 
     name: str
@@ -125,12 +124,11 @@ class ObjectPort:
 
 
 class DevicePorts:
-    """What the components of a device show, by the settings of its kind.
+    """The ports and parameters of a device's components, from the settings of its kind.
 
-    `module` is the IDL module, `per_object` says that there is a port for each object, not for
-    each PDO. `names` are the fields of all variables by index and sub-index. `samples` are the PDOs
-    that map an object, in the order of the device. `refused` are those that no port can have, and
-    why.
+    `module` is the IDL module; `per_object`: one port for each object instead of each PDO.
+    `names` are the fields of all variables by index and sub-index. `samples` are the PDOs that
+    map an object, in order of the device. `refused` are PDOs without a port, with the reason.
     """
 
     def __init__(self, device: Device, kind: DeviceKind | None = None) -> None:
@@ -147,8 +145,8 @@ class DevicePorts:
     def quantity(self, variable: Variable) -> Quantity:
         """A variable with the factor and the unit of the bus file.
 
-        The factor of an EDS is told only: types are those of the object. Its unit is that of the
-        product, so it is left out where the value is shown as it is.
+        The factor of an EDS is informative: types are those of the object. Its unit belongs to
+        the physical value, so it is omitted if the raw value is shown.
         """
         number = variable.index, variable.subindex
         factor = _usable(self._factors.get(number), variable)
@@ -158,9 +156,9 @@ class DevicePorts:
 
     @property
     def parameters(self) -> tuple[Quantity, ...]:
-        """The objects that become configuration parameters, in the order of the bus file.
+        """The objects that become configuration parameters, in order of the bus file.
 
-        One that is called as a parameter of every proxy bears its number.
+        The number is appended to a name that is used by every proxy.
         """
         found = []
         for number in self.kind.parameters:
@@ -184,7 +182,7 @@ class DevicePorts:
 
     @property
     def object_ports(self) -> tuple[ObjectPort, ...]:
-        """A port for each mapped object; one that goes both ways has `_in` or `_out` behind it."""
+        """A port for each mapped object; `_in` or `_out` is appended if it has both directions."""
         found: dict[tuple[PdoDirection, tuple[int, int]], list[tuple[int, int]]] = {}
         quantities: dict[tuple[int, int], Quantity] = {}
         for sample in self.samples:
@@ -234,8 +232,8 @@ class DevicePorts:
     ) -> Quantity:
         """A variable as a member of a struct.
 
-        One that is called as the struct, the time stamp or the module of its type bears its number;
-        one that is mapped twice is counted.
+        The number is appended to a name equal to that of the struct, the time stamp or the module
+        of its type; a variable that is mapped twice is counted.
         """
         quantity = self.quantity(variable)
         first = quantity.name

@@ -1,4 +1,4 @@
-"""What generated text says about objects of devices."""
+"""Texts about objects of devices in generated code."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ from rtgen.typemap.canopen_ports import Quantity
 
 
 def line(text: str) -> str:
-    """A text of a description in one line, without what comments and XML cannot hold."""
+    """A text of a description in one line, without characters illegal in comments and XML."""
     printable = "".join(c if c.isprintable() else " " for c in text)
     return " ".join(printable.replace("\\", "/").split())
 
 
 def number(variable: Variable) -> str:
-    """Its place as CiA writes it: `6064h`, `1018h:1`."""
+    """The object's number as CiA writes it: `6064h`, `1018h:1`."""
     subindex = f":{variable.subindex}" if variable.subindex else ""
     return f"{variable.index:04X}h{subindex}"
 
 
 def type_name(data_type: int) -> str:
-    """The name of a data type: `INTEGER16`; of one that is not known, its code."""
+    """The name of a data type such as `INTEGER16`; for an unknown one, its code."""
     try:
         return DataType(data_type).name
     except ValueError:
@@ -29,7 +29,7 @@ def type_name(data_type: int) -> str:
 def told(quantity: Quantity) -> str:
     """An object in one line: number, name, type, factor and unit.
 
-    A factor of the description that the value is shown without stands as the unit: `0.1 rpm`.
+    A factor that does not apply to the shown value is part of the unit: `0.1 rpm`.
     """
     variable = quantity.variable
     text = f"{line(variable.name)} ({number(variable)}, {type_name(variable.data_type)}"

@@ -1,4 +1,4 @@
-"""CANopen data types as the runtime's descriptions call them, and values as these hold them."""
+"""CANopen data types and values in the form of the runtime's descriptions."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ PYTHON_TYPES = {
     "r32": "float",
     "r64": "float",
 }
-"""What values of a kind are in Python; those of all others are int."""
+"""Python types of values by kind; those of all others are int."""
 
 
 def kind(data_type: int) -> Kind:
-    """The kind of a data type; one that is not known is raw octets."""
+    """The kind of a data type; unknown types are raw octets."""
     try:
         return KINDS[DataType(data_type)]
     except ValueError:
@@ -33,14 +33,14 @@ def kind(data_type: int) -> Kind:
 
 
 def python_type(data_type: int) -> str:
-    """What its values are in Python."""
+    """The Python type of its values."""
     return PYTHON_TYPES.get(kind(data_type), "int")
 
 
 def object_value(
     data_type: int, value: Value | None
 ) -> bool | int | float | str | bytes | None:
-    """A value as the runtime has it; one that depends on the node-id gives its offset."""
+    """A value for the runtime; of a value relative to the node-id, the offset."""
     if isinstance(value, NodeRelative):
         return value.offset
     if not isinstance(value, int):

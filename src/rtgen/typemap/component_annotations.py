@@ -1,4 +1,4 @@
-"""The annotations that say in IDL what a component has beyond IDL."""
+"""IDL annotations for properties of components beyond IDL."""
 
 from __future__ import annotations
 
@@ -31,10 +31,10 @@ _FIELDS = {
     ("range", "min"): "minimum",
     ("range", "max"): "maximum",
 }
-"""The arguments of annotations of ports and parameters that are fields of these."""
+"""Arguments of annotations of ports and parameters that correspond to fields."""
 
 Told: TypeAlias = Annotation | tuple[str, ...]
-"""An annotation as it stands, or the name and arguments of one that says what fields say."""
+"""An annotation as written, or name and arguments of one that corresponds to fields."""
 
 
 def annotations_of(item: Documented) -> tuple[Annotation, ...]:
@@ -54,7 +54,7 @@ def _one(name: str, value: ConstantValue) -> Annotation:
 
 
 def _of_component(component: Component) -> tuple[Annotation, ...]:
-    """`@rtc` with what is not the default."""
+    """`@rtc` with the arguments that differ from the defaults."""
     arguments = tuple(_different(component))
     if not arguments:
         return ()
@@ -112,9 +112,9 @@ def _of_parameter(
 
 
 def told(item: Documented) -> tuple[Told, ...] | None:
-    """How the annotations of an item are written; None for those that a profile gives anyway.
+    """The annotations of an item as written; None for those that a profile implies.
 
-    Those are what `annotations_of` gives, and events.
+    Those are the result of `annotations_of`, and events.
     """
     events = tuple(a for a in item.annotations if a.name in (EVENT_PORT, EVENT))
     if item.annotations in ((), (*annotations_of(item), *map(_whole, events))):
@@ -130,7 +130,7 @@ def _told(item: Documented, annotation: Annotation) -> Told:
 def annotations_from(
     item: Documented, entries: Sequence[Told]
 ) -> tuple[Annotation, ...]:
-    """The annotations of an item, written so as far as its fields still are what they say."""
+    """The annotations of an item as written, as far as its fields still agree with them."""
     made: list[Annotation] = []
     for entry in entries:
         found = entry if isinstance(entry, Annotation) else _of_fields(item, entry)
@@ -147,12 +147,12 @@ def annotations_from(
 
 
 def same_event(one: Annotation, other: Annotation) -> bool:
-    """Whether two annotations say the same of an event port; what is left out is empty."""
+    """Whether two annotations of an event port are equivalent; omitted arguments are empty."""
     return one.name == other.name and _whole(one) == _whole(other)
 
 
 def _whole(event: Annotation) -> Annotation:
-    """An event with all arguments, as profiles have it."""
+    """An event with all arguments, as in profiles."""
     if event.name != EVENT:
         return event
     return Annotation(
@@ -161,7 +161,7 @@ def _whole(event: Annotation) -> Annotation:
 
 
 def _of_fields(item: Documented, short: Sequence[str]) -> Annotation | None:
-    """The annotation with the values of the fields; None where a field has none."""
+    """The annotation with the values of the fields; None if a field has none."""
     name, *keys = short
     arguments: list[tuple[str, ConstantValue]] = []
     for key in keys:
@@ -179,7 +179,7 @@ def _of_fields(item: Documented, short: Sequence[str]) -> Annotation | None:
 def _with_arguments(
     made: list[Annotation], wanted: Annotation, item: Documented
 ) -> list[Annotation]:
-    """The annotations with an `@rtc` that says all that it has to."""
+    """The annotations with a complete `@rtc`."""
     assert isinstance(item, Component)
     for place, annotation in enumerate(made):
         if annotation.name == "rtc":

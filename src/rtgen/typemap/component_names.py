@@ -1,4 +1,4 @@
-"""Names that a component's ports cannot have as Python attributes: the runtime's own ones."""
+"""Python names that a component's ports cannot have: attributes of the runtime's classes."""
 
 from __future__ import annotations
 
@@ -73,9 +73,9 @@ CANOPEN_NAMES = frozenset(
         "write_octets",
     }
 )
-"""What the bases of CANopen proxies, devices and managers have besides."""
+"""Further attributes of the bases of CANopen proxies, devices and managers."""
 
 CONFIGURATION_NAMES = frozenset(
     {"bool", "bytes", "field", "float", "int", "list", "str"}
 )
-"""What the fields of a configuration class are declared with, so none of them can be called so."""
+"""Names used in the declarations of configuration classes, which fields cannot have."""

@@ -1,4 +1,4 @@
-"""What a component is written with: the declarations that have to stand before it."""
+"""The declarations that a component's definition depends on."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from rtgen.typemap.type_texts import names_in
 
 
 def declarations_of(model: Model, component: Component) -> list[Declaration]:
-    """The declarations of its types, its base, what it supports, and enumerators it names."""
+    """The declarations of its types, its base, its interfaces, and the enumerators it names."""
     items: list[Port | ConfigurationParameter]
     items = [*component.ports, *component.configuration]
     names = [each.name for item in items for each in names_in(item.type)]

@@ -1,4 +1,4 @@
-"""Dates of definitions and profiles: `xsd:dateTime`, of the years that Python has."""
+"""Dates of definitions and profiles: `xsd:dateTime`, restricted to the years of Python."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""IDL to Python: how each type is written, what its initial value is, what each name becomes.
+"""IDL to Python: annotations, initial values and names (OMG IDL to Python mapping 1.3).
 
-The table follows the OMG IDL to Python mapping 1.3 where Python has a choice (sequences of octets
-are `bytes`, of characters `str`, enums and structs classes), with dataclasses, `IntEnum` and type
-hints in place of its dynamic types.
+The table follows the mapping where it has a Python type (sequences of octets are `bytes`, of
+characters `str`, enums and structs classes), with dataclasses, `IntEnum` and type hints in place
+of its dynamic types.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ from rtgen.typemap.python_support import HOMES
 
 @dataclass(frozen=True, slots=True)
 class PythonType:
-    """How a type is written as an annotation, and the expression of its initial value.
+    """The annotation of a type, and the expression of its initial value.
 
     `imports` are the names that both need, as (module, name); builtins have an empty module.
     """
@@ -155,26 +155,26 @@ OWN_NAMES: dict[type[Declaration], frozenset[str]] = {
         "to_bytes",
     },
 }
-"""What the Python class of a declaration has by itself, so that no member can have the name."""
+"""Attributes of the Python class of a declaration, which members cannot use."""
 OWN_NAMES[Bitmask] = OWN_NAMES[Enum]
 OWN_NAMES[Bitset] = CODEC | NUMBER
 OWN_NAMES[Valuetype] = CODEC | {"described"}
 
 _PACKAGES = frozenset({"components", "tecs"})
-"""The packages that rtgen itself makes below the root."""
+"""Packages that rtgen itself generates below the root."""
 
 Fielded: TypeAlias = Struct | ExceptionDecl | Union | Bitset | Valuetype
-"""What has named parts that become attributes."""
+"""Declarations with named parts that become attributes."""
 
 NameOf: TypeAlias = Callable[[ScopedName], str]
-"""How a declared type is written where the text stands."""
+"""Returns how a declared type is written at the place of the text."""
 
 
 class PythonMapping:
-    """The Python side of type expressions; `spell` gives a name that a text needs imported.
+    """The Python side of type expressions; `spell` returns a name that a text has to import.
 
-    `spell(module, name)` returns how the name is written there (it may have to be aliased).
-    An object of an interface is a reference in data, and with `servants` the abstract servant.
+    `spell(module, name)` returns how the name is written (it may have an alias). An object of an
+    interface is a reference in data, and with `servants` the abstract servant.
     """
 
     def __init__(
@@ -274,7 +274,7 @@ class PythonMapping:
         return flat and self._text_type(type_) is not None
 
     def _text_type(self, type_: Type) -> str | None:
-        """What a sequence, or the innermost dimension of an array, is if not a list."""
+        """The type of a sequence, or of an array's innermost dimension, if it is not a list."""
         if not isinstance(type_, SequenceType | ArrayType):
             return None
         element = self._model.unalias(type_.element)
@@ -325,7 +325,7 @@ class PythonMapping:
 
 
 class PythonNames:
-    """Where each declaration of a model stands in the package that is made for it.
+    """The place of each declaration of a model in the generated package.
 
     One implementation module for each IDL file, `_idl.<file>`; one package for each IDL module,
     which re-exports. `support` are the names that generated text uses itself in class scope.
@@ -347,16 +347,16 @@ class PythonNames:
         return self._modules[file]
 
     def declarations(self, module: str) -> list[Declaration]:
-        """What stands in an implementation module, in order of declaration."""
+        """The declarations in an implementation module, in order."""
         return self._by_module.get(module, [])
 
     def inside(self, scope: ScopedName) -> list[Declaration]:
-        """What is declared directly in a scope, in order of declaration."""
+        """The declarations directly in a scope, in order."""
         return self._by_scope.get(scope, [])
 
     @property
     def modules(self) -> list[str]:
-        """All implementation modules that hold something, in order of the files."""
+        """All nonempty implementation modules, in order of the files."""
         used = self._by_module
         return [m for m in dict.fromkeys(self._modules.values()) if m in used]
 
@@ -378,11 +378,11 @@ class PythonNames:
         return package_path(name[:inner]), attribute
 
     def attribute(self, name: ScopedName) -> str:
-        """The name of a declaration or enumerator in the scope that holds it."""
+        """The name of a declaration or enumerator in its enclosing scope."""
         return self._attribute(name)
 
     def companion(self, name: ScopedName, suffix: str) -> str:
-        """What stands beside the class of a declaration: `RefHardStub`, `RangeListCodec`."""
+        """The companion of a declaration's class: `RefHardStub`, `RangeListCodec`."""
         declaration = self._model.find(name)
         taken = {
             self._classes[d.name]
@@ -398,7 +398,7 @@ class PythonNames:
         return _free(self._attribute(name) + suffix, scope)
 
     def is_nested(self, name: ScopedName) -> bool:
-        """Whether it is declared inside of an interface, struct or the like."""
+        """Whether it is declared inside an interface, struct or similar."""
         return self._depth(name) < len(name) - 1
 
     def enumerator(self, name: ScopedName) -> tuple[ScopedName, str]:
@@ -412,13 +412,13 @@ class PythonNames:
         return distinct((m.name for m in declaration.members), OWN_NAMES[Enum])
 
     def enumerators_of(self, name: ScopedName) -> list[str]:
-        """The same for the enum of that name, in order."""
+        """The Python names of the enumerators of an enum, in order."""
         declaration = self._model.find(name)
         assert isinstance(declaration, Enum)
         return list(self.enumerators(declaration).values())
 
     def members(self, declaration: Fielded) -> dict[str, str]:
-        """The Python names of the members of a struct or the like, or the branches of a union."""
+        """The Python names of the members of a struct or similar, or the branches of a union."""
         name = declaration.name
         if name not in self._members:
             self._members[name] = self._new_members(declaration)
@@ -460,15 +460,15 @@ class PythonNames:
         return distinct(attributes + operations, taken)
 
     def bases(self, declaration: Interface | Valuetype) -> list[ScopedName]:
-        """The bases as the classes have them: the latest declared first.
+        """The base classes: the latest declared first.
 
-        Where all classes keep one order, in which the derived stand before their bases, Python
-        finds a method resolution order for everything that IDL allows.
+        With this common order, in which derived classes precede their bases, Python finds a
+        method resolution order for everything that IDL allows.
         """
         return sorted(declaration.bases, key=self._places.__getitem__, reverse=True)
 
     def contested(self, declaration: Interface) -> dict[str, Declaration]:
-        """The attributes that bases give differently, and what declares the one that counts."""
+        """The attributes that bases define differently, with the one that takes precedence."""
         if len(declaration.bases) < 2:
             return {}
         given: dict[str, Declaration] = {}
@@ -481,7 +481,7 @@ class PythonNames:
         return contested
 
     def hides(self, declaration: Interface) -> bool:
-        """Whether an attribute stands for something else than in a base."""
+        """Whether an attribute differs from that of a base."""
         held = self._held(declaration.name)
         return any(
             held[attribute] is not inner
@@ -490,7 +490,7 @@ class PythonNames:
         )
 
     def _held(self, name: ScopedName) -> dict[str, Declaration]:
-        """What is declared in an interface and its bases, by its attribute."""
+        """The declarations in an interface and its bases, by attribute."""
         if name not in self._holdings:
             declaration = self._model.find(name)
             assert isinstance(declaration, Interface)
@@ -575,7 +575,7 @@ class PythonNames:
 
     @cached_property
     def _emitted(self) -> list[Declaration]:
-        """In order, but what is declared inside of a declaration comes before it."""
+        """The declarations in order, nested ones before the enclosing one."""
         inside: dict[ScopedName, list[Declaration]] = {}
         for declaration in self._model.declarations:
             if is_emitted(declaration) and self.is_nested(declaration.name):
@@ -626,7 +626,7 @@ class PythonNames:
 
 
 def distinct(names: Iterable[str], reserved: Collection[str]) -> dict[str, str]:
-    """Python names of the members of one scope: none of them reserved, no two the same."""
+    """Python names of the members of one scope: unique, and none reserved."""
     wanted = list(names)
     taken = {n for n in wanted if identifier(n, reserved) == n}.union(reserved)
     result: dict[str, str] = {}
@@ -660,7 +660,7 @@ def is_signed(model: Model, field: Bitfield) -> bool:
 
 
 def is_emitted(declaration: Declaration) -> bool:
-    """Whether the types back end makes something for it."""
+    """Whether the types back end generates anything for it."""
     return not isinstance(declaration, Component | Home | Native)
 
 

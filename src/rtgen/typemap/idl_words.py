@@ -1,4 +1,4 @@
-"""The reserved words of IDL."""
+"""Reserved words of IDL."""
 
 from __future__ import annotations
 
@@ -28,5 +28,5 @@ _ESCAPED = frozenset(FOLDED).union(CORBA_3)
 
 
 def escaped(name: str) -> str:
-    """The identifier as a definition writes it, `_` before what a compiler takes for a keyword."""
+    """The identifier as written in a definition, with `_` before one that is a keyword."""
     return f"_{name}" if name.lower() in _ESCAPED else name

@@ -1,9 +1,8 @@
-"""Which implementation module the declarations of each definition file stand in.
+"""Assigns the declarations of definition files to implementation modules.
 
-One module for each file, but for two cases in which a file is no unit of its own: it is included
-inside a scope, or it needs a file that needs it (an include in mid-file, or files that name each
-other's interfaces). Such files share a module, since modules that import each other cannot be
-imported in any order.
+One module for each file, with two exceptions: a file included inside a scope, and files that
+depend on each other (an include in mid-file, or files that refer to each other's interfaces).
+Such files share a module, since modules that import each other cannot be imported in any order.
 """
 
 from __future__ import annotations
@@ -53,7 +52,7 @@ def implementation_modules(model: Model) -> dict[str, str]:
 
 
 def _owners(model: Model) -> dict[str, str]:
-    """Each file to the one whose module it is in."""
+    """Each file with the file whose module it belongs to."""
     includers = {file.name: file.belongs_to for file in model.files}
     owners = {}
     for file in model.files:
@@ -72,7 +71,7 @@ def _owners(model: Model) -> dict[str, str]:
 
 
 def _needs(model: Model, owners: dict[str, str]) -> dict[str, set[str]]:
-    """The files that the declarations of each file refer to, other than itself."""
+    """The other files that the declarations of each file refer to."""
     files = {d.name: owners[d.file] for d in model.declarations}
     needs: dict[str, set[str]] = {}
     for declaration in model.declarations:
@@ -83,7 +82,7 @@ def _needs(model: Model, owners: dict[str, str]) -> dict[str, set[str]]:
 
 
 def referred(declaration: Declaration) -> Iterator[ScopedName]:
-    """The names that stand in a declaration: types, bases, exceptions."""
+    """The names in a declaration: types, bases, exceptions."""
     match declaration:
         case Struct(members=members, base=base):
             yield from (base,) if base else ()

@@ -1,7 +1,7 @@
-"""Names of ports on OpenRTM, and back to those of the definition.
+"""Names of ports on OpenRTM, and their mapping to those of the definition.
 
-OpenRTM has one name space for all ports of a component, and keeps of a name what follows its last
-dot (`PortBase.setOwner`). Profiles that its tools write have these names.
+OpenRTM has one name space for all ports of a component, and only keeps the part of a name after
+its last dot (`PortBase.setOwner`). Profiles written by its tools have these names.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from rtgen.model import Component, Connection, Port, PortKind, PortReference, System
 
 OPENRTM_NAME = "openrtm_name"
-"""The annotation that chooses a port's name."""
+"""The annotation that sets a port's name."""
 
 IN, OUT, SERVICE = "in", "out", "service"
 
@@ -25,27 +25,27 @@ _POLARITIES = {PortKind.PROVIDER: "provided", PortKind.CONSUMER: "required"}
 
 
 def key_of(port: Port) -> Key:
-    """The key of a port; interfaces of one service port have the same."""
+    """The key of a port; interfaces of one service port share it."""
     way = _WAYS.get(port.kind, SERVICE)
     return way, port.port if way == SERVICE else port.name
 
 
 def chosen_name(port: Port) -> str:
-    """What the port's annotation says; empty without one."""
+    """The name in the port's annotation; empty without one."""
     annotation = port.annotation(OPENRTM_NAME)
     value = None if annotation is None else annotation.get()
     return value if isinstance(value, str) else ""
 
 
 def known_name(name: str) -> str:
-    """The name that a port has in OpenRTM if it is registered by `name`."""
+    """The name that OpenRTM uses for a port registered as `name`."""
     return name.rpartition(".")[2]
 
 
 def registered_names(
     keys: Iterable[Key], chosen: Mapping[Key, str] | None = None
 ) -> dict[Key, str]:
-    """The names to register ports by, so that OpenRTM does not know two of them by the same."""
+    """Registration names for ports, unique in OpenRTM's name space."""
     listed = list(dict.fromkeys(keys))
     names: dict[Key, str] = {}
     for way, suffix in _SUFFIXES.items():
@@ -58,7 +58,7 @@ def registered_names(
 
 
 def names_of(component: Component) -> dict[Key, str]:
-    """The names to register the ports of a component by."""
+    """Registration names for the ports of a component."""
     chosen: dict[Key, str] = {}
     for port in component.ports:
         if name := chosen_name(port):
@@ -68,7 +68,7 @@ def names_of(component: Component) -> dict[Key, str]:
 
 @dataclass(frozen=True, slots=True)
 class InstancePorts:
-    """The ports of an instance: the names to register them by, and the types of its interfaces.
+    """The ports of an instance: registration names, and types of the interfaces.
 
     `interfaces` is by port, polarity (`provided`, `required`) and instance name.
     """
@@ -97,9 +97,9 @@ def ports_of(component: Component) -> InstancePorts:
 def with_definition_names(
     system: System, instances: Mapping[str, InstancePorts]
 ) -> System:
-    """The system with the definitions' names of ports and interfaces where it has OpenRTM's.
+    """The system with OpenRTM's names of ports and interfaces replaced by the definitions'.
 
-    Names that are neither stay.
+    Unknown names are kept.
     """
     connections = (_connection(c, instances) for c in system.connections)
     return replace(system, connections=tuple(connections))
@@ -130,7 +130,7 @@ def _connection(
 
 
 def _aliases(registered: str) -> tuple[str, str]:
-    """The names that a file may have for a port that is registered by a name."""
+    """The names in files for a port registered under a name."""
     return registered, known_name(registered)
 
 
@@ -151,8 +151,8 @@ def _definition_key(
 ) -> str:
     """A key or value of a property, which may name an interface of one of the ends.
 
-    The type in it is not compared: the others are unique, and files write a type with its scope
-    or without.
+    The type in the name is ignored: the other parts are unique, and files write a type with or
+    without its scope.
     """
     for end in ends:
         ports = instances.get(end.instance, _NOTHING)

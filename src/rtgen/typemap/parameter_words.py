@@ -1,6 +1,7 @@
-"""Table: types of configuration parameters and their words in an RtcProfile, which are C++'s.
+"""Types of configuration parameters and their C++ names in an RtcProfile.
 
-Source: what RTCBuilder writes (facts on `rtc:Configuration`); `_FURTHER` has what people write.
+Source: the output of RTCBuilder (facts on `rtc:Configuration`); `_FURTHER` has variants written
+by people.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ _VECTOR = re.compile(r"(?:std::)?vector ?< ?(.*?) ?>")
 
 
 def type_of(word: str) -> Type | None:
-    """The type that a word stands for, None for an unknown one."""
+    """The type for a name, None for an unknown one."""
     word = " ".join(word.split())
     if word in _STRINGS:
         return StringType()

@@ -1,4 +1,4 @@
-"""Configuration parameters as text: the form in which profiles, files and tools hold them."""
+"""Configuration parameters as text, for profiles, files and tools."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ from rtgen.typemap.parameter_words import WORDS
 
 
 class ValueMismatchError(ValueError):
-    """A value that is none of the type; the text says why."""
+    """An invalid value for the type; the text gives the reason."""
 
 
 class Parameters:
@@ -44,7 +44,7 @@ class Parameters:
         self._model = model
 
     def is_supported(self, type_: Type) -> bool:
-        """Whether values of the type can be a parameter: see the rule RTC0302."""
+        """Whether values of the type can be a parameter; see the rule RTC0302."""
         item = self.item_type(type_)
         match item:
             case PrimitiveType(kind):
@@ -57,7 +57,7 @@ class Parameters:
                 )
 
     def profile_type(self, type_: Type) -> str:
-        """The word of `rtc:type` in an RtcProfile: C++'s, as RTCBuilder writes it."""
+        """The value of `rtc:type` in an RtcProfile: a C++ type, as RTCBuilder writes it."""
         type_ = self._model.unalias(type_)
         match type_:
             case SequenceType(element):
@@ -77,7 +77,7 @@ class Parameters:
         return str(type_)
 
     def default_text(self, parameter: ConfigurationParameter) -> str:
-        """The default as text; without one, that of the type's zero value."""
+        """The default as text; falls back on that of the type's zero value."""
         if parameter.default is not None:
             return value_text(parameter.default)
         type_ = self._model.unalias(parameter.type)
@@ -106,9 +106,10 @@ class Parameters:
         return [text]
 
     def constraint(self, parameter: ConfigurationParameter) -> Constraint | None:
-        """The constraint as written, else by the bounds, else by the enum's members.
+        """The constraint as written, else from the bounds, else from the enum's members.
 
-        Raises ConstraintError where the text cannot be read or compares what is no number.
+        Raises ConstraintError for a malformed constraint, or for one on a value that is no
+        number.
         """
         written = parse(parameter.constraint)
         if written is not None:
@@ -118,7 +119,7 @@ class Parameters:
         return self.bounds(parameter) or (enumeration(names) if names else None)
 
     def bounds(self, parameter: ConfigurationParameter) -> Constraint | None:
-        """The constraint that `@min` and `@max` make; None without either."""
+        """The constraint of `@min` and `@max`; None without either."""
         ends = (parameter.minimum, parameter.maximum)
         lower, upper = (None if end is None else value_text(end) for end in ends)
         return interval(lower, upper)
@@ -126,7 +127,7 @@ class Parameters:
     def is_default_allowed(
         self, parameter: ConfigurationParameter, limit: Constraint
     ) -> bool:
-        """Whether the default (of the right type) meets the constraint."""
+        """Whether the default (of the right type) satisfies the constraint."""
         item = self.item_type(parameter.type)
         texts = self.default_items(parameter)
         return allows(limit, [self._value(item, text) for text in texts])
@@ -145,18 +146,18 @@ class Parameters:
         )
 
     def is_sequence(self, type_: Type) -> bool:
-        """Whether a value has items."""
+        """Whether a value is a sequence."""
         return isinstance(self._model.unalias(type_), SequenceType)
 
     def is_number(self, type_: Type) -> bool:
-        """Whether a value, or an item of it, is a number (and not a truth value)."""
+        """Whether a value, or an item of it, is a number (not a boolean)."""
         item = self.item_type(type_)
         return isinstance(item, PrimitiveType) and (
             item.kind in INTEGER_RANGES or item.kind in FLOAT_LIMITS
         )
 
     def check_value(self, type_: Type, value: ConstantValue) -> None:
-        """Raises ValueMismatchError if the value is none of that type."""
+        """Raise ValueMismatchError if the value does not have the type."""
         type_ = self._model.unalias(type_)
         match type_:
             case PrimitiveType(Primitive.BOOLEAN):
@@ -185,7 +186,7 @@ class Parameters:
                     )
 
     def parse_item(self, type_: Type, text: str) -> ConstantValue:
-        """A sequence's item from its text. Raises ValueMismatchError."""
+        """Parse an item of a sequence. Raises ValueMismatchError."""
         type_ = self._model.unalias(type_)
         try:
             match type_:
@@ -232,12 +233,12 @@ _TRUTH = {"true": True, "1": True, "false": False, "0": False}
 
 
 def split_items(text: str) -> list[str]:
-    """The items of a sequence in text: between commas, trimmed; none in a blank text."""
+    """Split the text of a sequence at commas; none for a blank text."""
     return [item.strip() for item in text.split(",")] if text.strip() else []
 
 
 def value_text(value: ConstantValue) -> str:
-    """A value as profiles write it; truth values are 1 and 0, which every target converts."""
+    """A value as written in profiles; booleans are 1 and 0, which every target converts."""
     match value:
         case bool():
             return str(int(value))

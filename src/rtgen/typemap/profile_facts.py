@@ -1,9 +1,9 @@
-"""What the attributes of an RtcProfile cannot say of a definition, as values of JSON.
+"""Properties of a definition that an RtcProfile's attributes cannot express, as JSON.
 
-A profile that rtgen writes has them in properties `rtgen.definition` of the component, of its data
-ports, service ports and parameters, only where a reader of the attributes would make something else
-of them. A fact counts as long as the attributes are those that rtgen writes for it, so what is
-edited there wins.
+A profile written by rtgen has them in properties `rtgen.definition` of the component, of its data
+ports, service ports and parameters, only where the attributes alone would be read differently. A
+fact only applies while the attributes are those that rtgen writes for it, so edits of the
+attributes take precedence.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ WITH_USUAL = {
     "category": "",
     "vendor": "",
 }
-"""Texts of a component that are read without blanks around, and what stands for an empty one."""
+"""Texts of a component that are stripped when read, with the placeholder of an empty one."""
 
 
 _KINDS: dict[str, tuple[type, str]] = {
@@ -63,19 +63,19 @@ _KINDS: dict[str, tuple[type, str]] = {
     ),
     **dict.fromkeys(("supports", "files", "order", "annotations"), (list, "list")),
 }
-"""What the values of facts are; those that are left out here are values of parameters."""
+"""JSON types of facts; those not listed are values of parameters."""
 
 
 # As text.
 
 
 def text_from(facts: Facts) -> str:
-    """The value of the property."""
+    """Format facts as the value of the property."""
     return json.dumps(facts, ensure_ascii=False, separators=(", ", ": "))
 
 
 def facts_from(text: str) -> Facts:
-    """The facts of a property. Raises ValueError."""
+    """Parse the value of the property. Raises ValueError."""
     if len(text) > _LONGEST:
         raise ValueError(f"it is longer than {_LONGEST:,} characters")
     try:
@@ -88,7 +88,7 @@ def facts_from(text: str) -> Facts:
 
 
 def checked(found: Any) -> tuple[Facts, list[str]]:
-    """The facts of the right kind, and messages about the others."""
+    """The facts of valid types, and messages about the others."""
     if not isinstance(found, dict):
         return {}, ["it is no object of JSON"]
     wrong = {
@@ -113,7 +113,7 @@ def value_to_json(value: ConstantValue) -> Any:
 
 
 def value_from_json(found: Any) -> ConstantValue:
-    """The value that `value_to_json` has written. Raises ValueError."""
+    """Convert the result of `value_to_json` back. Raises ValueError."""
     match found:
         case bool() | int() | float() | str():
             return found
@@ -130,7 +130,7 @@ def value_from_json(found: Any) -> ConstantValue:
 
 
 def annotations_to_json(entries: Sequence[Told]) -> list[Any]:
-    """How annotations are written, in JSON."""
+    """Convert annotations as written to JSON."""
     return [
         (
             {
@@ -147,7 +147,7 @@ def annotations_to_json(entries: Sequence[Told]) -> list[Any]:
 
 
 def annotations_from_json(found: list[Any]) -> list[Told]:
-    """What `annotations_to_json` has written. Raises ValueError."""
+    """Convert the result of `annotations_to_json` back. Raises ValueError."""
     return [_entry(entry) for entry in found]
 
 
@@ -171,7 +171,7 @@ def _entry(found: Any) -> Told:
 
 
 def of_component(model: Model, component: Component) -> Facts:
-    """The facts of a component, but for its ports and parameters."""
+    """The facts of a component, without its ports and parameters."""
     name = component.name
     facts: Facts = {}
     if len(name) > 1:
@@ -200,7 +200,7 @@ def of_component(model: Model, component: Component) -> Facts:
 
 
 def _further_files(model: Model, component: Component) -> list[str]:
-    """The base names of the IDL files that declare what no port's type is."""
+    """The base names of the IDL files that declare no port's type."""
     known = {file_of(model, port) for port in component.ports}
     needed = declarations_of(model, component)
     files = dict.fromkeys(PurePosixPath(each.file).name for each in needed)
@@ -271,22 +271,22 @@ def _of_annotations(item: Documented) -> Facts:
 
 
 def default_id(name: ScopedName) -> str:
-    """The repository id of what has no other."""
+    """The default repository id."""
     return f"IDL:{'/'.join(name)}:1.0"
 
 
 def read_text(value: str, usual: str) -> str:
-    """What is read where a text of a component was written."""
+    """A text of a component as it is read back."""
     return value.strip() or usual
 
 
 def read_doc(doc: str, otherwise: str = "") -> str:
-    """What is read where a doc text was written; `otherwise` stands for an empty one."""
+    """A doc text as it is read back; `otherwise` replaces an empty one."""
     return profile_texts.lines(profile_texts.written(doc) or otherwise)
 
 
 def in_profile_order(ports: Sequence[Port]) -> list[Port]:
-    """Ports as a profile has them: data ports, then interfaces by their service ports."""
+    """Ports in the order of a profile: data ports, then interfaces by their service ports."""
     data = [p for p in ports if p.kind in (PortKind.INPORT, PortKind.OUTPORT)]
     return data + [port for group in by_service_port(ports).values() for port in group]
 

@@ -1,4 +1,4 @@
-"""Texts in RtcProfiles: how a definition's texts are written there, and how they are read."""
+"""Escapes texts for RtcProfiles, and reads them back."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ def one_line(text: str) -> str:
 
 
 def summary(description: str, doc: str) -> str:
-    """What a component is, in one line; may be empty."""
+    """The description of a component in one line; may be empty."""
     return description or doc.strip().partition("\n")[0].strip()
 
 
 def word(text: str, otherwise: str) -> str:
-    """The text with nothing in it that no identifier has."""
+    """Remove characters that are illegal in identifiers."""
     name = _OTHER.sub("_", text).lstrip("_") or otherwise
     return name if name[0].isalpha() else f"{otherwise}_{name}"
 

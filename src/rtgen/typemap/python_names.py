@@ -1,4 +1,4 @@
-"""Names in Python for names in a definition (PEP 8 for what rtgen names, the user's otherwise)."""
+"""Python names for names of a definition (PEP 8 for names chosen by rtgen)."""
 
 from __future__ import annotations
 
@@ -16,10 +16,9 @@ _MODULES_OF_PYTHON = ("__init__", "__main__")
 
 
 def identifier(name: str, reserved: Collection[str] = ()) -> str:
-    """The name as a Python identifier: a keyword or a reserved name gets a trailing `_`.
+    """The name as a Python identifier: `_` is appended to a keyword or a reserved name.
 
-    It is in the normal form that Python gives identifiers (NFKC), so that the attribute of that
-    name is found by it.
+    It is in the normal form of Python identifiers (NFKC), so that the attribute is found.
     """
     name = words(name)
     if not name.isidentifier():
@@ -30,7 +29,7 @@ def identifier(name: str, reserved: Collection[str] = ()) -> str:
 
 
 def words(name: str) -> str:
-    """The name in normal form with `_` for what no identifier has."""
+    """The name in normal form, with `_` for illegal characters."""
     if name.isascii():
         return _NOT_A_WORD.sub("_", name)
     name = unicodedata.normalize("NFKC", name)
@@ -44,7 +43,7 @@ def snake_case(name: str) -> str:
 
 
 def module_name(name: str) -> str:
-    """The module or package that rtgen makes for a file's stem or a component."""
+    """The module or package generated for a file's stem or a component."""
     return identifier(snake_case(words(name)), _MODULES_OF_PYTHON)
 
 

@@ -1,4 +1,4 @@
-"""The names that generated modules use of the runtime, the standard library and the builtins."""
+"""Names of the runtime, the standard library and the builtins used by generated modules."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ HOMES = {
     "type": "builtins",
     "zip": "builtins",
 }
-"""Name to module, and the name there if it is another (`module:name`).
+"""Name to module, and the name there if it differs (`module:name`).
 
-No class of a generated module is called so there.
+Classes of generated modules cannot have these names.
 """

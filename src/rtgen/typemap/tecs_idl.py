@@ -1,7 +1,7 @@
-"""TECS to IDL: Table 1 of the RTM-TECS work and its extension, each row once.
+"""TECS to IDL: Table 1 of the RTM-TECS publication and its extension.
 
-What IDL can say about a value is less than what CDL says: the sign of an `int8_t`, the length of
-a buffer. The mapping keeps the bits; `docs/tecs.md` tells how the two views of a value differ.
+IDL expresses less than CDL: it lacks the sign of an `int8_t`, or the length of a buffer. The
+mapping keeps the bits; `docs/tecs.md` describes the differences.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ EXTENSION = {
     Scalar.LONG_LONG: Primitive.LONG_LONG,
     Scalar.ULONG_LONG: Primitive.UNSIGNED_LONG_LONG,
 }
-"""Scalars of fixed width that Table 1 has not."""
+"""Scalars of fixed width that Table 1 lacks."""
 
 BY_WIDTH = {
     (16, True): Primitive.SHORT,
@@ -73,7 +73,7 @@ BY_WIDTH = {
     (64, True): Primitive.LONG_LONG,
     (64, False): Primitive.UNSIGNED_LONG_LONG,
 }
-"""Integers by their bits and whether they have a sign."""
+"""Integers by width and sign."""
 
 _EIGHT_BITS = frozenset(
     (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR, Scalar.INT8, Scalar.UINT8)
@@ -82,7 +82,7 @@ _EIGHT_BITS = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class Widths:
-    """The bits of C's types without a fixed width, as the peer has them."""
+    """Width of C's types without a fixed width, at the peer."""
 
     short: int = 16
     int_: int = 32
@@ -90,7 +90,7 @@ class Widths:
     intptr: int = 32
 
     def of(self, kind: Scalar) -> tuple[int, bool] | None:
-        """Bits and whether there is a sign; None for other types."""
+        """Width and whether there is a sign; None for other types."""
         return {
             Scalar.SHORT: (self.short, True),
             Scalar.USHORT: (self.short, False),
@@ -104,7 +104,7 @@ class Widths:
 
 
 class NotInIdlError(Exception):
-    """Why a type has no IDL; `hint` is what to write instead."""
+    """A type without an IDL equivalent; `hint` suggests an alternative."""
 
     def __init__(self, reason: str, hint: str = "") -> None:
         super().__init__(reason)
@@ -112,10 +112,9 @@ class NotInIdlError(Exception):
 
 
 class IdlTypes:
-    """The IDL of CDL's types in one unit.
+    """The IDL types of CDL types in one unit.
 
-    `structs` and `typedefs` give the names in IDL; what they lack has none of its own there, and
-    is resolved.
+    `structs` and `typedefs` map to names in IDL; types missing there are resolved.
     """
 
     def __init__(
@@ -140,7 +139,7 @@ class IdlTypes:
         return self.type(type_)
 
     def parameter(self, parameter: TecsParameter) -> Type:
-        """The type of a parameter; the star of what is handed back is dropped."""
+        """The type of a parameter; the pointer of an outward one is dropped."""
         type_ = parameter.type
         if parameter.direction is TecsDirection.RECEIVE:
             type_ = _target(type_)
@@ -149,7 +148,7 @@ class IdlTypes:
         return self.sized(type_, parameter.sizes)
 
     def sized(self, type_: CType, sizes: Sizes) -> Type:
-        """The type of a parameter or struct member with its bracket."""
+        """The type of a parameter or struct member with its specifiers."""
         if sizes.nullable:
             bare = replace(sizes, nullable=False)
             present = _target(type_) if bare == Sizes() else type_
@@ -163,7 +162,7 @@ class IdlTypes:
         return self.type(type_)
 
     def type(self, type_: CType) -> Type:
-        """The type of a value without a bracket. Raises NotInIdlError."""
+        """The type of a value without specifiers. Raises NotInIdlError."""
         match type_:
             case CTypedefType(name, target):
                 plain = self.type(target)
@@ -242,7 +241,7 @@ class IdlTypes:
 
 
 def _target(type_: CType) -> CType:
-    """What a pointer points to, or an array holds."""
+    """The target of a pointer, or the element of an array."""
     plain = resolve(type_)
     if isinstance(plain, CPointerType):
         return plain.target
@@ -250,14 +249,14 @@ def _target(type_: CType) -> CType:
 
 
 def _innermost(type_: CType) -> CType:
-    """The element of an array of arrays, typedefs of arrays looked through."""
+    """The element of an array of arrays, through typedefs of arrays."""
     while isinstance(plain := resolve(type_), CArrayType):
         type_ = plain.element
     return type_
 
 
 def _held(type_: CType) -> ScopedName | None:
-    """The struct that a member holds or points to."""
+    """The struct that a member contains or points to."""
     plain = resolve(type_)
     while isinstance(plain, CPointerType | CArrayType):
         inner = plain.target if isinstance(plain, CPointerType) else plain.element
@@ -266,7 +265,7 @@ def _held(type_: CType) -> ScopedName | None:
 
 
 def _bound(sizes: Sizes) -> int | None:
-    """The greatest number of elements, where it is a constant."""
+    """The maximum number of elements, if it is constant."""
     if sizes.max_size is not None:
         return sizes.max_size
     return _constant(sizes.size_is)

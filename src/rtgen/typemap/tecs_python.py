@@ -1,4 +1,4 @@
-"""Names and types in Python for what a CDL file declares."""
+"""Python names and types for declarations of a CDL file."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ CODEC_NAMES = (
     "size_error",
     "within",
 )
-"""What generated codecs may import of `rtgen.runtime.opaque_rpc.codecs`."""
+"""Names of `rtgen.runtime.opaque_rpc.codecs` that generated codecs import."""
 
 FUNCTION_NAMES = ("Messages", "RecordCodec")
-"""The same of its module `functions`."""
+"""Names of the module `functions` that generated codecs import."""
 
 CODEC_ATTRIBUTES = frozenset(
     (
@@ -60,7 +60,7 @@ CODEC_ATTRIBUTES = frozenset(
         *("request_head", "request_limit", "request_sop", "signature", "tdr"),
     )
 )
-"""The attributes of codecs beside those for functions."""
+"""Attributes of codecs, besides those for functions."""
 
 TDR_NAMES = (
     "EOP_NOTHING_FOLLOWS",
@@ -73,7 +73,7 @@ TDR_NAMES = (
     "Tdr",
     "UINT8",
 )
-"""The same of its module `tdr`."""
+"""Names of the module `tdr` that generated codecs import."""
 
 _OF_MODULES = frozenset(
     (
@@ -85,16 +85,16 @@ _OF_MODULES = frozenset(
         *dir(builtins),
     )
 )
-"""Names that generated modules use, so that no struct or constant has them."""
+"""Names used by generated modules, which structs and constants cannot have."""
 
 _IN_CLASSES = ("bool", "bytes", "field", "float", "int", "list", "range", "str")
-"""Names that the body of a struct's class uses."""
+"""Names used in the body of a struct's class."""
 
 _FLOATS = (Scalar.FLOAT32, Scalar.DOUBLE64)
 
 
 def plain_name(signature: Signature) -> str:
-    """The name that artifacts of a signature bear: `sServer` gives `Server`."""
+    """The name of a signature's artifacts: `sServer` gives `Server`."""
     name = signature.name[-1]
     if name[0] == "s" and name[1:2].isupper():
         return name[1:]
@@ -127,7 +127,7 @@ def member_name(name: str) -> str:
 
 
 def annotation(node: Node, given: bool = False) -> str:
-    """The type of a value; `given`: of one that is only read, so that a tuple will do too."""
+    """The type of a value; `given`: only read, so that a tuple is accepted."""
     many = "Sequence" if given else "list"
     match node:
         case Basic(Scalar.BOOL):
@@ -150,18 +150,18 @@ def annotation(node: Node, given: bool = False) -> str:
 
 
 def item_annotation(item: Item, given: bool = False) -> str:
-    """The type of a parameter's value: None stands for NULL."""
+    """The type of a parameter's value; None represents NULL."""
     text = annotation(item.node, given)
     return f"{text} | None" if item.nullable and text != "None" else text
 
 
 def argument_annotation(item: Item) -> str:
-    """The type of what a request tells of a parameter."""
+    """The type of a parameter's value in a request."""
     return "bool" if item.asked else item_annotation(item, given=True)
 
 
 def zero(node: Node) -> str:
-    """An expression for the value that is all zeros; arrays and texts of open length are empty."""
+    """An expression for a value of zeros; arrays and texts of variable length are empty."""
     match node:
         case Basic(Scalar.BOOL):
             return "False"
@@ -183,7 +183,7 @@ def zero(node: Node) -> str:
 
 
 def is_mutable(node: Node) -> bool:
-    """Whether a value can be changed in place."""
+    """Whether a value is mutable."""
     match node:
         case FixedArray() | Record():
             return True

@@ -1,4 +1,4 @@
-"""Types from their canonical spelling, the one that `str` of a type gives (no `fixed`, no maps)."""
+"""Parses types in the canonical spelling given by `str` (no `fixed`, no maps)."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LONGEST = 1000
 
 
 def parsed(text: str) -> Type:
-    """The type of a spelling. Raises ValueError."""
+    """Parse a type. Raises ValueError."""
     if len(text) > _LONGEST:
         raise ValueError("a type is too long")
     if text in _PRIMITIVES:
@@ -41,7 +41,7 @@ def _bound(text: str | None) -> int | None:
 
 
 def names_in(type_: Type) -> Iterator[NamedType]:
-    """The declared types that a type is written with."""
+    """The declared types that a type refers to."""
     match type_:
         case NamedType():
             yield type_
