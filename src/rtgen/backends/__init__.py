@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from importlib import import_module
 from typing import TYPE_CHECKING, Protocol
 
 from rtgen.diagnostics import Diagnostic
@@ -91,3 +92,19 @@ class Backend(Protocol):
     def emit(self, model: Model, options: Options) -> Emission:
         """All files for the model, in a fixed order."""
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class DeferredBackend:
+    """A back end whose module, which has `BACKEND`, is imported when there is something to emit."""
+
+    name: str
+    module: str
+    needed: Callable[[Model, Options], bool]
+
+    def emit(self, model: Model, options: Options) -> Emission:
+        """See `Backend`."""
+        if not self.needed(model, options):
+            return Emission()
+        backend: Backend = import_module(self.module).BACKEND
+        return backend.emit(model, options)

@@ -164,18 +164,21 @@ class _Writer:
         self._model = model
         self._with_annotations = annotations
         self._names = {declaration.name for declaration in model.declarations}
-        own = {declaration.name for declaration in declarations}
-        self._written = {
-            name
-            for name in self._names
-            if own.isdisjoint(name[:depth] for depth in range(1, len(name) + 1))
-        }
+        self._own = {declaration.name for declaration in declarations}
+        self._done: set[ScopedName] = set()
         self._bound_names: dict[ScopedName, frozenset[str]] = {}
         self._inside: dict[ScopedName, list[Declaration]] = {}
         for declaration in model.declarations:
             if self.is_inner(declaration):
                 inner = self._inside.setdefault(declaration.name[:-1], [])
                 inner.append(declaration)
+
+    def _is_written(self, name: ScopedName) -> bool:
+        """Whether it is declared before: here, or by what is not to be written."""
+        prefixes = (name[:depth] for depth in range(1, len(name) + 1))
+        return name in self._done or (
+            name in self._names and self._own.isdisjoint(prefixes)
+        )
 
     def is_inner(self, declaration: Declaration) -> bool:
         """Whether it stands inside of another declaration."""
@@ -196,12 +199,12 @@ class _Writer:
             n for d in (declaration, *inner) for n in referred(d)
         ):
             other = self._model.find(name) if name in self._names else None
-            if name in self._written or name == declaration.name:
+            if self._is_written(name) or name == declaration.name:
                 continue
             if name[:-1] == declaration.name[:-1] and isinstance(
                 other, Interface | Valuetype | Struct | Union
             ):
-                self._written.add(name)
+                self._done.add(name)
                 yield name
 
     def _kind(self, name: ScopedName) -> str:
@@ -220,7 +223,7 @@ class _Writer:
     # Declarations, as lines without their module's indentation.
 
     def _declaration(self, declaration: Declaration) -> Iterator[str]:
-        self._written.add(declaration.name)
+        self._done.add(declaration.name)
         yield from self._above(declaration)
         lines = list(self._definition(declaration))
         lines[-1] += ";"
@@ -373,7 +376,7 @@ class _Writer:
     def _exports(self, declaration: Interface | Valuetype) -> Iterator[str]:
         scope = declaration.name
         for inner in self._inside.get(scope, ()):
-            if inner.name not in self._written:
+            if not self._is_written(inner.name):
                 yield from self._declaration(inner)
         if isinstance(declaration, Valuetype):
             for member in declaration.state:
@@ -515,9 +518,9 @@ class _Writer:
         if (
             isinstance(holder, _INLINE)
             and name[:-1] == scope
-            and name not in self._written
+            and not self._is_written(name)
         ):
-            self._written.add(name)
+            self._done.add(name)
             lines = self._definition(self._model.find(name))
             return "\n".join(lines).replace("\n", f"\n{_STEP}")
         return self._name(name, scope, beside)

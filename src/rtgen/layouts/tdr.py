@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import Enum, auto
+from functools import cached_property
 from typing import TypeAlias
 
 from rtgen.diagnostics import Span
@@ -271,7 +272,7 @@ class Reserve:
 Step: TypeAlias = Run | Payload | Part | Branch | Reserve
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class FunctionLayout:
     """A function. `reply` is None where it is oneway; `paper` the reply with the outs first.
 
@@ -288,12 +289,12 @@ class FunctionLayout:
     kept: tuple[Item, ...]
     leaves_out: bool
 
-    @property
+    @cached_property
     def arguments(self) -> tuple[Item, ...]:
         """What the request tells something of."""
         return tuple(i for i in self.items if i.inward or i.asked)
 
-    @property
+    @cached_property
     def outs(self) -> tuple[Item, ...]:
         """What the reply has values of."""
         return tuple(i for i in self.items if i.outward)

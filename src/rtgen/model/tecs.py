@@ -310,12 +310,16 @@ class TecsDirection(StrEnum):
     @property
     def inward(self) -> bool:
         """Whether the value travels with the request."""
-        return self in (TecsDirection.IN, TecsDirection.INOUT, TecsDirection.SEND)
+        return self in _INWARD
 
     @property
     def outward(self) -> bool:
         """Whether the value travels with the reply."""
-        return self in (TecsDirection.OUT, TecsDirection.INOUT, TecsDirection.RECEIVE)
+        return self in _OUTWARD
+
+
+_INWARD = frozenset({TecsDirection.IN, TecsDirection.INOUT, TecsDirection.SEND})
+_OUTWARD = frozenset({TecsDirection.OUT, TecsDirection.INOUT, TecsDirection.RECEIVE})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -166,13 +166,16 @@ def _apply(project: Project, planned: Plan) -> None:
             change.path.unlink()
     for folder in planned.barren:
         _remove_barren(folder)
-    touched = set()
-    for change in (*planned.changes, *planned.skeletons):
+    wanted = [c for c in (*planned.changes, *planned.skeletons) if c.new is not None]
+    for folder in dict.fromkeys(change.path.parent for change in wanted):
+        folder.mkdir(parents=True, exist_ok=True)
+    manifest = project.output / MANIFEST
+    # What a power failure takes of other files, the next run makes again.
+    lasting = {manifest, *(skeleton.path for skeleton in planned.skeletons)}
+    for change in wanted:
         if change.new is not None:
-            change.path.parent.mkdir(parents=True, exist_ok=True)
-            _write_whole(change.path, change.new)
-            touched.add(change.path.parent)
-    for folder in sorted(touched):
+            _write_whole(change.path, change.new, lasting=change.path in lasting)
+    for folder in sorted({c.path.parent for c in wanted if c.path in lasting}):
         _sync_folder(folder)
 
 
@@ -369,14 +372,16 @@ def _read(path: Path) -> bytes | None:
     return path.read_bytes() if stat.S_ISREG(path.lstat().st_mode) else None
 
 
-def _write_whole(path: Path, data: bytes) -> None:
-    """Writes a file so that its place never holds a part of it."""
+def _write_whole(path: Path, data: bytes, *, lasting: bool) -> None:
+    """Writes a file so that its place never holds a part of it; `lasting`: nor after a crash of
+    the system."""
     temporary = path.with_name(f"{_TEMPORARY[0]}{os.getpid()}{_TEMPORARY[1]}")
     try:
         with temporary.open("xb") as stream:
             stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
+            if lasting:
+                stream.flush()
+                os.fsync(stream.fileno())
         if data.startswith(_SCRIPT):
             mode = stat.S_IMODE(temporary.stat().st_mode)
             # Who may read a script may run it.

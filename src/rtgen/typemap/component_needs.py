@@ -25,14 +25,15 @@ def declarations_of(model: Model, component: Component) -> list[Declaration]:
     names = [each.name for item in items for each in names_in(item.type)]
     names += [component.base] if component.base is not None else []
     names += component.supports
-    enumerators = {
-        (*each.name[:-1], member.name): each.name
-        for each in model.declarations
-        if isinstance(each, Enum)
-        for member in each.members
-    }
     named = [name for item in (component, *items) for name in _enumerators(item)]
-    names += [enumerators[name] for name in named if name in enumerators]
+    if named:
+        enumerators = {
+            (*each.name[:-1], member.name): each.name
+            for each in model.declarations
+            if isinstance(each, Enum)
+            for member in each.members
+        }
+        names += [enumerators[name] for name in named if name in enumerators]
     return [model.find(name) for name in dict.fromkeys(names)]
 
 

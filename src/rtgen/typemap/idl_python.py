@@ -392,10 +392,16 @@ class PythonNames:
 
     def public_companion(self, name: ScopedName, suffix: str) -> str:
         """Its name in the package of the declaration's IDL module."""
-        scope = {
-            d.name[-1] for d in self._model.declarations if d.name[:-1] == name[:-1]
-        }
-        return _free(self._attribute(name) + suffix, scope)
+        return _free(self._attribute(name) + suffix, self._members_of[name[:-1]])
+
+    @cached_property
+    def _members_of(self) -> dict[ScopedName, set[str]]:
+        """The names that each scope declares."""
+        found: dict[ScopedName, set[str]] = {}
+        for declaration in self._model.declarations:
+            *scope, name = declaration.name
+            found.setdefault(tuple(scope), set()).add(name)
+        return found
 
     def is_nested(self, name: ScopedName) -> bool:
         """Whether it is declared inside an interface, struct or similar."""

@@ -6,6 +6,7 @@ import keyword
 import re
 import unicodedata
 from collections.abc import Collection
+from functools import lru_cache
 
 from rtgen.model import ScopedName
 
@@ -20,10 +21,19 @@ def identifier(name: str, reserved: Collection[str] = ()) -> str:
 
     It is in the normal form of Python identifiers (NFKC), so that the attribute is found.
     """
+    name = _plain(name)
+    while name in reserved or keyword.iskeyword(name):
+        name += "_"
+    return name
+
+
+@lru_cache(maxsize=16384)
+def _plain(name: str) -> str:
+    """The name as an identifier that is no keyword."""
     name = words(name)
     if not name.isidentifier():
         name = f"o_{name}"
-    while keyword.iskeyword(name) or name in reserved:
+    while keyword.iskeyword(name):
         name += "_"
     return name
 

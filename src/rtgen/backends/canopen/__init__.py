@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
-from rtgen.backends.canopen.backend import BACKEND
+from rtgen.backends import DeferredBackend
+
+BACKEND = DeferredBackend(
+    "canopen",
+    "rtgen.backends.canopen.backend",
+    lambda model, _: bool(model.devices or model.buses),
+)
 
 __all__ = ["BACKEND"]

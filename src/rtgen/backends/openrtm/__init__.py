@@ -2,6 +2,15 @@
 
 from __future__ import annotations
 
-from rtgen.backends.openrtm.backend import BACKEND
+from rtgen.backends import DeferredBackend
 
-__all__ = ["BACKEND"]
+TARGET = "openrtm"
+"""The target that this back end emits for."""
+
+BACKEND = DeferredBackend(
+    "openrtm",
+    "rtgen.backends.openrtm.backend",
+    lambda _, options: options.target == TARGET,
+)
+
+__all__ = ["BACKEND", "TARGET"]

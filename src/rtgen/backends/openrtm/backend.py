@@ -16,9 +16,6 @@ from rtgen.backends.tecs.backend import rtc_packages
 from rtgen.diagnostics import has_errors
 from rtgen.model import Model
 
-TARGET = "openrtm"
-"""The target that this back end emits for."""
-
 
 class OpenRtmBackend:
     """Makes a folder for each component: its OpenRTM module, and what belongs to it."""
@@ -26,8 +23,8 @@ class OpenRtmBackend:
     name = "openrtm"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """All files of all components; nothing for another target, or where anything is wrong."""
-        if options.target != TARGET or has_errors(check(model)):
+        """All files of all components; nothing where anything is wrong."""
+        if has_errors(check(model)):
             return Emission()
         units = [Unit(model, options, options.factories), *_of_tecs(model, options)]
         planned, findings = plans(units)

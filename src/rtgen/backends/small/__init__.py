@@ -2,6 +2,15 @@
 
 from __future__ import annotations
 
-from rtgen.backends.small.backend import BACKEND
+from rtgen.backends import DeferredBackend
 
-__all__ = ["BACKEND"]
+TARGET = "small"
+"""The target that this back end emits for."""
+
+BACKEND = DeferredBackend(
+    "small",
+    "rtgen.backends.small.backend",
+    lambda _, options: options.target == TARGET,
+)
+
+__all__ = ["BACKEND", "TARGET"]

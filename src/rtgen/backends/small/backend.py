@@ -27,7 +27,6 @@ from rtgen.model import (
 from rtgen.typemap.idl_python import PythonNames, package_path
 from rtgen.typemap.python_names import module_name
 
-TARGET = "small"
 ROOT = "small"
 """The folder of everything, below the output folder: what is copied to a board."""
 RUNTIME = (
@@ -44,8 +43,8 @@ class SmallBackend:
     name = "small"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """All files of all components that have a small form; nothing for another target."""
-        if options.target != TARGET or has_errors(check(model)):
+        """All files of all components that have a small form."""
+        if has_errors(check(model)):
             return Emission()
         names = PythonNames(model, options.package)
         limits = Limits(*options.small)

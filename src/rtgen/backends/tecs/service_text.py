@@ -52,6 +52,7 @@ class ServiceText:
         self.structs = struct_classes(layout)
         self._taken = LOCALS.union(self.structs)
         self._parameters: dict[int, dict[str, str]] = {}
+        self._heads: dict[int, tuple[str, str]] = {}
 
     def method(
         self, layout: FunctionLayout, *, documented: bool = False, call: bool = False
@@ -60,17 +61,19 @@ class ServiceText:
         function = layout.function
         name = self.methods[function.name]
         names = self.parameters(layout)
-        given = ", ".join(
-            ["self.channel", *(names[item.name] for item in layout.arguments)]
-        )
-        verb = "" if result_text(layout) == "None" else "return "
-        return Method(
-            name,
-            parameters_text(layout, names),
-            result_text(layout),
-            docstring(f"`{shown(function)}`.", 8) if documented else "",
-            (f"{verb}self.codec.{name}.call({given})",) if call else (),
-        )
+        if function.id not in self._heads:
+            texts = parameters_text(layout, names), result_text(layout)
+            self._heads[function.id] = texts
+        parameters, result = self._heads[function.id]
+        body: tuple[str, ...] = ()
+        if call:
+            given = ", ".join(
+                ["self.channel", *(names[item.name] for item in layout.arguments)]
+            )
+            verb = "" if result == "None" else "return "
+            body = (f"{verb}self.codec.{name}.call({given})",)
+        text = docstring(f"`{shown(function)}`.", 8) if documented else ""
+        return Method(name, parameters, result, text, body)
 
     def parameters(self, layout: FunctionLayout) -> dict[str, str]:
         """The Python names of a function's parameters."""
