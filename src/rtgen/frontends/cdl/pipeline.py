@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import re
 import sys
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from rtgen.diagnostics import Diagnostic, Severity, Span, in_order
+from rtgen.diagnostics import Diagnostic, Span, in_order
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.cdl.c_headers.file import HeaderFile
 from rtgen.frontends.cdl.names.table import Table
@@ -19,13 +18,11 @@ from rtgen.frontends.cdl.rules import files
 from rtgen.frontends.cdl.syntax import parser
 from rtgen.frontends.cdl.syntax.unit import Unit
 from rtgen.frontends.cdl.text.source import Source
+from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import Library, absolute_path
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import Model, SourceFile
 from rtgen.model.tecs import TecsUnit
-
-MAX_FINDINGS = 1000
-"""How many findings of one severity a run gives."""
 
 _FRAMES = 12 * parser.MAX_NESTING
 """Enough calls within calls for what nests as deeply as it may."""
@@ -68,7 +65,7 @@ def read_text(
         unit = run.unit(source)
     finally:
         sys.setrecursionlimit(limit)
-    return unit, tuple(in_order(run.found))
+    return unit, tuple(in_order(run.found.diagnostics))
 
 
 class _Run:
@@ -90,20 +87,9 @@ class _Run:
         self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
         self._define = define
         self._with_prelude = with_prelude
-        self._counts: Counter[Severity] = Counter()
+        self.found = Findings(files.TOO_MANY)
+        self._report = self.found.report
         self._files: dict[str, SourceFile] = {}
-        self.found: dict[Diagnostic, None] = {}
-
-    def _report(self, diagnostic: Diagnostic) -> None:
-        if diagnostic in self.found:
-            return
-        self._counts[diagnostic.severity] += 1
-        count = self._counts[diagnostic.severity]
-        if count <= MAX_FINDINGS:
-            self.found[diagnostic] = None
-        elif count == MAX_FINDINGS + 1:
-            message = f"more than {MAX_FINDINGS} {diagnostic.severity}s: the rest is not shown"
-            self.found[files.TOO_MANY.at(diagnostic.span, message)] = None
 
     def result(self) -> FrontendResult:
         sources = [s for s in map(self._open, self._paths) if s is not None]
@@ -115,7 +101,7 @@ class _Run:
             )
         return FrontendResult(
             model=Model(tuple(self._files.values()), (), (), tuple(units)),
-            diagnostics=tuple(in_order(self.found)),
+            diagnostics=tuple(in_order(self.found.diagnostics)),
             sources={source.name: source.text for source in self._library.sources},
             dependencies=(*self._library.dependencies, *self._headers.dependencies),
         )
@@ -154,7 +140,7 @@ class _Run:
 
     def unit(self, source: Source) -> TecsUnit:
         """The unit of a main file."""
-        before = self._counts[Severity.ERROR]
+        before = self.found.errors
         names = frozenset(kernel.TYPES) if self._with_prelude else frozenset[str]()
         reader = Reader(self._library, self._headers, self._define, names, self._report)
         unit = reader.read(source)
@@ -162,7 +148,7 @@ class _Run:
         table.lacking = reader.incomplete
         Analysis(table).run(unit)
         self._note_prelude(table)
-        wrong = table.excused or self._counts[Severity.ERROR] > before
+        wrong = table.excused or self.found.errors > before
         reader.tell_missing(failed=wrong)
         for read in reader.units:
             self._note(read, main=read is unit)

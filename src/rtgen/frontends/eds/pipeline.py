@@ -127,7 +127,7 @@ def read_bytes(
     """
     document = ini.read(data, file, findings)
     device = None if findings.failed else _described(document, findings, node_id)
-    findings.diagnostics = [_in_section(d, document) for d in findings.diagnostics]
+    findings.rewrite(lambda found: _in_section(found, document))
     if device is None or findings.failed:
         return None, document.text
     digest = sha256(data).hexdigest()

@@ -19,6 +19,11 @@ from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.unit import Unit
 from rtgen.frontends.kit import lalr
 from rtgen.frontends.kit.lalr import END, Token, token
+from rtgen.frontends.kit.recovery import (
+    RecoveringParser,
+    end_of_declaration,
+    resumption,
+)
 
 if TYPE_CHECKING:
     from rtgen.frontends.idl.syntax_errors import ErrorContext, Recovery
@@ -34,7 +39,6 @@ _TEMPLATES = re.compile(
     r"""L?"(?:\\.|[^"\\\n])*"|L?'(?:\\.|[^'\\\n]){0,12}'|>>|<<|[<>;{}]|[^\s<>;{}"'\w]+|\w+""",
     re.DOTALL,
 )
-_END_OF_DECLARATION = re.compile(r"\s*;|[ \t]*\w+\s*;")
 _TEMPLATE_WORDS = frozenset(
     ("sequence", "string", "wstring", "fixed", "map", "bitfield")
 )
@@ -60,7 +64,7 @@ class _Run:
         self._unit = unit
         self._report = report
         self._text = _mark_closers(unit.text) if ">>" in unit.text else unit.text
-        self._parser = lalr.Parser(_grammar(), self._text)
+        self._parser = RecoveringParser(_grammar(), self._text)
         self._errors = 0
         self._last_error = -1
         self._surplus = self._text.count("{") - self._text.count("}")
@@ -141,7 +145,7 @@ class _Run:
             max(found.end_pos, start + 1),
             accepted,
             len(self._text[:start].rstrip()),
-            self._opening(),
+            self._parser.opening(),
             self._surplus,
         )
         mistake = explain(situation)
@@ -164,7 +168,7 @@ class _Run:
         if not mistake.feed and mistake.resume is None:
             return False
         if mistake.back or not mistake.feed:
-            self._unwind()
+            self._parser.unwind()
             if not mistake.feed:
                 self._lose(situation.statement, mistake.resume or situation.start)
                 parser.feed(token("ERROR", situation.start))
@@ -186,20 +190,16 @@ class _Run:
             parser.position = mistake.resume
         return True
 
+    def _close(self) -> None:
+        most = min(3 * len(self._parser.states), MOST_CLOSED)
+        self._parser.close(len(self._text), most)
+
     def _lose(self, start: int, end: int) -> None:
         """Record the names that a broken declaration may have declared."""
         names = [match[1] for match in _DECLARED.finditer(self._text, start, end)]
         for match in _ENUMERATORS.finditer(self._text, start, end):
             names += _NAME.findall(match[1])
         self._unit.lost.update(name.removeprefix("_").lower() for name in names)
-
-    def _opening(self) -> int | None:
-        """The place of the innermost open brace."""
-        for value in reversed(self._parser.values):
-            if getattr(value, "type", None) == "LBRACE":
-                place: int = value.start_pos
-                return place
-        return None
 
     def _bad_character(self) -> None:
         from rtgen.frontends.idl.syntax_errors import bad_character, is_blank, meant
@@ -244,65 +244,19 @@ class _Run:
 
     def _resume(self, start: int, statement: int) -> None:
         """Reset the stack to a list of declarations, and skip the rest of the broken one."""
-        depth = self._unwind()
+        depth = self._parser.unwind()
         self._parser.feed(token("ERROR", start))
         if self._errors > MAX_ERRORS:
             start = len(self._text)
-        position = self._behind(start, depth)
+        position = resumption(self._text, start, depth, _MARKS)
         stuck = position == start < len(self._text)
         if stuck and "RBRACE" not in self._parser.accepts():
-            rest = _END_OF_DECLARATION.match(self._text, start + 1)
-            position = rest.end() if rest else start + 1
+            end = end_of_declaration(self._text, start + 1)
+            position = start + 1 if end is None else end
         self._lose(statement, position)
         self._parser.position = position
         if position >= len(self._text):
             self._close()
-
-    def _behind(self, start: int, depth: int) -> int:
-        """The offset after the `;` that ends the declaration, or before the enclosing `}`."""
-        opened = depth > 0
-        for match in _MARKS.finditer(self._text, start):
-            mark = match[0]
-            if mark == "{":
-                depth += 1
-                opened = True
-            elif mark == "}":
-                if depth == 0:
-                    return match.start()
-                depth -= 1
-                if depth == 0 and opened:
-                    rest = _END_OF_DECLARATION.match(self._text, match.end())
-                    return rest.end() if rest else match.end()
-            elif mark == ";" and depth == 0:
-                return match.end()
-        return len(self._text)
-
-    def _unwind(self) -> int:
-        """Reset the stack to the innermost list of declarations; return the braces left open."""
-        parser = self._parser
-        depth = 0
-        while len(parser.states) > 1 and (depth < 0 or not parser.takes("ERROR")):
-            parser.states.pop()
-            kind = getattr(parser.values.pop(), "type", None)
-            depth += (kind == "LBRACE") - (kind == "RBRACE")
-        return depth
-
-    def _close(self) -> None:
-        """Close open constructs at the end of the text, to keep what was read before."""
-        end = len(self._text)
-        parser = self._parser
-        for _ in range(min(3 * len(parser.states), MOST_CLOSED)):
-            accepted = parser.accepts()
-            if END in accepted:
-                return
-            if "RBRACE" in accepted:
-                parser.feed(token("RBRACE", end, "}"))
-            elif "SEMI" in accepted:
-                parser.feed(token("SEMI", end, ";"))
-            else:
-                self._unwind()
-                parser.feed(token("ERROR", end))
-        del parser.states[1:], parser.values[:]
 
 
 def _mark_closers(text: str) -> str:

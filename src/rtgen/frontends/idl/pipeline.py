@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from rtgen.diagnostics import Diagnostic, Related, Severity, Span, in_order
+from rtgen.diagnostics import Diagnostic, Related, Span, in_order
 from rtgen.frontends import FrontendResult
 from rtgen.frontends.idl import checks, preprocessor, tables
 from rtgen.frontends.idl.checks import levels
@@ -24,6 +23,7 @@ from rtgen.frontends.idl.tables import Tables
 from rtgen.frontends.idl.tree import Item
 from rtgen.frontends.idl.typetable import Types
 from rtgen.frontends.idl.unit import Inclusion, Unit
+from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import VirtualFile, absolute_path
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import (
@@ -38,8 +38,6 @@ from rtgen.model import (
 if TYPE_CHECKING:
     from rtgen.frontends.idl.neighbours import Neighbours
 
-MAX_FINDINGS = 1000
-"""Maximum number of diagnostics of one severity in a run."""
 
 _FRAMES = 12 * max(tables.MAX_DEPTH, preprocessor.MAX_DEPTH)
 """Recursion limit sufficient for the deepest nesting allowed."""
@@ -90,8 +88,7 @@ class _Run:
         ]
         self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
         self._ignore_case_clashes = ignore_case_clashes
-        self._found: dict[Diagnostic, None] = {}
-        self._counts: Counter[Severity] = Counter()
+        self._found = Findings(syntax.TOO_MANY_FINDINGS)
         self._preprocessor = Preprocessor(self._library, self._report)
         self._trees: dict[Unit, tuple[Item, ...]] = {}
         self._declarations: dict[ScopedName, Declaration] = {}
@@ -103,23 +100,9 @@ class _Run:
         self._neighbours: Neighbours | None = None
 
     def _report(self, diagnostic: Diagnostic) -> None:
-        if diagnostic in self._found:
-            return
         if diagnostic.code == syntax.OTHER_LANGUAGE.code:
-            self._forget(diagnostic.span)
-        self._counts[diagnostic.severity] += 1
-        if self._counts[diagnostic.severity] <= MAX_FINDINGS:
-            self._found[diagnostic] = None
-        elif self._counts[diagnostic.severity] == MAX_FINDINGS + 1:
-            message = f"more than {MAX_FINDINGS} {diagnostic.severity}s: the rest is not shown"
-            self._found[syntax.TOO_MANY_FINDINGS.at(diagnostic.span, message)] = None
-
-    def _forget(self, span: Span | None) -> None:
-        """Drop the other diagnostics in a file that turned out to be in another language."""
-        file = span.file if span else None
-        self._found = {
-            d: None for d in self._found if d.span is None or d.span.file != file
-        }
+            self._found.forget(diagnostic.span.file if diagnostic.span else None)
+        self._found.report(diagnostic)
 
     def result(self, define: Mapping[str, str]) -> FrontendResult:
         try:
@@ -140,7 +123,7 @@ class _Run:
             model=Model(
                 tuple(self._files.values()), tuple(self._declarations.values())
             ),
-            diagnostics=tuple(in_order(self._found)),
+            diagnostics=tuple(in_order(self._found.diagnostics)),
             sources={source.name: source.text for source in self._library.sources},
             dependencies=self._library.dependencies,
         )
@@ -193,7 +176,7 @@ class _Run:
                 made[declaration.name] = declaration
         made = levels.checked(made, self._report)
         checks.run(tables, types, made, self._report)
-        if not self._counts[Severity.ERROR]:
+        if not self._found.errors:
             checks.left_out(tables, types, made, self._report)
         self._undefined |= {found: name for name, found in tables.undefined.items()}
         self._defined.update(e.path for e in tables.declared if e.node is not None)

@@ -15,6 +15,7 @@ from rtgen.frontends.idl.rules import lexical
 from rtgen.frontends.kit import library
 from rtgen.frontends.kit.doc_comments import Comment
 from rtgen.frontends.kit.library import MAX_BYTES, VirtualFile
+from rtgen.frontends.kit.lines import LineTable
 
 _FALLBACK = "rtgen-latin-1"
 _SPLICE = re.compile(r"(?<![\x80-\xff])\\\r?\n")
@@ -121,8 +122,8 @@ class Source:
         return str(self.path.resolve())
 
     @cached_property
-    def _line_starts(self) -> list[int]:
-        return [0, *(match.end() for match in re.finditer("\n", self.text))]
+    def _lines(self) -> LineTable:
+        return LineTable(self.name, self.text)
 
     def text_offset(self, offset: int) -> int:
         """The offset in `text` of an offset in `code`."""
@@ -130,12 +131,11 @@ class Source:
 
     def position(self, offset: int) -> tuple[int, int]:
         """Line and column, both 1-based, of an offset in `text`."""
-        line = bisect_right(self._line_starts, offset)
-        return line, offset - self._line_starts[line - 1] + 1
+        return self._lines.position(offset)
 
     def text_span(self, start: int, end: int) -> Span:
         """The span of [start, end) of `text`."""
-        return Span(self.name, *self.position(start), *self.position(end))
+        return self._lines.span(start, end)
 
     def span(self, start: int, end: int) -> Span:
         """The span of [start, end) of `code`."""

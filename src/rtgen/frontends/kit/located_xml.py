@@ -7,7 +7,6 @@ Document type declarations are refused, so no entity is ever expanded and nothin
 from __future__ import annotations
 
 import re
-from bisect import bisect_right
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +14,7 @@ from typing import NoReturn
 from xml.parsers import expat
 
 from rtgen.diagnostics import InputError, Rule, Severity, Span
+from rtgen.frontends.kit.lines import LineTable
 
 _MALFORMED = """\
 The file is not well-formed XML: a tag is not closed, an attribute is not quoted, a prefix is not
@@ -139,6 +139,9 @@ def decode(data: bytes, file: str) -> str:
         ) from None
 
 
+_NEWLINE = re.compile(r"\r\n?|\n")
+
+
 def parse(text: str, file: str) -> Element:
     """The root element of an XML text. Raises InputError with one located finding."""
     return _Builder(text, file).run()
@@ -151,8 +154,7 @@ class _Builder:
         self._text = text
         self._file = file
         self._data = text.encode("utf-8", errors="replace")
-        self._line_starts = [0]
-        self._line_starts += [m.end() for m in re.finditer(r"\r\n?|\n", text)]
+        self._lines = LineTable(file, text, _NEWLINE)
         self._open: list[Element] = []
         self._root: Element | None = None
         parser = expat.ParserCreate(encoding="utf-8", namespace_separator=" ")
@@ -176,17 +178,11 @@ class _Builder:
         return self._root
 
     def _offset(self, line: int, column: int) -> int:
-        start = self._line_starts[min(line, len(self._line_starts)) - 1]
-        return min(start + column, len(self._text))
+        starts = self._lines.starts
+        return min(starts[min(line, len(starts)) - 1] + column, len(self._text))
 
     def _span(self, offset: int, length: int) -> Span:
-        start, start_column = self._position(offset)
-        end, end_column = self._position(min(offset + length, len(self._text)))
-        return Span(self._file, start, start_column, end, end_column)
-
-    def _position(self, offset: int) -> tuple[int, int]:
-        line = bisect_right(self._line_starts, offset)
-        return line, offset - self._line_starts[line - 1] + 1
+        return self._lines.span(offset, min(offset + length, len(self._text)))
 
     def _here(self) -> int:
         return self._offset(

@@ -20,6 +20,11 @@ from rtgen.frontends.cdl.syntax.unit import TypeNames, Unit
 from rtgen.frontends.cdl.syntax.words import RESERVED, SPECIFIERS, TERMINALS, WORDS
 from rtgen.frontends.kit import lalr
 from rtgen.frontends.kit.lalr import END, WORD, Token, token
+from rtgen.frontends.kit.recovery import (
+    RecoveringParser,
+    end_of_declaration,
+    resumption,
+)
 from rtgen.model.types import ScopedName
 
 if TYPE_CHECKING:
@@ -32,7 +37,6 @@ MAX_NESTING = 200
 """How deep the parser's stack may grow: a bound for everything that walks over the tree."""
 
 _MARKS = re.compile(r'"(?:[^"\\\n]|\\.)*"|[{};]', re.DOTALL)
-_END_OF_STATEMENT = re.compile(r"\s*;|[ \t]*\w+\s*;")
 _DECLARED = re.compile(r"\b([A-Za-z_]\w*)(?=\s*[;,{(\[=}])")
 
 
@@ -65,7 +69,7 @@ def parse(
     return _Run(unit, types, imports, report).result()
 
 
-class CdlParser(lalr.Parser):
+class CdlParser(RecoveringParser):
     """A parser that knows which words are types, and which stand in a bracket of specifiers."""
 
     watched = frozenset(("SEMI", "LBRACE", "SPEC_L", "SPEC_R"))
@@ -127,12 +131,7 @@ class CdlParser(lalr.Parser):
             self._imports.import_header(statement, self._unit)
 
     def unwind(self) -> int:
-        """Go back to the innermost list of statements, and say how many braces were open."""
-        depth = 0
-        while len(self.states) > 1 and (depth < 0 or not self.takes("ERROR")):
-            self.states.pop()
-            kind = getattr(self.values.pop(), "type", None)
-            depth += (kind == "LBRACE") - (kind == "RBRACE")
+        depth = super().unwind()
         self._in_specifiers = False
         self.space = tuple(
             head.name.text
@@ -187,7 +186,7 @@ class _Run:
 
     def _unexpected(self, found: Token) -> None:
         if found.type == END and self._unit.source.unfinished:
-            self._close()
+            self._parser.close(len(self._text), 3 * MAX_NESTING)
             return
         from rtgen.frontends.cdl.syntax.mistakes import Situation, explain
 
@@ -202,7 +201,7 @@ class _Run:
             end=max(found.end_pos, start + 1),
             accepted=self._parser.accepts(),
             last=len(self._text[:start].rstrip()),
-            opening=self._opening(),
+            opening=self._parser.opening(),
             surplus=self._surplus,
         )
         mistake = explain(situation)
@@ -242,14 +241,6 @@ class _Run:
         else:
             parser.position = situation.start
         return True
-
-    def _opening(self) -> int | None:
-        """The place of the innermost brace that is open."""
-        for value in reversed(self._parser.values):
-            if getattr(value, "type", None) == "LBRACE":
-                place: int = value.start_pos
-                return place
-        return None
 
     def _bad_character(self) -> None:
         from rtgen.frontends.cdl.syntax.mistakes import bad_character, meant
@@ -292,51 +283,14 @@ class _Run:
         self._parser.feed(token("ERROR", start))
         if self._errors > MAX_ERRORS:
             start = len(self._text)
-        position = self._behind(start, depth)
+        position = resumption(self._text, start, depth, _MARKS)
         stuck = position == start < len(self._text)
         if stuck and "RBRACE" not in self._parser.accepts():
-            rest = _END_OF_STATEMENT.match(self._text, start + 1)
-            position = rest.end() if rest else start + 1
+            end = end_of_declaration(self._text, start + 1)
+            position = start + 1 if end is None else end
         statement = max(self._text.rfind(mark, 0, start) for mark in ";{}") + 1
         lost = _DECLARED.findall(self._text, statement, position)
         self._unit.lost.update(lost)
         self._parser.position = position
         if position >= len(self._text):
-            self._close()
-
-    def _behind(self, start: int, depth: int) -> int:
-        """Behind the `;` that ends the statement, or before the `}` around it."""
-        opened = depth > 0
-        for match in _MARKS.finditer(self._text, start):
-            mark = match[0]
-            if mark == "{":
-                depth += 1
-                opened = True
-            elif mark == "}":
-                if depth == 0:
-                    return match.start()
-                depth -= 1
-                if depth == 0 and opened:
-                    rest = _END_OF_STATEMENT.match(self._text, match.end())
-                    return rest.end() if rest else match.end()
-            elif mark == ";" and depth == 0:
-                return match.end()
-        return len(self._text)
-
-    def _close(self) -> None:
-        """Close what is open at the end of the text, to keep what was read before."""
-        end = len(self._text)
-        parser = self._parser
-        parser.position = end
-        for _ in range(3 * MAX_NESTING):
-            accepted = parser.accepts()
-            if END in accepted:
-                return
-            if "RBRACE" in accepted:
-                parser.feed(token("RBRACE", end, "}"))
-            elif "SEMI" in accepted:
-                parser.feed(token("SEMI", end, ";"))
-            else:
-                parser.unwind()
-                parser.feed(token("ERROR", end))
-        del parser.states[1:], parser.values[:]
+            self._parser.close(len(self._text), 3 * MAX_NESTING)

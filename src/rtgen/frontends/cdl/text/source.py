@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from bisect import bisect_right
 from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
@@ -14,6 +13,7 @@ from rtgen.frontends.cdl.text import encodings
 from rtgen.frontends.kit import library
 from rtgen.frontends.kit.doc_comments import Comment, Docs
 from rtgen.frontends.kit.library import MAX_BYTES
+from rtgen.frontends.kit.lines import LineTable
 
 ANGLE_MARK = "\x02"
 """Stands in `code` for the `<` that an angle string begins with."""
@@ -27,7 +27,6 @@ _TOKENS = re.compile(
 )
 _ANGLE = re.compile(r"<(?:[^>\\\n]|\\[^\n])*>")
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f\x7f]")
-_NEWLINE = re.compile("\n")
 
 
 class Source:
@@ -126,22 +125,16 @@ class Source:
         return Docs(self.code, self.comments)
 
     @cached_property
-    def _line_starts(self) -> list[int]:
-        return [0, *(match.end() for match in _NEWLINE.finditer(self.text))]
+    def _lines(self) -> LineTable:
+        return LineTable(self.name, self.text)
 
     def position(self, offset: int) -> tuple[int, int]:
         """Line and column, both from 1, of a place in the text."""
-        line = bisect_right(self._line_starts, offset)
-        return line, offset - self._line_starts[line - 1] + 1
+        return self._lines.position(offset)
 
     def span(self, start: int, end: int) -> Span:
         """The span of [start, end)."""
-        starts = self._line_starts
-        line = bisect_right(starts, start)
-        first = starts[line - 1] - 1
-        if line < len(starts) and start <= end < starts[line]:
-            return Span(self.name, line, start - first, line, end - first)
-        return Span(self.name, line, start - first, *self.position(max(start, end)))
+        return self._lines.span(start, end)
 
     def after(self, offset: int) -> Span:
         """The place just behind the character before `offset`, one column wide."""

@@ -1,0 +1,117 @@
+"""Context of a syntax error: the unexpected token, its surroundings, how to recover from it."""
+
+from __future__ import annotations
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Set
+from dataclasses import dataclass
+from functools import cached_property
+
+from rtgen.diagnostics import Diagnostic, Related, Rule, Span
+
+FAR = 4000
+"""So many characters around an error are looked at."""
+
+ENDS = re.compile(r"[;{}]")
+"""Where declarations end."""
+
+_FEW = 6
+_INTERNAL = frozenset(("ERROR", "ANNOTATION_DCL", "TRAILING"))
+
+
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """A diagnostic with a recovery; without a diagnostic the error has been reported.
+
+    `feed` are terminals to supply before the token, or replacing it with `instead` (without
+    `feed`, the token is dropped), after a reset to the list of declarations with `back`. `resume`
+    is the offset where parsing continues; None: after the broken declaration.
+    """
+
+    diagnostic: Diagnostic | None
+    feed: tuple[str, ...] = ()
+    instead: bool = False
+    back: bool = False
+    resume: int | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class BaseContext(ABC):
+    """An unexpected token and its surroundings, in any language with braces and `;`.
+
+    `kind` is the token's terminal; `accepted` are the terminals that fit; `last` is the end of
+    the token before; `opening` is the innermost open brace; `surplus` is the number of `{` minus
+    that of `}` in the text.
+    """
+
+    kind: str
+    text: str
+    start: int
+    end: int
+    accepted: Set[str]
+    last: int
+    opening: int | None
+    surplus: int
+
+    @property
+    @abstractmethod
+    def code(self) -> str:
+        """The text that is parsed."""
+
+    @abstractmethod
+    def span(self, start: int, end: int) -> Span:
+        """The span of [start, end) of the text."""
+
+    @abstractmethod
+    def span_after(self, offset: int) -> Span:
+        """The place just behind the character before an offset."""
+
+    @staticmethod
+    @abstractmethod
+    def shown(terminal: str) -> str:
+        """A terminal in a user's words: `a name`, `';'`."""
+
+    @cached_property
+    def statement(self) -> int:
+        """The start of the declaration that contains the token."""
+        begin = low = max(0, self.start - FAR)
+        for match in ENDS.finditer(self.code, low, self.start):
+            begin = match.end()
+        return begin
+
+    @property
+    def fresh_line(self) -> bool:
+        """Whether the token starts a line."""
+        return "\n" in self.code[self.last : self.start]
+
+    def recovery(
+        self,
+        rule: Rule,
+        message: str,
+        hint: str | None = None,
+        *,
+        at: tuple[int, int] | None = None,
+        behind: bool = False,
+        related: Iterable[Related] = (),
+        feed: tuple[str, ...] = (),
+        instead: bool = False,
+        back: bool = False,
+        resume: int | None = None,
+    ) -> Recovery:
+        """A recovery with a diagnostic at the token, at a place, or `behind` the token before."""
+        if behind:
+            span = self.span_after(self.last)
+        else:
+            span = self.span(*(at or (self.start, self.end)))
+        diagnostic = rule.at(span, message, related=related, hint=hint)
+        return Recovery(diagnostic, feed, instead, back, resume)
+
+    def expectation(self) -> str:
+        """`: a name or ';' was expected`, if that is short."""
+        names = sorted({self.shown(terminal) for terminal in self.accepted - _INTERNAL})
+        if not names or len(names) > _FEW:
+            return ""
+        if len(names) == 1:
+            return f": {names[0]} was expected"
+        return f": {', '.join(names[:-1])} or {names[-1]} was expected"
