@@ -13,7 +13,7 @@ from lark import Lark, Token, Tree
 from rtgen.frontends.idl.keywords import RESERVED, TERMINALS
 from rtgen.frontends.idl.preprocessor import Preprocessor, predefined
 from rtgen.frontends.idl.source import Library
-from rtgen.frontends.kit import lalr, lalr_tables
+from rtgen.frontends.kit import grammars, lalr, lalr_tables
 from rtgen.resources import grammar_file
 
 ROOT = Path(__file__).parents[2]
@@ -96,8 +96,8 @@ def test_tables_of_another_grammar_are_made_anew(
     grammar = tmp_path / "small.lark"
     grammar.write_text(SMALL)
     grammar.with_suffix(".json").write_text(damage)
-    monkeypatch.setattr(lalr, "grammar_file", lambda name: tmp_path / name)
-    made = lalr.load("small", Plain(), frozenset())
+    monkeypatch.setattr(grammars, "grammar_file", lambda name: tmp_path / name)
+    made = grammars.load("small", Plain(), frozenset())
     assert lalr.Parser(made, "print x;").run() == (
         "specification",
         ("show", "print", "x"),
@@ -141,7 +141,7 @@ def peer() -> Lark:
 
 @pytest.fixture(scope="module")
 def ours() -> lalr.Grammar:
-    return lalr.load("idl", Plain(), RESERVED)
+    return grammars.load("idl", Plain(), RESERVED)
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.name))

@@ -18,6 +18,7 @@ from rtgen.frontends.idl.keywords import RESERVED, WORDS
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.unit import Unit
 from rtgen.frontends.kit import lalr
+from rtgen.frontends.kit.grammars import load
 from rtgen.frontends.kit.lalr import END, Token, token
 from rtgen.frontends.kit.recovery import (
     RecoveringParser,
@@ -51,7 +52,7 @@ _NAME = re.compile(r"[^\W\d]\w*")
 
 @cache
 def _grammar() -> lalr.Grammar:
-    return lalr.load("idl", Builder(), RESERVED)
+    return load("idl", Builder(), RESERVED)
 
 
 def parse(unit: Unit, report: Callable[[Diagnostic], None]) -> tuple[tree.Item, ...]:
@@ -138,19 +139,20 @@ class _Run:
             accepted.discard("SEMI")
         start = found.start_pos
         situation = ErrorContext(
-            self._unit,
-            found.type,
-            str(found),
-            start,
-            max(found.end_pos, start + 1),
-            accepted,
-            len(self._text[:start].rstrip()),
-            self._parser.opening(),
-            self._surplus,
+            unit=self._unit,
+            kind=found.type,
+            text=str(found),
+            start=start,
+            end=max(found.end_pos, start + 1),
+            accepted=accepted,
+            last=len(self._text[:start].rstrip()),
+            opening=self._parser.opening(),
+            surplus=self._surplus,
         )
         mistake = explain(situation)
         behind = mistake.feed and not mistake.instead
-        self._emit(mistake.diagnostic, situation.last if behind else start)
+        if mistake.diagnostic is not None:
+            self._emit(mistake.diagnostic, situation.last if behind else start)
         if not self._mend(mistake, situation):
             self._resume(start, situation.statement)
 

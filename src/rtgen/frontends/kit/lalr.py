@@ -6,15 +6,12 @@ anew where they are missing or of another grammar.
 
 from __future__ import annotations
 
-import json
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from hashlib import sha256
 from operator import itemgetter
 from typing import Any, TypeAlias
-
-from rtgen.resources import grammar_file
 
 FORMAT = "rtgen-lalr/1"
 WORD = "IDENT"
@@ -93,21 +90,6 @@ class Grammar:
             f"{tables['ignored']}(?:{'|'.join(alternatives)}|(?P<{_UNKNOWN}>.))",
             re.DOTALL,
         )
-
-
-def load(name: str, builder: object, reserved: frozenset[str]) -> Grammar:
-    """The grammar of that name (`idl`), from the tables beside it where they are its own."""
-    path = grammar_file(f"{name}.lark")
-    text = path.read_text(encoding="utf-8")
-    try:
-        tables = json.loads(path.with_suffix(".json").read_bytes())
-    except (OSError, ValueError):
-        tables = None
-    if not isinstance(tables, dict) or tables.get("key") != key(text):
-        from rtgen.frontends.kit.lalr_tables import make
-
-        tables = make(text)
-    return Grammar(tables, builder, reserved)
 
 
 def key(text: str) -> str:

@@ -100,10 +100,8 @@ class BaseContext(ABC):
         resume: int | None = None,
     ) -> Recovery:
         """A recovery with a diagnostic at the token, at a place, or `behind` the token before."""
-        if behind:
-            span = self.span_after(self.last)
-        else:
-            span = self.span(*(at or (self.start, self.end)))
+        start, end = at or (self.start, self.end)
+        span = self.span_after(self.last) if behind else self.span(start, end)
         diagnostic = rule.at(span, message, related=related, hint=hint)
         return Recovery(diagnostic, feed, instead, back, resume)
 

@@ -1,29 +1,26 @@
-"""Syntax errors in a user's words: what the parser found, told as the mistake that it likely is."""
+"""Recognizers of common syntax errors of CDL, by the context of the unexpected token."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Set
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from unicodedata import normalize
 
-from rtgen.diagnostics import Diagnostic, Related, Rule
+from rtgen.diagnostics import Diagnostic, Span
 from rtgen.frontends.cdl.rules import lexical, syntax, types
 from rtgen.frontends.cdl.syntax.unit import TypeNames, Unit
 from rtgen.frontends.cdl.syntax.words import RESERVED, SPECIFIERS, TERMINALS, WORDS
 from rtgen.frontends.cdl.text.source import ANGLE_MARK
 from rtgen.frontends.kit.lalr import END
 from rtgen.frontends.kit.suggestions import nearest
+from rtgen.frontends.kit.syntax_errors import BaseContext, Recovery
 
 _WORD = re.compile(
     r'"(?:[^"\\\n]|\\.)*"?|\'(?:\\.|[^\'\\\n])\'|::|<<|>>|=>|<=|>=|\w+|[^\s\w]',
     re.DOTALL,
 )
-_ENDS = re.compile(r"[;{}]")
-_FAR = 4000
-_FEW = 6
-_INTERNAL = frozenset(("ERROR",))
 _STATEMENTS = (
     *("namespace", "signature", "celltype", "cell", "composite", "region", "typedef"),
     *("const", "struct", "enum", "import", "import_C", "generate"),
@@ -53,54 +50,30 @@ _NUMBER_BEFORE = re.compile(r"(?:0x[0-9A-Fa-f]+|[0-9]+\.?[0-9]*)\Z")
 _IDEOGRAPHIC = {"\u3000": " ", "\u3001": ",", "\u3002": "."}
 
 
-@dataclass(frozen=True, slots=True)
-class Mistake:
-    """A finding, and how reading goes on.
-
-    `feed` are terminals to supply before the token, in place of it if `instead` (without `feed`:
-    the token is dropped). `resume` is where reading goes on. With neither the statement is passed
-    over. No diagnostic: it was told before.
-    """
-
-    diagnostic: Diagnostic | None
-    feed: tuple[str, ...] = ()
-    instead: bool = False
-    resume: int | None = None
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Situation:
-    """An unexpected token and its surroundings.
+class ErrorContext(BaseContext):
+    """An unexpected token of CDL and its surroundings.
 
-    `lacks_types` says that a file is missing which may declare types. `kind` is the token's
-    terminal; `accepted` are the terminals that fit; `last` is where the token before it ends;
-    `opening` is the innermost open brace; `surplus` says how many more `{` than `}` the text has.
+    `lacks_types`: a file is missing that may declare types.
     """
 
     unit: Unit
     types: TypeNames
     lacks_types: bool
-    kind: str
-    text: str
-    start: int
-    end: int
-    accepted: Set[str]
-    last: int
-    opening: int | None
-    surplus: int
 
-    @cached_property
+    @property
     def code(self) -> str:
-        """The text of the file."""
         return self.unit.source.code
 
-    @cached_property
-    def statement(self) -> int:
-        """Where the statement begins that the token is in."""
-        begin = low = max(0, self.start - _FAR)
-        for match in _ENDS.finditer(self.code, low, self.start):
-            begin = match.end()
-        return begin
+    def span(self, start: int, end: int) -> Span:
+        return self.unit.span(start, end)
+
+    def span_after(self, offset: int) -> Span:
+        return self.unit.source.after(offset)
+
+    @staticmethod
+    def shown(terminal: str) -> str:
+        return _shown(terminal)
 
     @cached_property
     def before(self) -> list[str]:
@@ -127,50 +100,15 @@ class Situation:
         """Whether the token is an identifier or a keyword."""
         return self.text[:1].isalpha() or self.text[:1] == "_"
 
-    @property
-    def fresh_line(self) -> bool:
-        """Whether the token begins a line."""
-        return "\n" in self.code[self.last : self.start]
 
-    def mistake(
-        self,
-        rule: Rule,
-        message: str,
-        hint: str | None = None,
-        *,
-        at: tuple[int, int] | None = None,
-        behind: bool = False,
-        related: Iterable[Related] = (),
-        feed: tuple[str, ...] = (),
-        instead: bool = False,
-        resume: int | None = None,
-    ) -> Mistake:
-        """A mistake at the token, at another place, or `behind` the token before."""
-        if behind:
-            span = self.unit.source.after(self.last)
-        else:
-            span = self.unit.span(*(at or (self.start, self.end)))
-        diagnostic = rule.at(span, message, related=related, hint=hint)
-        return Mistake(diagnostic, feed, instead, resume)
-
-    def expectation(self) -> str:
-        """`: a name or ';' was expected`, if that is short."""
-        names = sorted({_shown(terminal) for terminal in self.accepted - _INTERNAL})
-        if not names or len(names) > _FEW:
-            return ""
-        if len(names) == 1:
-            return f": {names[0]} was expected"
-        return f": {', '.join(names[:-1])} or {names[-1]} was expected"
-
-
-def explain(situation: Situation) -> Mistake:
+def explain(situation: ErrorContext) -> Recovery:
     """The mistake that an unexpected token likely is."""
     for recogniser in _RECOGNISERS:
         mistake = recogniser(situation)
         if mistake is not None:
             return mistake
     shown = f"'{situation.text[:40]}'" if situation.text else "this"
-    return situation.mistake(
+    return situation.recovery(
         syntax.UNEXPECTED, f"{shown} cannot stand here{situation.expectation()}"
     )
 
@@ -192,11 +130,11 @@ def _shown(terminal: str) -> str:
     }.get(terminal, terminal)
 
 
-def _end(s: Situation) -> Mistake | None:
+def _end(s: ErrorContext) -> Recovery | None:
     if s.kind != END:
         return None
     if s.opening is not None and s.surplus > 0 and not s.before:
-        return s.mistake(
+        return s.recovery(
             syntax.UNCLOSED_BRACE,
             "this brace is never closed",
             "a statement ends with };",
@@ -204,16 +142,16 @@ def _end(s: Situation) -> Mistake | None:
         )
     if "SEMI" in s.accepted:
         return _semicolon(s)
-    return s.mistake(
+    return s.recovery(
         syntax.UNEXPECTED_END,
         f"the file ends in the middle of a statement{s.expectation()}",
         behind=True,
     )
 
 
-def _semicolon(s: Situation) -> Mistake:
+def _semicolon(s: ErrorContext) -> Recovery:
     hint = "every statement ends with ';', also behind a closing brace"
-    return s.mistake(
+    return s.recovery(
         syntax.MISSING_SEMICOLON,
         "a ';' is missing here",
         hint,
@@ -222,21 +160,21 @@ def _semicolon(s: Situation) -> Mistake:
     )
 
 
-def _angle(s: Situation) -> Mistake | None:
+def _angle(s: ErrorContext) -> Recovery | None:
     if s.kind != "ANGLE":
         return None
     text = s.text.replace(ANGLE_MARK, "<", 1)
-    return s.mistake(
+    return s.recovery(
         lexical.ANGLE,
         f"{text[:60]} is taken for one name, as in import( <file> )",
         "put what comes behind the '<' operator on a line without '>'",
     )
 
 
-def _stray_brace(s: Situation) -> Mistake | None:
+def _stray_brace(s: ErrorContext) -> Recovery | None:
     if s.kind != "RBRACE" or s.opening is not None:
         return None
-    return s.mistake(
+    return s.recovery(
         syntax.STRAY_BRACE,
         "this brace closes nothing",
         "remove it, or look for the missing '{'",
@@ -245,15 +183,15 @@ def _stray_brace(s: Situation) -> Mistake | None:
     )
 
 
-def _behind_semicolon(s: Situation) -> int:
+def _behind_semicolon(s: ErrorContext) -> int:
     found = _SEMICOLON.match(s.code, s.end)
     return found.end() if found else s.end
 
 
-def _extra_semicolon(s: Situation) -> Mistake | None:
+def _extra_semicolon(s: ErrorContext) -> Recovery | None:
     if s.kind != "SEMI" or s.before:
         return None
-    return s.mistake(
+    return s.recovery(
         syntax.EXTRA_SEMICOLON,
         "this ';' ends nothing",
         "remove it",
@@ -261,14 +199,14 @@ def _extra_semicolon(s: Situation) -> Mistake | None:
     )
 
 
-def _empty(s: Situation) -> Mistake | None:
+def _empty(s: ErrorContext) -> Recovery | None:
     if s.kind != "RBRACE" or s.before or s.opening is None:
         return None
     if s.code[s.opening + 1 : s.start].strip():
         return None
     if "ERROR" not in s.accepted:
         return None
-    return s.mistake(
+    return s.recovery(
         syntax.EMPTY_BLOCK,
         "there is nothing in this block",
         "remove it, or declare something in it",
@@ -277,7 +215,7 @@ def _empty(s: Situation) -> Mistake | None:
     )
 
 
-def _missing_semicolon(s: Situation) -> Mistake | None:
+def _missing_semicolon(s: ErrorContext) -> Recovery | None:
     if "SEMI" not in s.accepted or s.kind in ("ANGLE", "UNKNOWN"):
         return None
     ended = s.previous in ("}", ")", "]") or s.fresh_line
@@ -287,7 +225,7 @@ def _missing_semicolon(s: Situation) -> Mistake | None:
     return None
 
 
-def _number(s: Situation) -> Mistake | None:
+def _number(s: ErrorContext) -> Recovery | None:
     if not s.is_word or s.last != s.start:
         return None
     before = _NUMBER_BEFORE.search(s.code, max(0, s.start - 40), s.start)
@@ -303,7 +241,7 @@ def _number(s: Situation) -> Mistake | None:
             else "CDL has no suffixes of numbers"
         )
     )
-    return s.mistake(
+    return s.recovery(
         lexical.NUMBER,
         f"{number} is no number of CDL",
         hint,
@@ -312,22 +250,22 @@ def _number(s: Situation) -> Mistake | None:
     )
 
 
-def _qualifier(s: Situation) -> Mistake | None:
+def _qualifier(s: ErrorContext) -> Recovery | None:
     if s.text not in ("const", "volatile") or not s.before:
         return None
-    return s.mistake(
+    return s.recovery(
         syntax.QUALIFIER,
         f"'{s.text}' stands before the type, or behind a '*'",
         instead=True,
     )
 
 
-def _specifier(s: Situation) -> Mistake | None:
+def _specifier(s: ErrorContext) -> Recovery | None:
     """A word in a bracket that is no specifier."""
     if s.kind not in ("IDENT", "TYPE_NAME") or "NULLABLE" not in s.accepted:
         return None
     found = nearest(s.text, SPECIFIERS)
-    return s.mistake(
+    return s.recovery(
         syntax.UNKNOWN_SPECIFIER,
         f"'{s.text}' is no specifier",
         f"did you mean '{found}'?" if found else None,
@@ -336,7 +274,7 @@ def _specifier(s: Situation) -> Mistake | None:
     )
 
 
-def _unknown_type(s: Situation) -> Mistake | None:
+def _unknown_type(s: ErrorContext) -> Recovery | None:
     if s.kind != "IDENT" or "TYPE_NAME" not in s.accepted:
         return None
     follower = s.following
@@ -346,7 +284,7 @@ def _unknown_type(s: Situation) -> Mistake | None:
     if at_statement:
         found = nearest(s.text, _STATEMENTS)
         if found is not None:
-            return s.mistake(
+            return s.recovery(
                 syntax.MISSPELT_KEYWORD,
                 f"'{s.text}' is no keyword",
                 f"did you mean '{found}'?",
@@ -358,13 +296,13 @@ def _unknown_type(s: Situation) -> Mistake | None:
     if at_statement and not is_use:
         return None
     if s.text == "union":
-        return s.mistake(types.UNKNOWN_TYPE, "CDL has no unions")
+        return s.recovery(types.UNKNOWN_TYPE, "CDL has no unions")
     if s.lacks_types and s.text not in _FOREIGN_TYPES:
         known = s.text in s.unit.guessed
         s.unit.guessed.add(s.text)
         if known:
-            return Mistake(None, ("TYPE_NAME",), instead=True)
-        return s.mistake(
+            return Recovery(None, ("TYPE_NAME",), instead=True)
+        return s.recovery(
             types.GUESSED_TYPE,
             f"'{s.text}' is taken for a type that a missing file declares",
             "name the folder of the C headers by -I",
@@ -374,7 +312,7 @@ def _unknown_type(s: Situation) -> Mistake | None:
     known = s.text in s.unit.lost
     s.unit.lost.add(s.text)
     if known:
-        return Mistake(None, ("TYPE_NAME",), instead=True)
+        return Recovery(None, ("TYPE_NAME",), instead=True)
     if s.text in _FOREIGN_TYPES:
         hint = f"CDL calls it {_FOREIGN_TYPES[s.text]}"
     else:
@@ -385,7 +323,7 @@ def _unknown_type(s: Situation) -> Mistake | None:
             if near
             else "declare it by typedef, or import what declares it"
         )
-    return s.mistake(
+    return s.recovery(
         types.UNKNOWN_TYPE,
         f"the type '{s.text}' is unknown",
         hint,
@@ -398,10 +336,10 @@ def _types() -> list[str]:
     return [word for word in RESERVED if word.endswith("_t")]
 
 
-def _long_long(s: Situation) -> Mistake | None:
+def _long_long(s: ErrorContext) -> Recovery | None:
     if s.text not in ("long", "int", "double") or s.previous not in ("long", "short"):
         return None
-    return s.mistake(
+    return s.recovery(
         types.UNKNOWN_TYPE,
         f"CDL has no type '{s.previous} {s.text}'",
         "int64_t is the type with 64 bits" if s.previous == "long" else None,
@@ -409,11 +347,11 @@ def _long_long(s: Situation) -> Mistake | None:
     )
 
 
-def _type_as_name(s: Situation) -> Mistake | None:
+def _type_as_name(s: ErrorContext) -> Recovery | None:
     if s.kind != "TYPE_NAME" or "IDENT" not in s.accepted:
         return None
     s.unit.lost.add(s.text)
-    return s.mistake(
+    return s.recovery(
         syntax.TYPE_AS_NAME,
         f"'{s.text}' is a type and can name nothing else",
         "a typedef may not be repeated; choose another name",
@@ -422,12 +360,12 @@ def _type_as_name(s: Situation) -> Mistake | None:
     )
 
 
-def _keyword_as_name(s: Situation) -> Mistake | None:
+def _keyword_as_name(s: ErrorContext) -> Recovery | None:
     if s.text not in RESERVED | SPECIFIERS or "IDENT" not in s.accepted:
         return None
     if s.kind == "IDENT":
         return None
-    return s.mistake(
+    return s.recovery(
         syntax.KEYWORD_AS_NAME,
         f"'{s.text}' is a keyword and can name nothing",
         "choose another name",
@@ -436,14 +374,14 @@ def _keyword_as_name(s: Situation) -> Mistake | None:
     )
 
 
-def _misspelt(s: Situation) -> Mistake | None:
+def _misspelt(s: ErrorContext) -> Recovery | None:
     if s.kind not in ("IDENT", "TYPE_NAME"):
         return None
     words = [WORDS[t] for t in s.accepted if t in TERMINALS.values()]
     found = nearest(s.text, words)
     if found is None:
         return None
-    return s.mistake(
+    return s.recovery(
         syntax.MISSPELT_KEYWORD,
         f"'{s.text}' is no keyword",
         f"did you mean '{found}'?",
@@ -452,7 +390,7 @@ def _misspelt(s: Situation) -> Mistake | None:
     )
 
 
-def _mark(s: Situation) -> Mistake | None:
+def _mark(s: ErrorContext) -> Recovery | None:
     """A closing mark or comma that is missing."""
     candidates = (
         ("RPAR", ")"),
@@ -461,14 +399,14 @@ def _mark(s: Situation) -> Mistake | None:
     )
     for terminal, mark in candidates:
         if terminal in s.accepted and s.text in (";", "{", "}", "]", ")"):
-            return s.mistake(
+            return s.recovery(
                 syntax.MISSING_MARK,
                 f"a '{mark}' is missing here",
                 behind=True,
                 feed=(terminal,),
             )
     if "COMMA" in s.accepted and (s.text in SPECIFIERS or s.text == "["):
-        return s.mistake(
+        return s.recovery(
             syntax.MISSING_MARK,
             "a ',' is missing here",
             behind=True,
@@ -477,7 +415,7 @@ def _mark(s: Situation) -> Mistake | None:
     return None
 
 
-_RECOGNISERS: tuple[Callable[[Situation], Mistake | None], ...] = (
+_RECOGNISERS: tuple[Callable[[ErrorContext], Recovery | None], ...] = (
     _end,
     _angle,
     _stray_brace,

@@ -19,6 +19,7 @@ from rtgen.frontends.cdl.syntax.builder import Builder, Head
 from rtgen.frontends.cdl.syntax.unit import TypeNames, Unit
 from rtgen.frontends.cdl.syntax.words import RESERVED, SPECIFIERS, TERMINALS, WORDS
 from rtgen.frontends.kit import lalr
+from rtgen.frontends.kit.grammars import load
 from rtgen.frontends.kit.lalr import END, WORD, Token, token
 from rtgen.frontends.kit.recovery import (
     RecoveringParser,
@@ -28,7 +29,8 @@ from rtgen.frontends.kit.recovery import (
 from rtgen.model.types import ScopedName
 
 if TYPE_CHECKING:
-    from rtgen.frontends.cdl.syntax.mistakes import Mistake, Situation
+    from rtgen.frontends.cdl.syntax.mistakes import ErrorContext
+    from rtgen.frontends.kit.syntax_errors import Recovery
 
 MAX_ERRORS = 50
 """After so many syntax errors in one file the rest of it is not read."""
@@ -56,7 +58,7 @@ class Imports(Protocol):
 
 @cache
 def _grammar() -> lalr.Grammar:
-    return lalr.load("cdl", Builder(), RESERVED)
+    return load("cdl", Builder(), RESERVED)
 
 
 def parse(
@@ -188,10 +190,10 @@ class _Run:
         if found.type == END and self._unit.source.unfinished:
             self._parser.close(len(self._text), 3 * MAX_NESTING)
             return
-        from rtgen.frontends.cdl.syntax.mistakes import Situation, explain
+        from rtgen.frontends.cdl.syntax.mistakes import ErrorContext, explain
 
         start = found.start_pos
-        situation = Situation(
+        situation = ErrorContext(
             unit=self._unit,
             types=self._types,
             lacks_types=self._imports.lacks_types,
@@ -211,7 +213,7 @@ class _Run:
         if not self._mend(mistake, situation):
             self._resume(start)
 
-    def _mend(self, mistake: Mistake, situation: Situation) -> bool:
+    def _mend(self, mistake: Recovery, situation: ErrorContext) -> bool:
         """Go on as a mistake says; False if that cannot be, or was tried at this place before."""
         again = (situation.start, mistake.feed, mistake.resume)
         if self._errors > MAX_ERRORS or again in self._mended:

@@ -9,10 +9,10 @@ from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.syntax_errors.context import (
     DEFINERS,
     ErrorContext,
-    Recovery,
     header,
     partner,
 )
+from rtgen.frontends.kit.syntax_errors import Recovery
 
 _LONE = re.compile(r"[;{}][ \t\r]*\n\s*;")
 _DATA = ("struct", "exception", "union", "enum", "bitset", "bitmask")

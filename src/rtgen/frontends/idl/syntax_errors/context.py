@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Set
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
-from rtgen.diagnostics import Diagnostic, Related, Rule
+from rtgen.diagnostics import Related, Rule, Span
 from rtgen.frontends.idl.keywords import RESERVED, shown
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.unit import Unit
+from rtgen.frontends.kit.syntax_errors import ENDS, FAR, BaseContext, Recovery
 
 _WORD = re.compile(
     r"\"(?:\\.|[^\"\\\n])*\"?|'(?:\\.|[^'\\\n]){0,12}'?|::|<<|>>|\w+|[^\s\w]"
 )
-_ENDS = re.compile(r"[;{}]")
-_FAR = 4000
 _AHEAD = 24
-_FEW = 6
-_INTERNAL = frozenset(("ERROR", "ANNOTATION_DCL", "TRAILING"))
 
 DEFINERS = (
     *("struct", "union", "enum", "exception", "interface", "module", "valuetype"),
@@ -47,49 +44,25 @@ class Word:
         return self.text[0].isalpha() or self.text[0] == "_"
 
 
-@dataclass(frozen=True, slots=True)
-class Recovery:
-    """A diagnostic with a recovery.
-
-    `feed` are terminals to supply before the token, or replacing it with `instead` (without
-    `feed`, the token is dropped), after a reset to the list of declarations with `back`. `resume`
-    is the offset where parsing continues; None: after the broken declaration.
-    """
-
-    diagnostic: Diagnostic
-    feed: tuple[str, ...] = ()
-    instead: bool = False
-    back: bool = False
-    resume: int | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class ErrorContext:
-    """An unexpected token and its surroundings.
-
-    `kind` is the token's terminal; `accepted` are the terminals that fit; `last` is the end of
-    the token before; `opening` is the innermost open brace; `surplus` is the number of `{` minus
-    that of `}` in the text.
-    """
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ErrorContext(BaseContext):
+    """An unexpected token of IDL and its surroundings."""
 
     unit: Unit
-    kind: str
-    text: str
-    start: int
-    end: int
-    accepted: Set[str]
-    last: int
-    opening: int | None
-    surplus: int
 
-    @cached_property
-    def statement(self) -> int:
-        """The start of the declaration that contains the token."""
-        low = max(0, self.start - _FAR)
-        begin = low
-        for match in _ENDS.finditer(self.unit.text, low, self.start):
-            begin = match.end()
-        return begin
+    @property
+    def code(self) -> str:
+        return self.unit.text
+
+    def span(self, start: int, end: int) -> Span:
+        return self.unit.span(start, end)
+
+    def span_after(self, offset: int) -> Span:
+        return self.unit.after(offset)
+
+    @staticmethod
+    def shown(terminal: str) -> str:
+        return shown(terminal)
 
     @cached_property
     def before(self) -> list[Word]:
@@ -99,7 +72,7 @@ class ErrorContext:
     @cached_property
     def after(self) -> list[Word]:
         """Some tokens after the unexpected one."""
-        return words(self.unit.text, self.end, self.end + _FAR, _AHEAD)
+        return words(self.unit.text, self.end, self.end + FAR, _AHEAD)
 
     @cached_property
     def header(self) -> list[Word]:
@@ -136,11 +109,6 @@ class ErrorContext:
         return self.after[0].text if self.after else ""
 
     @property
-    def fresh_line(self) -> bool:
-        """Whether the token starts a line."""
-        return "\n" in self.unit.text[self.last : self.start]
-
-    @property
     def in_parameters(self) -> bool:
         """Whether a parenthesis is open."""
         texts = [word.text for word in self.before]
@@ -160,17 +128,19 @@ class ErrorContext:
         back: bool = False,
         resume: int | None = None,
     ) -> Recovery:
-        """A recovery with a diagnostic at the token, at a place, or `behind` the token before."""
-        if behind:
-            span = self.unit.after(self.last)
-        elif isinstance(at, Word):
-            span = self.unit.span(at.start, at.end)
-        elif at is not None:
-            span = self.unit.span(*at)
-        else:
-            span = self.unit.span(self.start, self.end)
-        diagnostic = rule.at(span, message, related=related, hint=hint)
-        return Recovery(diagnostic, feed, instead, back, resume)
+        """As `recovery`, also at a word."""
+        return self.recovery(
+            rule,
+            message,
+            hint,
+            at=(at.start, at.end) if isinstance(at, Word) else at,
+            behind=behind,
+            related=related,
+            feed=feed,
+            instead=instead,
+            back=back,
+            resume=resume,
+        )
 
     def missing(
         self,
@@ -190,15 +160,6 @@ class ErrorContext:
             resume=self.start if feed and resume is None else resume,
         )
 
-    def expectation(self) -> str:
-        """`: a name or ';' was expected`, if that is short."""
-        names = sorted({shown(terminal) for terminal in self.accepted - _INTERNAL})
-        if not names or len(names) > _FEW:
-            return ""
-        if len(names) == 1:
-            return f": {names[0]} was expected"
-        return f": {', '.join(names[:-1])} or {names[-1]} was expected"
-
 
 def words(text: str, start: int, end: int, most: int = 400) -> list[Word]:
     """The tokens of text[start:end), at most `most`."""
@@ -212,9 +173,9 @@ def words(text: str, start: int, end: int, most: int = 400) -> list[Word]:
 
 def header(text: str, opening: int) -> list[Word]:
     """The tokens between the end of the declaration before, and a `{`."""
-    low = max(0, opening - _FAR)
+    low = max(0, opening - FAR)
     begin = low
-    for match in _ENDS.finditer(text, low, opening):
+    for match in ENDS.finditer(text, low, opening):
         begin = match.end()
     return words(text, begin, opening)
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from rtgen.frontends.idl.foreign_words import TYPES, WORDS
 from rtgen.frontends.idl.keywords import RESERVED
 from rtgen.frontends.idl.rules import syntax
-from rtgen.frontends.idl.syntax_errors.context import ErrorContext, Recovery, Word
+from rtgen.frontends.idl.syntax_errors.context import ErrorContext, Word
+from rtgen.frontends.kit.syntax_errors import Recovery
 
 _UNSIGNED = {
     "char": "write octet for a byte without sign",

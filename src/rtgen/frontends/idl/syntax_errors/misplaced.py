@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from rtgen.frontends.idl.keywords import RESERVED
 from rtgen.frontends.idl.rules import syntax, types
-from rtgen.frontends.idl.syntax_errors.context import ErrorContext, Recovery, header
+from rtgen.frontends.idl.syntax_errors.context import ErrorContext, header
+from rtgen.frontends.kit.syntax_errors import Recovery
 
 _DIRECTIONS = ("in", "out", "inout")
 _CONTENTS = {

@@ -8,13 +8,9 @@ from rtgen.diagnostics import Related
 from rtgen.frontends.idl.keywords import CORBA_3, RESERVED, TERMINALS
 from rtgen.frontends.idl.rules import syntax
 from rtgen.frontends.idl.syntax_errors import bodies, foreign, misplaced
-from rtgen.frontends.idl.syntax_errors.context import (
-    DEFINERS,
-    ErrorContext,
-    Recovery,
-    Word,
-)
+from rtgen.frontends.idl.syntax_errors.context import DEFINERS, ErrorContext, Word
 from rtgen.frontends.kit.suggestions import nearest
+from rtgen.frontends.kit.syntax_errors import Recovery
 
 _NUMBERS = frozenset(("short", "long", "float", "double", "char", "int", "unsigned"))
 _TEMPLATES = ("sequence", "string", "wstring", "fixed", "map")

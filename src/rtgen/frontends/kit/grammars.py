@@ -1,0 +1,23 @@
+"""Grammars by name, with the tables that were made of them when the package was built."""
+
+from __future__ import annotations
+
+import json
+
+from rtgen.frontends.kit.lalr import Grammar, key
+from rtgen.resources import grammar_file
+
+
+def load(name: str, builder: object, reserved: frozenset[str]) -> Grammar:
+    """The grammar of that name (`idl`), from the tables beside it where they are its own."""
+    path = grammar_file(f"{name}.lark")
+    text = path.read_text(encoding="utf-8")
+    try:
+        tables = json.loads(path.with_suffix(".json").read_bytes())
+    except (OSError, ValueError):
+        tables = None
+    if not isinstance(tables, dict) or tables.get("key") != key(text):
+        from rtgen.frontends.kit.lalr_tables import make
+
+        tables = make(text)
+    return Grammar(tables, builder, reserved)
