@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-from msgspec import field
 from typing import ClassVar, TypeAlias
 
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration
+from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, field
 
 from .basic_data_type import Time
 from .extended_data_types import (

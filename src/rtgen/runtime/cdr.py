@@ -15,6 +15,7 @@ from enum import IntEnum, IntFlag
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeAlias, TypeVar
 
 import msgspec
+from msgspec import field as field
 
 from rtgen.runtime.cdr_values import flags_number
 
@@ -135,15 +136,23 @@ class _Compiled:
 
     def _method(self, descriptor: Any) -> Any:
         from rtgen.runtime.marshalling.compiler import compiled
+        from rtgen.runtime.marshalling.formats import Format, NotCompiledError
 
-        kind, version = self._kind, descriptor.representation
-        if version and kind != "_snapshot_":
-            return vars(_Described)[kind.replace("cdr", f"xcdr{version}")]
-        function = compiled(kind, descriptor)
-        return classmethod(function) if kind == "from_cdr" else function
+        way, _, form = self._kind.partition("_")
+        if way not in ("to", "from"):
+            return compiled(self._kind, descriptor)
+        version = descriptor.representation if form == "cdr" else int(form[-1])
+        try:
+            function = compiled(f"{way}_cdr", descriptor, Format(version))
+        except NotCompiledError:
+            if not version:
+                raise
+            return vars(_InSteps)[f"{way}_xcdr{version}"]
+        return classmethod(function) if way == "from" else function
 
 
-_COMPILED = {kind: _Compiled(kind) for kind in ("to_cdr", "from_cdr", "_snapshot_")}
+_KINDS = ("to_cdr", "from_cdr", "to_xcdr1", "from_xcdr1", "to_xcdr2", "from_xcdr2")
+_COMPILED = {kind: _Compiled(kind) for kind in (*_KINDS, "_snapshot_")}
 
 
 def _register(cls: type[Any]) -> None:
@@ -158,15 +167,10 @@ def _register(cls: type[Any]) -> None:
             setattr(cls, kind, method)
 
 
-class _Described:
-    """What has a descriptor that XCDR codecs can be compiled from."""
+class _InSteps:
+    """What is marshalled in XCDR along its description."""
 
     __slots__ = ()
-
-    _descriptor_: ClassVar[Any]
-
-    def __init_subclass__(cls) -> None:
-        _register(cls)
 
     def to_xcdr2(self, little_endian: bool = True) -> bytes:
         """The value as an XCDR2 body; raises CdrError."""
@@ -189,10 +193,15 @@ class _Described:
         return value
 
 
-class _Number(_Described):
+class _Number(_InSteps):
     """What stands on the wire as one unsigned integer."""
 
     __slots__ = ()
+
+    _descriptor_: ClassVar[Any]
+
+    def __init_subclass__(cls) -> None:
+        _register(cls)
 
     def to_cdr(self, little_endian: bool = True) -> bytes:
         """The number as an unsigned integer; raises CdrError."""
@@ -273,8 +282,8 @@ class Bitset(_Number, msgspec.Struct, frozen=True, gc=False):
     def to_number(self) -> int:
         """The fields side by side, the first one lowest; raises ValueError."""
         number = 0
-        for field in self._descriptor_.fields:
-            number |= field.packed(getattr(self, field.attribute)) << field.position
+        for bits in self._descriptor_.fields:
+            number |= bits.packed(getattr(self, bits.attribute)) << bits.position
         return number
 
     @classmethod
@@ -284,10 +293,29 @@ class Bitset(_Number, msgspec.Struct, frozen=True, gc=False):
         return cls(*(f.unpacked(number) for f in cls._descriptor_.fields))
 
 
-class Aggregated(_Described, msgspec.Struct, gc=False):
+class Aggregated(msgspec.Struct, gc=False):
     """The base of generated structs and unions."""
 
+    _descriptor_: ClassVar[Any]
+
+    def __init_subclass__(cls) -> None:
+        _register(cls)
+
     if TYPE_CHECKING:
+
+        def to_xcdr2(self, little_endian: bool = True) -> bytes:
+            """The value as an XCDR2 body; raises CdrError."""
+
+        @classmethod
+        def from_xcdr2(cls, data: Buffer, little_endian: bool = True) -> Self:
+            """The value of an XCDR2 body; raises CdrError."""
+
+        def to_xcdr1(self, little_endian: bool = True) -> bytes:
+            """The value as an XCDR1 body; raises CdrError."""
+
+        @classmethod
+        def from_xcdr1(cls, data: Buffer, little_endian: bool = True) -> Self:
+            """The value of an XCDR1 body; raises CdrError."""
 
         def to_cdr(self, little_endian: bool = True) -> bytes:
             """The value as a CDR body; raises CdrError."""
@@ -302,6 +330,10 @@ class Aggregated(_Described, msgspec.Struct, gc=False):
         to_cdr = _COMPILED["to_cdr"]
         from_cdr = _COMPILED["from_cdr"]
         _snapshot_ = _COMPILED["_snapshot_"]
+        to_xcdr1 = _COMPILED["to_xcdr1"]
+        from_xcdr1 = _COMPILED["from_xcdr1"]
+        to_xcdr2 = _COMPILED["to_xcdr2"]
+        from_xcdr2 = _COMPILED["from_xcdr2"]
 
     def key_hash(self) -> bytes:
         """The 16 octets that tell DDS instances apart; raises CdrError if there is no key.

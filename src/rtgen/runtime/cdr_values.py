@@ -56,6 +56,36 @@ def wide_value(octets: bytes, bound: int | None = None) -> str:
     return text
 
 
+def unit_octets(text: str, little_endian: bool) -> bytes:
+    """A wstring in XCDR: UTF-16 in the byte order, without mark and NUL."""
+    if "\0" in text:
+        raise ValueError("a wstring cannot hold NUL")
+    return text.encode("utf-16-le" if little_endian else "utf-16-be")
+
+
+def unit_text(octets: bytes, little_endian: bool) -> str:
+    """The wstring of octets in XCDR."""
+    text = octets.decode("utf-16-le" if little_endian else "utf-16-be")
+    if "\0" in text:
+        raise ValueError("a wstring cannot hold NUL")
+    return text
+
+
+def unit_number(character: str) -> int:
+    """A wchar in XCDR: one UTF-16 unit."""
+    unit = ord(character)
+    if 0xD800 <= unit < 0xE000 or unit > 0xFFFF:
+        raise ValueError("a wchar is one character of the basic multilingual plane")
+    return unit
+
+
+def unit_character(unit: int) -> str:
+    """The character of a unit."""
+    if 0xD800 <= unit < 0xE000:
+        raise ValueError(f"a wchar cannot be the surrogate {unit:#x}")
+    return chr(unit)
+
+
 def wide_character(character: str) -> bytes:
     """A wchar: the number of octets, then one UTF-16 unit, most significant octet first."""
     octets = character.encode("utf-16-be")

@@ -114,9 +114,7 @@ def link(
     name: str, target: Callable[[], Described], repository_id: str | None = None
 ) -> LinkDescriptor:
     """A type inside its own definition, or ahead of it."""
-    return LinkDescriptor(
-        repository_id or _id(name), name, lambda: _descriptor(target())
-    )
+    return LinkDescriptor(_id(name, repository_id), name, lambda: _descriptor(target()))
 
 
 def member(
@@ -150,7 +148,7 @@ def struct(
     """A struct: its members by their attributes, in order, behind those of its base."""
     inherited = () if traits.base is None else traits.base._descriptor_.members
     return StructDescriptor(
-        traits.repository_id or _id(name),
+        _id(name, traits.repository_id),
         name,
         (*inherited, *_members(members)),
         traits.extensibility,
@@ -165,7 +163,7 @@ def exception(
 ) -> ExceptionDescriptor:
     """A user exception."""
     return ExceptionDescriptor(
-        traits.repository_id or _id(name),
+        _id(name, traits.repository_id),
         name,
         _members(members),
         representation=traits.representation,
@@ -183,13 +181,13 @@ def value(
     """A valuetype: its own state, its bases, and what it is: custom, abstract, truncatable."""
     described = tuple(base._descriptor_ for base in bases)
     return ValueDescriptor(
-        repository_id or _id(name), name, _members(state), described, modifier
+        _id(name, repository_id), name, _members(state), described, modifier
     )
 
 
 def box(name: str, type_: Described, repository_id: str | None = None) -> BoxDescriptor:
     """A boxed value."""
-    return BoxDescriptor(repository_id or _id(name), name, _descriptor(type_))
+    return BoxDescriptor(_id(name, repository_id), name, _descriptor(type_))
 
 
 def alias(
@@ -200,7 +198,7 @@ def alias(
 ) -> AliasDescriptor:
     """A typedef."""
     return AliasDescriptor(
-        repository_id or _id(name),
+        _id(name, repository_id),
         name,
         _descriptor(type_),
         representation=representation,
@@ -226,7 +224,7 @@ def union(
 ) -> UnionDescriptor:
     """A union: its discriminator and its branches by their attributes, in order."""
     return UnionDescriptor(
-        traits.repository_id or _id(name),
+        _id(name, traits.repository_id),
         name,
         _descriptor(switch),
         tuple(_named(branch, attribute) for attribute, branch in cases.items()),
@@ -257,7 +255,7 @@ def bitset(
 ) -> BitsetDescriptor:
     """A bitset of so many bits, with its fields by their attributes."""
     named = tuple(_named(field, attribute) for attribute, field in fields.items())
-    return BitsetDescriptor(repository_id or _id(name), name, named, bound)
+    return BitsetDescriptor(_id(name, repository_id), name, named, bound)
 
 
 def enum(
@@ -272,7 +270,7 @@ def enum(
         ((names or {}).get(attribute, attribute), int(number))
         for attribute, number in class_.__members__.items()
     )
-    _bind(class_, EnumDescriptor(repository_id or _id(name), name, members, bound))
+    _bind(class_, EnumDescriptor(_id(name, repository_id), name, members, bound))
 
 
 def flags(
@@ -287,7 +285,7 @@ def flags(
         ((names or {}).get(attribute, attribute), int(flag).bit_length() - 1)
         for attribute, flag in class_.__members__.items()
     )
-    _bind(class_, FlagsDescriptor(repository_id or _id(name), name, members, bound))
+    _bind(class_, FlagsDescriptor(_id(name, repository_id), name, members, bound))
 
 
 def _bind(class_: Any, descriptor: EnumDescriptor | FlagsDescriptor) -> None:
@@ -295,8 +293,10 @@ def _bind(class_: Any, descriptor: EnumDescriptor | FlagsDescriptor) -> None:
     register(class_, descriptor)
 
 
-def _id(name: str) -> str:
-    """The repository id that a name has by default (CORBA 3.3 part 1, 14.7.1)."""
+def _id(name: str, own: str | None) -> str:
+    """The repository id, by default that of the name (CORBA 3.3 part 1, 14.7.1)."""
+    if own is not None:
+        return own
     return f"IDL:{name.replace('::', '/')}:1.0"
 
 

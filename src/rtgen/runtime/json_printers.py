@@ -188,7 +188,7 @@ def _plain(value: Any, around: tuple[int, ...]) -> Any:
     inside = (*around, id(value)) if isinstance(value, Value | Box) else around
     if named:
         return {n: _plain(getattr(value, a), inside) for n, a in named.items()}
-    names = getattr(value, "__match_args__", ("discriminator", "value"))
+    names = getattr(type(value), "__match_args__", ("discriminator", "value"))
     return {name: _plain(getattr(value, name), inside) for name in names}
 
 

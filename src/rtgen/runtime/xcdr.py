@@ -7,23 +7,36 @@ PLAIN_CDR2, DELIMITED_CDR and PL_CDR2, as the extensibility of each type says.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import IntEnum
 from functools import partial
 from typing import Any, TypeVar
 
 from rtgen.runtime.cdr import FAILURES, Buffer, CdrError, encoding_error
-from rtgen.runtime.descriptors import DataType, Descriptor, StructDescriptor, plain
+from rtgen.runtime.descriptors import (
+    AliasDescriptor,
+    DataType,
+    Descriptor,
+    StructDescriptor,
+    UnionDescriptor,
+    plain,
+)
 from rtgen.runtime.faults import LOCATED, Fault
+from rtgen.runtime.marshalling.compiler import compiled
+from rtgen.runtime.marshalling.formats import Format, NotCompiledError
 from rtgen.runtime.xcdr_codecs import (
     Codec,
-    Format,
     UnsupportedError,
     refuse,
+)
+from rtgen.runtime.xcdr_codecs import (
+    Format as StepFormat,
 )
 from rtgen.runtime.xcdr_compiler import codec_of
 from rtgen.runtime.xcdr_structs import open_ended
 
 _T = TypeVar("_T", bound=DataType)
+_COMPILED = (StructDescriptor, UnionDescriptor, AliasDescriptor)
 
 
 class Representation(IntEnum):
@@ -112,11 +125,13 @@ def _check_kind(type_: type[DataType], representation: Representation) -> None:
 
 def encode(type_: Any, value: object, version: int, little_endian: bool) -> bytes:
     """The body of a value of a generated type or typedef; raises CdrError."""
+    function = _compiled(type_._descriptor_, "to_cdr", version)
+    if function is not None:
+        body: bytes = function(value, little_endian)
+        return body
     try:
-        descriptor = type_._descriptor_
-        codec = descriptor.codecs.get(version << 1 | bool(little_endian))
         out = bytearray()
-        (codec or _root(descriptor, version, little_endian)).write(out, value)
+        _root(type_._descriptor_, version, little_endian).write(out, value)
         return bytes(out)
     except UnsupportedError as failure:
         raise CdrError(_name(type_) + failure.path, str(failure)) from failure
@@ -126,6 +141,27 @@ def encode(type_: Any, value: object, version: int, little_endian: bool) -> byte
 
 def decode(type_: Any, data: Buffer, version: int, little_endian: bool) -> Any:
     """The value of a body; raises CdrError."""
+    function = _compiled(type_._descriptor_, "from_cdr", version)
+    if function is not None:
+        return function(type_, data, little_endian)
+    return decode_in_steps(type_, data, version, little_endian)
+
+
+def _compiled(descriptor: Any, kind: str, version: int) -> Callable[..., Any] | None:
+    """The compiled function of a type; None for one that is written and read in steps."""
+    if not isinstance(descriptor, _COMPILED):
+        return None
+    try:
+        return compiled(kind, descriptor, Format(version))
+    except NotCompiledError:
+        return None
+
+
+def decode_in_steps(type_: Any, data: Buffer, version: int, little_endian: bool) -> Any:
+    """The value of a body, read member by member; raises CdrError with the place of a fault.
+
+    This reads what a compiled codec has not read: damaged octets, other versions of a type.
+    """
     octets = data if type(data) is bytes else _octets(type_, data)
     try:
         read = _root(type_._descriptor_, version, little_endian).read
@@ -150,12 +186,12 @@ def _root(descriptor: Any, version: int, little_endian: bool) -> Codec:
     key = version << 1 | bool(little_endian)
     codec: Codec | None = descriptor.codecs.get(key)
     if codec is None:
-        format_ = Format(version, bool(little_endian))
+        format_ = StepFormat(version, bool(little_endian))
         codec = descriptor.codecs[key] = _root_codec(descriptor, format_)
     return codec
 
 
-def _root_codec(descriptor: Descriptor, format_: Format) -> Codec:
+def _root_codec(descriptor: Descriptor, format_: StepFormat) -> Codec:
     codec = codec_of(descriptor, format_)
     target = plain(descriptor)
     if (

@@ -17,7 +17,12 @@ from struct import Struct
 from typing import Any, NamedTuple, NoReturn, TypeAlias
 
 from rtgen.runtime.cdr import BOOLEAN
-from rtgen.runtime.cdr_values import quad_octets, quad_value
+from rtgen.runtime.cdr_values import (
+    quad_octets,
+    quad_value,
+    unit_character,
+    unit_number,
+)
 from rtgen.runtime.faults import LOCATED, Fault, located
 
 Octets: TypeAlias = bytes | memoryview
@@ -305,19 +310,6 @@ def _character_value(octet: bytes) -> str:
     return octet.decode("latin-1")
 
 
-def _wide_character(value: str) -> int:
-    unit = ord(value)
-    if 0xD800 <= unit < 0xE000 or unit > 0xFFFF:
-        raise ValueError("a wchar is one character of the basic multilingual plane")
-    return unit
-
-
-def _wide_character_value(unit: int) -> str:
-    if 0xD800 <= unit < 0xE000:
-        raise ValueError(f"a wchar cannot be the surrogate {unit:#x}")
-    return chr(unit)
-
-
 _NUMBERS = {
     "int8": "b",
     "uint8": "B",
@@ -345,7 +337,7 @@ def primitive(name: str, little: bool) -> Scalar | None:
         case "char":
             return Scalar("c", 1, 1, _character, _character_value)
         case "wchar":
-            return Scalar("H", 2, 2, _wide_character, _wide_character_value)
+            return Scalar("H", 2, 2, unit_number, unit_character)
         case "long double":
             encode = partial(quad_octets, little_endian=little)
             decode = partial(quad_value, little_endian=little)

@@ -37,7 +37,7 @@ HOMES = {
     "dataclass": "dataclasses",
     "dataclass_field": "dataclasses:field",
     "dict": "builtins",
-    "field": "msgspec",
+    "field": "rtgen.runtime.cdr",
     "float": "builtins",
     "idl": "rtgen.runtime",
     "int": "builtins",

@@ -6,7 +6,7 @@ import math
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -217,7 +217,7 @@ def values(name: str, time: type[Any]) -> Values:
 
 def content(sample: Any) -> list[Any]:
     """The members of a sample but its time stamp."""
-    return [getattr(sample, field.name) for field in fields(sample)][1:]
+    return [getattr(sample, name) for name in type(sample).__match_args__][1:]
 
 
 def generate(folder: Path) -> Path:

@@ -42,6 +42,15 @@ class Scope:
         """`py.dataclass` in a template: the name as the module writes it."""
         return self.support(name)
 
+    @property
+    def class_variable(self) -> str:
+        """The annotation of a class variable.
+
+        msgspec knows it by its name alone, so a class that has a member of that name goes without.
+        """
+        alone = "ClassVar" not in self._attributes
+        return f": {self.ClassVar}" if alone else ""
+
     def support(self, name: str, module: str | None = None) -> str:
         """A name of the runtime, the standard library or the builtins."""
         home, _, original = (module or HOMES[name]).partition(":")

@@ -14,6 +14,10 @@ from rtgen.runtime.cdr_values import (
     quad_value,
     text_octets,
     text_value,
+    unit_character,
+    unit_number,
+    unit_octets,
+    unit_text,
     wide_character,
     wide_character_value,
     wide_octets,
@@ -60,6 +64,8 @@ class Conversions:
                 return f'{value}.encode("latin-1")'
             case Form.WIDE_CHARACTER:
                 return f"{name(wide_character)}({value})"
+            case Form.UNIT:
+                return f"{name(unit_number)}({value})"
             case Form.QUAD:
                 return f"{name(quad_octets)}({value}, little_endian)"
             case Form.FIXED:
@@ -82,6 +88,8 @@ class Conversions:
                 return f'{raw}.decode("latin-1")'
             case Form.WIDE_CHARACTER:
                 return f"{name(wide_character_value)}({raw})"
+            case Form.UNIT:
+                return f"{name(unit_character)}({raw})"
             case Form.QUAD:
                 return f"{name(quad_value)}({raw}, little_endian)"
             case Form.FIXED:
@@ -104,6 +112,8 @@ class Conversions:
         }
         if text in conversions:
             return conversions[text]
+        if text is Text.UNITS:
+            return f"{name(unit_octets)}({value}, little_endian)"
         function = text_octets if text is Text.STRING else wide_octets
         return f"{name(function)}({value})"
 
@@ -116,6 +126,8 @@ class Conversions:
             return f'{raw}.decode("latin-1")'
         if text is Text.STRING:
             return f"{name(text_value)}({raw})"
+        if text is Text.UNITS:
+            return f"{name(unit_text)}({raw}, little_endian)"
         return f"{name(wide_value)}({raw}{'' if bound is None else f', {bound}'})"
 
 

@@ -9,13 +9,16 @@ from rtgen.runtime.marshalling.layout import (
     AtomArray,
     AtomSequence,
     Call,
+    Delimited,
     Dynamic,
     Entry,
     Field,
+    Frame,
     Group,
     Jump,
     Loop,
     Node,
+    Optional,
     Path,
     Records,
     Run,
@@ -25,7 +28,7 @@ from rtgen.runtime.marshalling.layout import (
     TextSequence,
 )
 from rtgen.runtime.marshalling.references import References
-from rtgen.runtime.marshalling.shapes import Layouts
+from rtgen.runtime.marshalling.shapes import LENGTHS, Layouts
 from rtgen.runtime.marshalling.text import Body, Locals
 
 
@@ -75,6 +78,8 @@ class Decoder:
                     self._run(step, prefix)
                 case Loop():
                     self._loop(step, (*prefix, *step.path))
+                case Frame():
+                    self._frame(step, (*prefix, *step.path))
                 case Jump(path=path, node=node):
                     self._settle()
                     name = self._locals.name((*prefix, *path))
@@ -89,6 +94,40 @@ class Decoder:
                         read = self._refer.function(read_reference)
                     self.body.add(f"{name}, offset = {read}({arguments})")
 
+    def _frame(self, frame: Frame, path: Path) -> None:
+        self._settle()
+        body = self.body
+        if isinstance(frame.node, Optional):
+            name = self._locals.name(path)
+            present = self._locals.name(path, "has_")
+            body.add(f"{present} = data[offset]")
+            body.add("offset += 1")
+            body.block(f"if {present} == 1:")
+            self.steps(frame.steps, path)
+            self._settle()
+            body.add(f"{name} = {self.value(frame.node.node, path)}")
+            body.end()
+            body.block("else:")
+            self.refuse(present, "a flag that is not a boolean")
+            body.add(f"{name} = None")
+            body.end()
+            return
+        end = self._locals.name(path, "end_")
+        self.take_length(end)
+        self.steps(frame.steps, path)
+        self._settle()
+        self.refuse(f"offset != {end}")
+
+    def take_length(self, end: str) -> None:
+        """The end of what is delimited, from the length in front of it."""
+        self._settle()
+        body = self.body
+        body.choose("get", "get", LENGTHS, "get")
+        body.add("offset += -offset & 3")
+        body.add("(size,) = get(data, offset)")
+        body.add("offset += 4")
+        body.add(f"{end} = offset + size")
+
     def value(self, node: Node, path: Path, outermost: bool = False) -> str:
         """The expression that makes a value of what was read."""
         convert = self._convert
@@ -99,6 +138,8 @@ class Decoder:
                 return f"{made}({', '.join(inner)})"
             case Records():
                 return self._records(node, path)
+            case Delimited(node=inner):
+                return self.value(inner, path, outermost)
         raw = self._locals.name(path)
         match node:
             case Atom():
@@ -183,7 +224,7 @@ class Decoder:
         )
         if entry.count and bound is not None:
             count = self._locals.name((*prefix, *entry.field.path), "n_")
-            self._refuse(f"{count} > {bound}")
+            self.refuse(f"{count} > {bound}")
 
     def _loop(self, loop: Loop, path: Path) -> None:
         node = loop.node
@@ -192,7 +233,7 @@ class Decoder:
         if node.length is None:
             count = self._locals.name(path, "n_")
             least = f"{count} * {node.minimum}" if node.minimum > 1 else count
-            self._refuse(f"{least} > len(data) - offset", "a length beyond the end")
+            self.refuse(f"{least} > len(data) - offset", "a length beyond the end")
         items = self._locals.name(path)
         self.body.add(f"{items} = {'{}' if node.key is not None else '[]'}")
         self.body.block(f"for _ in range({count}):")
@@ -209,7 +250,7 @@ class Decoder:
             self.body.add(f"{items}.append({value})")
         self.body.end()
         if node.key is not None:
-            self._refuse(f"len({items}) != {count}", "a key that is there twice")
+            self.refuse(f"len({items}) != {count}", "a key that is there twice")
 
     def _records(self, node: Records, path: Path) -> str:
         records = self._layouts.variable("records", node)
@@ -219,7 +260,8 @@ class Decoder:
         value = inner.value(node.element, ())
         return f"[{value} for {targets} in {records}({self._locals.name(path)})]"
 
-    def _refuse(self, condition: str, message: str = "wrong length") -> None:
+    def refuse(self, condition: str, message: str = "wrong length") -> None:
+        """Raises ValueError on a condition."""
         self.body.block(f"if {condition}:")
         self.body.add(f'raise ValueError("{message}")')
         self.body.end()

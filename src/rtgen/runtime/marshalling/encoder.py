@@ -11,9 +11,11 @@ from rtgen.runtime.marshalling.layout import (
     Call,
     Dynamic,
     Field,
+    Frame,
     Jump,
     Loop,
     Node,
+    Optional,
     Path,
     Records,
     Repeat,
@@ -24,7 +26,7 @@ from rtgen.runtime.marshalling.layout import (
     TextSequence,
 )
 from rtgen.runtime.marshalling.references import References
-from rtgen.runtime.marshalling.shapes import Layouts
+from rtgen.runtime.marshalling.shapes import LENGTHS, Layouts
 from rtgen.runtime.marshalling.text import Body, Locals
 
 
@@ -62,6 +64,8 @@ class Encoder:
                     self._run(step, prefix)
                 case Loop(path=path, node=node):
                     self._loop(step, (*prefix, *path), node)
+                case Frame(path=path):
+                    self._frame(step, (*prefix, *path))
                 case Jump(path=path, node=Call() as node):
                     value = self._value((*prefix, *path))
                     write = self._refer.writer(node.type)
@@ -75,6 +79,29 @@ class Encoder:
                     value = self._value((*prefix, *path))
                     write = self._refer.function(write_reference)
                     self.body.add(f"{write}(out, {value}, little_endian)")
+
+    def _frame(self, frame: Frame, path: Path) -> None:
+        body = self.body
+        if isinstance(frame.node, Optional):
+            value = self._items(path)
+            body.block(f"if {value} is None:")
+            body.add('out += b"\\0"')
+            body.end()
+            body.block("else:")
+            body.add('out += b"\\1"')
+            self.steps(frame.steps, path)
+            body.end()
+            return
+        start = self._locals.name(path, "start_")
+        body.add('out += bytes(-len(out) & 3) + b"\\0\\0\\0\\0"')
+        body.add(f"{start} = len(out)")
+        self.steps(frame.steps, path)
+        self.put_length(start)
+
+    def put_length(self, start: str) -> None:
+        """The length in front of what begins at a variable."""
+        self.body.choose("put", "put", LENGTHS, "put")
+        self.body.add(f"put(out, {start} - 4, len(out) - {start})")
 
     def bind(self, path: Path, expression: str) -> None:
         """The expression stands for the value at the path."""

@@ -12,7 +12,14 @@ from rtgen.runtime.marshalling import unions
 from rtgen.runtime.marshalling.copier import Copier
 from rtgen.runtime.marshalling.decoder import Decoder
 from rtgen.runtime.marshalling.encoder import Encoder
-from rtgen.runtime.marshalling.layout import ANYWHERE, ORIGIN, Node, Run, Step, steps_of
+from rtgen.runtime.marshalling.layout import (
+    ANYWHERE,
+    ORIGIN,
+    Delimited,
+    Node,
+    Run,
+    steps_of,
+)
 from rtgen.runtime.marshalling.references import References
 from rtgen.runtime.marshalling.trees import body_of, has_headers, is_dynamic, tree_of
 
@@ -28,28 +35,36 @@ def _encode(descriptor: Any, refer: References) -> Function:
         f"{refer.function(encoding_error)}({refer.descriptor(descriptor)}, {name}, "
     )
     head = f"def to_cdr({name}, little_endian=True):"
-    return head, _guarded(refer, lines, f"{failure}failure)")
+    return head, _guarded(refer, lines, f"raise {failure}failure) from failure")
 
 
 def _decode(descriptor: Any, refer: References) -> Function:
     """The value of a whole body."""
     lines = _decoding(descriptor, refer)
+    head = "def from_cdr(cls, data, little_endian=True):"
+    version = refer.format.version
+    if version:
+        from rtgen.runtime.xcdr import decode_in_steps
+
+        again = (
+            f"{refer.function(decode_in_steps)}(cls, data, {version}, little_endian)"
+        )
+        return head, _guarded(refer, lines, f"return {again}")
     failure = (
         f"{refer.function(decoding_error)}({refer.descriptor(descriptor)}, data, "
         "little_endian, failure)"
     )
-    head = "def from_cdr(cls, data, little_endian=True):"
-    return head, _guarded(refer, lines, failure)
+    return head, _guarded(refer, lines, f"raise {failure} from failure")
 
 
-def _guarded(refer: References, lines: list[str], failure: str) -> list[str]:
+def _guarded(refer: References, lines: list[str], reaction: str) -> list[str]:
     failures = refer.namespace.bind("FAILURES", FAILURES)
     return [
         '"""Compiled by rtgen.runtime.marshalling at first use."""',
         "try:",
         *(f"    {line}" for line in lines),
         f"except {failures} as failure:",
-        f"    raise {failure} from failure",
+        f"    {reaction}",
     ]
 
 
@@ -63,7 +78,7 @@ def _encoding(descriptor: Any, refer: References, name: str) -> list[str]:
         lines = [f"{refer.writer(descriptor)}({name}, out, little_endian)"]
     else:
         encoder = Encoder(refer)
-        steps = steps_of(_node(descriptor), ORIGIN)
+        steps = steps_of(_node(descriptor, refer), ORIGIN)
         if not steps:
             return ['return b""']
         if len(steps) == 1 and isinstance(steps[0], Run):
@@ -89,17 +104,22 @@ def _decoding(descriptor: Any, refer: References) -> list[str]:
             "return value if same else cls(value.discriminator, value.value)",
         ]
     decoder = Decoder(refer)
-    node = _node(descriptor)
+    node = _node(descriptor, refer)
     steps = steps_of(node, ORIGIN)
     if len(steps) == 1 and isinstance(steps[0], Run) and _is_fixed(steps[0]):
         return decoder.fixed(steps[0], node)
     return [*first, *decoder.whole(steps, node)]
 
 
-def _node(descriptor: Any) -> Node:
+def _node(descriptor: Any, refer: References) -> Node:
+    """The tree of what is not a union."""
     if isinstance(descriptor, AliasDescriptor):
-        return tree_of(descriptor.target)
-    return body_of(descriptor)
+        return tree_of(descriptor.target, refer.format)
+    body = body_of(descriptor, refer.format)
+    extensibility = getattr(descriptor, "extensibility", "final")
+    if refer.format.version == 2 and extensibility == "appendable":
+        return Delimited(body)
+    return body
 
 
 def _is_fixed(run: Run) -> bool:
@@ -112,7 +132,8 @@ def _write(descriptor: Any, refer: References) -> Function:
     if isinstance(descriptor, UnionDescriptor):
         lines = unions.encode(descriptor, encoder, refer)
     else:
-        lines = encoder.parts(_inside(descriptor), "value")
+        steps = steps_of(_node(descriptor, refer), ANYWHERE)
+        lines = encoder.parts(steps, "value")
     return "def write(value, out, little_endian):", lines or ["pass"]
 
 
@@ -122,13 +143,9 @@ def _read(descriptor: Any, refer: References) -> Function:
     if isinstance(descriptor, UnionDescriptor):
         lines = unions.decode(descriptor, decoder, refer)
     else:
-        node = body_of(descriptor)
+        node = _node(descriptor, refer)
         lines = decoder.parts(steps_of(node, ANYWHERE), node)
     return "def read(data, offset, little_endian):", lines
-
-
-def _inside(descriptor: Any) -> tuple[Step, ...]:
-    return steps_of(body_of(descriptor), ANYWHERE)
 
 
 def _snapshot(descriptor: Any, refer: References) -> Function:
@@ -139,7 +156,7 @@ def _snapshot(descriptor: Any, refer: References) -> Function:
     copier = Copier(refer)
     if isinstance(descriptor, UnionDescriptor):
         return head, unions.copy(descriptor, copier, refer)
-    expression = copier.copy(body_of(descriptor), "self")
+    expression = copier.copy(body_of(descriptor, refer.format), "self")
     return head, [*copier.body.lines, f"return {expression}"]
 
 

@@ -24,6 +24,7 @@ class Form(Enum):
     ENUMERATOR = auto()
     FLAGS = auto()
     BITS = auto()
+    UNIT = auto()
     QUAD = auto()
     FIXED = auto()
 
@@ -35,6 +36,7 @@ class Text(Enum):
     CHARACTERS = auto()
     STRING = auto()
     WIDE_STRING = auto()
+    UNITS = auto()
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +99,11 @@ class TextSequence:
         """The largest count: a string's NUL and a wide string's byte-order mark included."""
         if self.bound is None:
             return None
-        extra = {Text.STRING: self.bound + 1, Text.WIDE_STRING: 2 * self.bound + 2}
+        extra = {
+            Text.STRING: self.bound + 1,
+            Text.WIDE_STRING: 2 * self.bound + 2,
+            Text.UNITS: 2 * self.bound,
+        }
         return extra.get(self.text, self.bound)
 
 
@@ -160,6 +166,20 @@ class Dynamic:
     minimum: int = 4
 
 
+@dataclass(frozen=True, slots=True)
+class Delimited:
+    """A value behind its length in octets (DHEADER; DDS-XTypes 1.3, 7.4.3.4.2)."""
+
+    node: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Optional:
+    """A value, or None, behind an octet that says which (DDS-XTypes 1.3, 7.4.3.4.1)."""
+
+    node: Node
+
+
 Node: TypeAlias = (
     Atom
     | AtomArray
@@ -172,6 +192,8 @@ Node: TypeAlias = (
     | Call
     | Reference
     | Dynamic
+    | Delimited
+    | Optional
 )
 
 Path: TypeAlias = tuple[str, ...]
@@ -247,7 +269,16 @@ class Jump:
     node: Call | Reference | Dynamic
 
 
-Step: TypeAlias = Run | Loop | Jump
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """The steps of a value that is delimited or optional."""
+
+    path: Path
+    node: Delimited | Optional
+    steps: tuple[Step, ...]
+
+
+Step: TypeAlias = Run | Loop | Jump | Frame
 
 
 @dataclass(frozen=True, slots=True)
@@ -283,12 +314,16 @@ ANYWHERE = Position(1, 0)
 """Inside a body, after something of varying size."""
 
 
+_ALIGNED = Position(4, 0)
+"""Behind a length."""
+
+
 def steps_of(node: Node, start: Position) -> tuple[Step, ...]:
     """The layout of a value that begins at `start`."""
     return _Arrangement(start).steps(node)
 
 
-def fields_of(node: Node, path: Path = ()) -> list[Field | Loop | Jump]:
+def fields_of(node: Node, path: Path = ()) -> list[Field | Loop | Jump | Frame]:
     """The tree in wire order, structs taken apart; a loop or jump stands after its count."""
     match node:
         case Group(members=members):
@@ -301,6 +336,8 @@ def fields_of(node: Node, path: Path = ()) -> list[Field | Loop | Jump]:
             return [Loop(path, node, ())]
         case Call() | Reference() | Dynamic():
             return [Jump(path, node)]
+        case Delimited() | Optional():
+            return [Frame(path, node, ())]
         case _:
             return [Field(path, node)]
 
@@ -341,6 +378,10 @@ def minimum_size(node: Node) -> int:
             return minimum
         case Reference():
             return 8
+        case Delimited(node=inner):
+            return 4 + minimum_size(inner)
+        case Optional():
+            return 1
 
 
 def _token(node: Placed | Repeat) -> tuple[str, int, int]:
@@ -401,6 +442,11 @@ class _Arrangement:
                 case Jump():
                     self._end_run()
                     self._steps.append(item)
+                case Frame(path=path, node=frame):
+                    self._end_run()
+                    start = _ALIGNED if isinstance(frame, Delimited) else ANYWHERE
+                    steps = steps_of(frame.node, start)
+                    self._steps.append(Frame(path, frame, steps))
             self._position = ANYWHERE
             self._begin_run()
         self._end_run()

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from rtgen.runtime.marshalling.formats import Format
 from rtgen.runtime.marshalling.text import Namespace
 
 
 class References:
     """Binds names in the globals of a function.
 
-    `needed` are the compiled functions among them: (name, kind, descriptor).
+    `needed` are the compiled functions among them (name, kind, descriptor), of the same `format`.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, format_: Format) -> None:
+        self.format = format_
         self.namespace = Namespace()
         self.needed: dict[tuple[str, int], tuple[str, str, Any]] = {}
 

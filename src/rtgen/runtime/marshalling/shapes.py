@@ -171,6 +171,18 @@ def _arranged(sections: Iterable[str], phase: int, counts: Iterator[int]) -> str
     return "".join(texts)
 
 
+class _Lengths:
+    """Writes and reads the length of what is delimited."""
+
+    put_little = Struct("<I").pack_into
+    put_big = Struct(">I").pack_into
+    get_little = Struct("<I").unpack_from
+    get_big = Struct(">I").unpack_from
+
+
+LENGTHS = _Lengths
+
+
 class Layouts:
     """The tables of the runs of one function, each with a number."""
 

@@ -11,7 +11,18 @@ _LONGEST = 32
 _FIXED = frozenset(
     {"cls", "data", "discriminator", "failure", "inner", "item", "little_endian"}
     | {"offset", "out", "same", "selected", "self", "size", "unpack", "value"}
-    | {"ValueError", "bytearray", "bytes", "len", "list", "range"}
+    | {
+        "end",
+        "get",
+        "put",
+        "start",
+        "ValueError",
+        "bytearray",
+        "bytes",
+        "len",
+        "list",
+        "range",
+    }
 )
 
 
@@ -64,6 +75,7 @@ class Body:
         self.lines: list[str] = []
         self._indent = 0
         self._choices = (0, 0)
+        self._chosen: set[str] = set()
 
     def add(self, statement: str) -> None:
         """A statement at the present indent."""
@@ -81,9 +93,13 @@ class Body:
     def choose_here(self) -> None:
         """What is chosen from now on is chosen at this place, not at the beginning."""
         self._choices = (len(self.lines), self._indent)
+        self._chosen.clear()
 
     def choose(self, variable: str, name: str, layout: Any, attribute: str) -> None:
         """`variable` becomes the layout's attribute for the byte order."""
+        if variable in self._chosen:
+            return
+        self._chosen.add(variable)
         one = self._namespace.bind(
             f"{name}_little", getattr(layout, f"{attribute}_little")
         )

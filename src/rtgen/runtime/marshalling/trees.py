@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 from rtgen.facts.primitives import SCALARS, Primitive
@@ -28,16 +29,19 @@ from rtgen.runtime.descriptors import (
     ValueDescriptor,
     plain,
 )
+from rtgen.runtime.marshalling.formats import Format, NotCompiledError
 from rtgen.runtime.marshalling.layout import (
     Atom,
     AtomArray,
     AtomSequence,
     Call,
+    Delimited,
     Dynamic,
     Field,
     Form,
     Group,
     Node,
+    Optional,
     Records,
     Reference,
     Repeat,
@@ -67,6 +71,8 @@ TEXTS: dict[str, Text] = {
 }
 """The basic types of which sequences and arrays are `bytes` or `str`."""
 
+_DYNAMIC = (Primitive.ANY, Primitive.TYPE_CODE, Primitive.VALUE_BASE)
+
 MOST_IN_PLACE = 128
 """A struct of more values has a codec of its own, which those of its holders call."""
 
@@ -74,59 +80,166 @@ MOST_LOOPS_IN_PLACE = 6
 """The same for one with loops in loops: Python nests 20 blocks at most in a function."""
 
 
-def tree_of(descriptor: Descriptor) -> Node:
-    """The tree of a type where it is used. Raises TypeError for one without a layout."""
-    match descriptor:
-        case AliasDescriptor(target=target):
-            return tree_of(target)
-        case LinkDescriptor():
-            target = plain(descriptor)
-            if isinstance(target, StructDescriptor | UnionDescriptor):
-                return Call(target, 1)
-            return tree_of(target)
-        case StructDescriptor():
-            return _called_if_large(body_of(descriptor))
-        case UnionDescriptor(switch=switch):
-            return Call(descriptor, minimum_size(tree_of(switch)))
-        case StringDescriptor(wide, bound):
-            return TextSequence(Text.WIDE_STRING if wide else Text.STRING, bound)
-        case SequenceDescriptor(element, bound):
-            text = _text(element)
-            if text is not None:
-                return TextSequence(text, bound)
-            return _sequence(tree_of(element), bound, None)
-        case ArrayDescriptor(element, dimensions):
-            return _array(element, dimensions)
-        case MapDescriptor(key, value, bound):
-            keys, values = tree_of(key), tree_of(value)
-            least = minimum_size(keys) + minimum_size(values)
-            return Repeat(values, max(least, 1), bound, key=keys)
-        case FixedDescriptor(digits, scale):
-            size = digits // 2 + 1
-            return Atom(f"{size}s", size, 1, Form.FIXED, None, digits, scale)
-        case EnumDescriptor(code=code):
-            return Atom(code, 4, 4, Form.ENUMERATOR, descriptor)
-        case FlagsDescriptor(bound=bound):
-            return _bits(bound, Form.FLAGS, descriptor)
-        case BitsetDescriptor(bound=bound):
-            return _bits(bound, Form.BITS, descriptor)
-        case ValueDescriptor() | BoxDescriptor():
-            return Dynamic(descriptor)
-        case InterfaceDescriptor(abstract=True):
-            return Dynamic(descriptor, 5)
-        case InterfaceDescriptor() | PrimitiveDescriptor("Object"):
-            return Reference()
-        case PrimitiveDescriptor("any" | "CORBA::TypeCode" | "ValueBase"):
-            return Dynamic(descriptor)
-        case PrimitiveDescriptor(name) if name in ATOMS:
-            return ATOMS[name]
-    raise TypeError(f"CDR has no representation of {descriptor}")
+def tree_of(descriptor: Descriptor, format_: Format) -> Node:
+    """The tree of a type where it is used.
+
+    Raises TypeError for one without a layout, NotCompiledError for one whose is not compiled.
+    """
+    return _Trees(format_).of(descriptor)
 
 
-def body_of(descriptor: StructDescriptor | ExceptionDescriptor) -> Group:
+def body_of(
+    descriptor: StructDescriptor | ExceptionDescriptor, format_: Format
+) -> Group:
     """The members of a struct or exception in place, those of its bases first."""
-    members = descriptor.members
-    return Group(descriptor, tuple((m.attribute, tree_of(m.type)) for m in members))
+    return _Trees(format_).body(descriptor)
+
+
+class _Trees:
+    """The trees of types in a format."""
+
+    def __init__(self, format_: Format) -> None:
+        self._format = format_
+        self._version = format_.version
+
+    def of(self, descriptor: Descriptor) -> Node:
+        match descriptor:
+            case AliasDescriptor(target=target):
+                return self.of(target)
+            case LinkDescriptor():
+                target = plain(descriptor)
+                if isinstance(target, StructDescriptor | UnionDescriptor):
+                    return Call(target, 1)
+                return self.of(target)
+            case StructDescriptor():
+                if self._version == 2 and descriptor.extensibility != "final":
+                    return Call(descriptor, 4)
+                return _called_if_large(self.body(descriptor))
+            case UnionDescriptor(switch=switch):
+                return Call(descriptor, minimum_size(self.of(switch)))
+            case StringDescriptor(wide, bound):
+                kind = Text.UNITS if self._version else Text.WIDE_STRING
+                return TextSequence(kind if wide else Text.STRING, bound)
+            case SequenceDescriptor(element, bound):
+                return self._delimited(self._sequence(element, bound), element)
+            case ArrayDescriptor():
+                return self._delimited(self._array(descriptor), _innermost(descriptor))
+            case MapDescriptor(key, value, bound):
+                keys, values = self.of(key), self.of(value)
+                least = minimum_size(keys) + minimum_size(values)
+                node = Repeat(values, max(least, 1), bound, key=keys)
+                return self._delimited(node, key, value)
+            case FixedDescriptor(digits, scale) if not self._version:
+                size = digits // 2 + 1
+                return Atom(f"{size}s", size, 1, Form.FIXED, None, digits, scale)
+            case EnumDescriptor(code=code, bound=bound):
+                if not self._version:
+                    return Atom(code, 4, 4, Form.ENUMERATOR, descriptor)
+                atom = self._bits(bound, Form.ENUMERATOR, descriptor)
+                return replace(atom, code=atom.code.lower()) if code == "i" else atom
+            case FlagsDescriptor(bound=bound):
+                return self._bits(bound, Form.FLAGS, descriptor)
+            case BitsetDescriptor(bound=bound):
+                return self._bits(bound, Form.BITS, descriptor)
+            case PrimitiveDescriptor(Primitive.WCHAR) if self._version:
+                return Atom("H", 2, 2, Form.UNIT)
+            case PrimitiveDescriptor(name) if name in ATOMS:
+                return self._atom(ATOMS[name])
+        if not self._version:
+            match descriptor:
+                case ValueDescriptor() | BoxDescriptor():
+                    return Dynamic(descriptor)
+                case InterfaceDescriptor(abstract=True):
+                    return Dynamic(descriptor, 5)
+                case InterfaceDescriptor() | PrimitiveDescriptor(Primitive.OBJECT):
+                    return Reference()
+                case PrimitiveDescriptor(name) if name in _DYNAMIC:
+                    return Dynamic(descriptor)
+        raise NotCompiledError(f"CDR has no representation of {descriptor}")
+
+    def body(self, descriptor: StructDescriptor | ExceptionDescriptor) -> Group:
+        if getattr(descriptor, "extensibility", "") == "mutable" and self._version:
+            raise NotCompiledError("a parameter list")
+        members = [(m.attribute, self._member(m)) for m in descriptor.members]
+        return Group(descriptor, tuple(members))
+
+    def _member(self, member: MemberDescriptor) -> Node:
+        node = self.of(member.type)
+        if not member.optional or not self._version:
+            return node
+        if self._version == 1:
+            raise NotCompiledError("a parameter")
+        return Optional(node)
+
+    def _delimited(self, node: Node, *parts: Descriptor) -> Node:
+        """A collection, behind its length in version 2 if what it holds is not primitive."""
+        if self._version < 2 or all(map(_is_primitive, parts)):
+            return node
+        return Delimited(node)
+
+    def _sequence(self, element: Descriptor, bound: int | None) -> Node:
+        text = _text(element)
+        if text is not None:
+            return TextSequence(text, bound)
+        return self._repeated(self.of(element), bound, None)
+
+    def _array(self, array: ArrayDescriptor) -> Node:
+        element = array.element
+        text = _text(element)
+        outer = array.dimensions
+        if text is not None:
+            inner: Node = TextArray(text, outer[-1])
+            outer = outer[:-1]
+        else:
+            target: Any = plain(element)
+            rows = isinstance(target, ArrayDescriptor)
+            inner = self._array(target) if rows else self.of(element)
+            if isinstance(inner, Atom) and len(inner.code) == 1:
+                return AtomArray(inner, outer)
+        for length in reversed(outer):
+            inner = self._repeated(inner, None, length)
+        return inner
+
+    def _repeated(
+        self, element: Node, bound: int | None, length: int | None
+    ) -> Records | Repeat | AtomSequence:
+        if isinstance(element, Atom) and len(element.code) == 1 and length is None:
+            return AtomSequence(element, bound)
+        fields = tuple(fields_of(element))
+        atoms = tuple(
+            f
+            for f in fields
+            if isinstance(f, Field) and isinstance(f.node, Atom | AtomArray | TextArray)
+        )
+        arrays = [f for f in atoms if isinstance(f.node, AtomArray)]
+        if len(atoms) == len(fields) and len(arrays) <= 1:
+            text, size, align, gapless = fixed_format(atoms)
+            if gapless:
+                return Records(element, atoms, text, size, align, bound, length)
+        least = minimum_size(element)
+        if least == 0 and length is None:
+            raise NotCompiledError("a sequence of empty elements")
+        return Repeat(element, least, bound, length)
+
+    def _atom(self, atom: Atom) -> Atom:
+        widest = self._format.widest
+        return atom if atom.align <= widest else replace(atom, align=widest)
+
+    def _bits(self, count: int, form: Form, descriptor: Any) -> Atom:
+        """The smallest unsigned integer that has so many bits."""
+        size = next(n for n in (1, 2, 4, 8) if count <= 8 * n)
+        return self._atom(Atom(" BH I   Q"[size], size, size, form, descriptor, count))
+
+
+def _is_primitive(descriptor: Descriptor) -> bool:
+    """Whether a collection of such elements has no length (DDS-XTypes 1.3, 7.4.3.5)."""
+    return isinstance(plain(descriptor), PrimitiveDescriptor)
+
+
+def _innermost(array: ArrayDescriptor) -> Descriptor:
+    """The element of an array of arrays."""
+    element = plain(array.element)
+    return _innermost(element) if isinstance(element, ArrayDescriptor) else element
 
 
 def is_dynamic(descriptor: Descriptor) -> bool:
@@ -142,7 +255,7 @@ def has_headers(descriptor: Descriptor) -> bool:
 def _is_dynamic_leaf(descriptor: Descriptor) -> bool:
     match descriptor:
         case PrimitiveDescriptor(name):
-            return name in ("any", "CORBA::TypeCode", "ValueBase")
+            return name in _DYNAMIC
         case InterfaceDescriptor(abstract=abstract):
             return abstract
     return isinstance(descriptor, ValueDescriptor | BoxDescriptor)
@@ -198,37 +311,6 @@ def _text(element: Descriptor) -> Text | None:
     return TEXTS.get(element.name) if isinstance(element, PrimitiveDescriptor) else None
 
 
-def _array(element: Descriptor, dimensions: tuple[int, ...]) -> Node:
-    text = _text(element)
-    if text is not None:
-        inner: Node = TextArray(text, dimensions[-1])
-        outer = dimensions[:-1]
-    else:
-        inner, outer = tree_of(element), dimensions
-        if isinstance(inner, Atom) and len(inner.code) == 1:
-            return AtomArray(inner, dimensions)
-    for length in reversed(outer):
-        inner = _sequence(inner, None, length)
-    return inner
-
-
-def _sequence(element: Node, bound: int | None, length: int | None) -> Node:
-    if isinstance(element, Atom) and len(element.code) == 1 and length is None:
-        return AtomSequence(element, bound)
-    fields = tuple(fields_of(element))
-    atoms = tuple(
-        f
-        for f in fields
-        if isinstance(f, Field) and isinstance(f.node, Atom | AtomArray | TextArray)
-    )
-    arrays = [f for f in atoms if isinstance(f.node, AtomArray)]
-    if len(atoms) == len(fields) and len(arrays) <= 1:
-        text, size, align, gapless = fixed_format(atoms)
-        if gapless:
-            return Records(element, atoms, text, size, align, bound, length)
-    return Repeat(element, minimum_size(element), bound, length)
-
-
 def _called_if_large(body: Group) -> Group | Call:
     """A struct where it is used: in place, or called if that would be much text."""
     if _values(body) > MOST_IN_PLACE or _loops(body) > MOST_LOOPS_IN_PLACE:
@@ -245,6 +327,8 @@ def _values(node: Node) -> int:
             return 1 + _values(element) + (0 if key is None else _values(key))
         case Records(fields=fields):
             return 1 + len(fields)
+        case Delimited(node=inner) | Optional(node=inner):
+            return 1 + _values(inner)
     return 1
 
 
@@ -255,10 +339,6 @@ def _loops(node: Node) -> int:
             return max((_loops(inner) for _, inner in members), default=0)
         case Repeat(element=element, key=key):
             return 1 + max(_loops(element), 0 if key is None else _loops(key))
+        case Delimited(node=inner) | Optional(node=inner):
+            return 1 + _loops(inner)
     return 0
-
-
-def _bits(count: int, form: Form, descriptor: Any) -> Atom:
-    """The smallest unsigned integer that has so many bits."""
-    size = next(n for n in (1, 2, 4, 8) if count <= 8 * n)
-    return Atom(" BH I   Q"[size], size, size, form, descriptor, count)

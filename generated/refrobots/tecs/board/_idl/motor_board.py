@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from msgspec import field
 from typing import ClassVar, Final, TypeAlias
 
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated, AliasCodec
+from rtgen.runtime.cdr import Aggregated, AliasCodec, field
 from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 

@@ -4,12 +4,11 @@
 
 from __future__ import annotations
 
-from msgspec import field
 from typing import ClassVar
 
 from rtgen.runtime import idl
 from rtgen.runtime.calls import Call
-from rtgen.runtime.cdr import Aggregated
+from rtgen.runtime.cdr import Aggregated, field
 
 from .motor_board import (
     MotorBoard_DoubleSeq2,

@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from builtins import list as _list
-from msgspec import field as _field
 from typing import ClassVar, Self
 
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated, Enumeration, Union
+from rtgen.runtime.cdr import Aggregated, Enumeration, Union, field as _field
 
 
 class Choice(Enumeration):

@@ -6,11 +6,10 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from msgspec import field
 from typing import ClassVar, Final, TypeAlias
 
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, UserException
+from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, UserException, field
 from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 

@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from msgspec import field
 from typing import ClassVar, Final, TypeAlias
 
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration
+from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, field
 from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub
 

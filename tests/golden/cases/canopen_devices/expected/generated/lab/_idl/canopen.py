@@ -6,11 +6,17 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from dataclasses import dataclass
-from msgspec import field
 from typing import ClassVar, Self, TypeAlias
 
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, UserException
+from rtgen.runtime.cdr import (
+    Aggregated,
+    AliasCodec,
+    Enumeration,
+    Union,
+    UserException,
+    field,
+)
 from rtgen.runtime.descriptors import InterfaceDescriptor
 from rtgen.runtime.services import Servant, Skeleton, Stub, operation
 

@@ -4,11 +4,10 @@
 
 from __future__ import annotations
 
-from msgspec import field
 from typing import ClassVar
 
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated
+from rtgen.runtime.cdr import Aggregated, field
 
 from .basic_data_type import Time
 

@@ -1,0 +1,23 @@
+"""What a codec is compiled for: classic CDR, or a version of XCDR."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Format(NamedTuple):
+    """Classic CDR (version 0), or XCDR version 1 or 2 (DDS-XTypes 1.3, 7.4.3.2)."""
+
+    version: int
+
+    @property
+    def widest(self) -> int:
+        """The largest alignment."""
+        return 4 if self.version == 2 else 8
+
+
+CLASSIC = Format(0)
+
+
+class NotCompiledError(TypeError):
+    """A type whose codec in a format is not compiled: parameter lists, empty elements."""
