@@ -1,4 +1,4 @@
-"""Back ends: model to artifacts. Pure functions; the built-in ones and plug-ins alike."""
+"""Interface of back ends: pure functions from a model to artifacts, built in or plug-ins."""
 
 from __future__ import annotations
 
@@ -23,8 +23,11 @@ class Owner(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Artifact:
-    """A file to be made. `path` is relative with `/`: rtgen's below the output folder, a user's
-    below the skeleton folder. `origin` are the keys of the inputs it came from."""
+    """A generated file.
+
+    `path` is relative with `/`: rtgen's below the output folder, a user's below the skeleton
+    folder. `origin` are the keys of the inputs it was generated from.
+    """
 
     path: str
     text: str
@@ -34,18 +37,17 @@ class Artifact:
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """What a back end may know: the Python package to make, where skeletons are imported from.
+    """Options of back ends: the generated Python package, skeletons, representation.
 
-    `representation` (`cdr` or `xcdr2`) is what `to_cdr` gives, `extensibility` (`final`,
-    `appendable`, `mutable`) that of structs and unions, where no annotation says so. `external`
-    maps the displayed path of a file to the Python package that holds what it declares, where
-    that is not the package to make. `factories` has `module:name` of what makes components of a
-    type, where the project says it; `skeleton_path` leads from the output folder to the one that
-    makes skeletons importable. `small` is the room that the target small has for items of a
-    sequence and octets of a string without bound, and for unread samples of an InPort.
-    `marshalled`: whether calls of interfaces, and sequences by themselves, have codecs;
-    `tecs_corba`: whether those of TECS boards are to have them without OpenRTM, too.
-    `lazy`: packages import their modules when a name is asked for.
+    `representation` (`cdr` or `xcdr2`) is the format of `to_cdr`, `extensibility` (`final`,
+    `appendable`, `mutable`) the default for structs and unions without an annotation. `external`
+    maps the displayed path of a file to the Python package with its declarations, if that is not
+    the generated package. `factories` has `module:name` of the factories of component types set
+    by the project; `skeleton_path` leads from the output folder to the one that makes skeletons
+    importable. `small` is the capacity of unbounded sequences and strings, and of InPorts, on the
+    target small. `marshalled`: whether calls of interfaces, and sequences by themselves, have
+    codecs; `tecs_corba`: whether those of TECS boards have them without OpenRTM, too. `lazy`:
+    packages import their modules on demand.
     """
 
     package: str
@@ -69,20 +71,20 @@ class Options:
 
     @property
     def skeleton_prefix(self) -> str:
-        """What stands in front of a skeleton's module when it is imported."""
+        """The prefix of a skeleton's module when it is imported."""
         return f"{self.skeleton_package}." if self.skeleton_package else ""
 
 
 @dataclass(frozen=True, slots=True)
 class Emission:
-    """What a back end gives."""
+    """Result of a back end: artifacts and diagnostics."""
 
     artifacts: Sequence[Artifact] = ()
     diagnostics: Sequence[Diagnostic] = ()
 
 
 class Backend(Protocol):
-    """The interface of a back end, also of one that an entry point `rtgen.backends` brings."""
+    """A back end, built in or announced under the entry point `rtgen.backends`."""
 
     @property
     def name(self) -> str:

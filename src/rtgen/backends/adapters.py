@@ -1,4 +1,4 @@
-"""The modules of adapters, which no user completes."""
+"""Back end for adapters: generates their modules."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _RUNTIME = ("RTC_OK", "ReturnCode_t")
 
 
 class AdaptersBackend:
-    """Makes a module for each adapter."""
+    """Generates a module for each adapter."""
 
     name = "adapters"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """All files of all adapters. The model is checked."""
+        """All files of all adapters. The model has been checked."""
         return Emission(tuple(_artifacts(model, options)))
 
 

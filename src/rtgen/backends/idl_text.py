@@ -1,8 +1,8 @@
-"""OMG IDL text from a model: the other way round than the front end, and read by it again.
+"""Prints OMG IDL from a model; the IDL front end can read the result.
 
-What stands in the model is written, nothing else: constants are evaluated, macros are gone.
-Homes are left out, and components unless they are asked for, so what other compilers know of IDL
-can be read by them; with `annotations` they have to know IDL 4.
+Only the content of the model is written: constants are evaluated, macros are gone. Homes are
+omitted, and components unless requested, so that other IDL compilers can read the result; with
+`annotations` they have to support IDL 4.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ from rtgen.typemap.implementation_modules import referred
 
 _STEP = "    "
 _INLINE = (Struct, Union, ExceptionDecl)
-"""What may hold declarations inside of its members' types."""
+"""Declarations whose member types may be declared in place."""
 
 _PORTS = {
     PortKind.INPORT: "consumes",
@@ -72,7 +72,7 @@ _PORTS = {
 }
 
 _TYPED = ("default", "min", "max")
-"""Annotations whose argument is a value of what they belong to."""
+"""Annotations whose argument is a value of the annotated type."""
 
 
 def idl_text(
@@ -83,11 +83,11 @@ def idl_text(
     components: bool = False,
     guard: Callable[[Declaration], str] = lambda declaration: "",
 ) -> str:
-    """The declarations as IDL, each module opened and closed as need be.
+    """Print declarations as IDL, opening and closing modules as necessary.
 
-    What else the model has is taken for declared before, as by included files.
-    `guard` gives the macro under which a declaration stands only once among several files that
-    have it; empty for none. What is declared inside of another declaration comes with that one.
+    Other declarations of the model are assumed to come from included files. `guard` returns the
+    macro that protects a declaration contained in several files; empty for none. Nested
+    declarations are printed with the enclosing one.
     """
     declarations = tuple(declarations)
     writer = _Writer(model, annotations, declarations)
@@ -147,7 +147,7 @@ def _float(value: float) -> str:
 
 
 def _to(scope: ScopedName, wanted: ScopedName) -> Iterator[str]:
-    """The lines that lead from one module to another."""
+    """The lines between two modules."""
     common = 0
     while common < min(len(scope), len(wanted)) and scope[common] == wanted[common]:
         common += 1
@@ -181,11 +181,11 @@ class _Writer:
         )
 
     def is_inner(self, declaration: Declaration) -> bool:
-        """Whether it stands inside of another declaration."""
+        """Whether it is nested in another declaration."""
         return declaration.name[:-1] in self._names
 
     def top(self, declaration: Declaration) -> Iterator[str]:
-        """A declaration in its module, after what has to be declared before it."""
+        """Print a declaration in its module, after its dependencies."""
         depth = len(declaration.name) - 1
         for name in self._forward(declaration):
             yield _indented([f"{self._kind(name)} {escaped(name[-1])};"], depth)
@@ -193,7 +193,7 @@ class _Writer:
         yield _indented(lines, depth)
 
     def _forward(self, declaration: Declaration) -> Iterator[ScopedName]:
-        """What of the same module is used before it is written."""
+        """Dependencies in the same module that have not been printed yet."""
         inner = self._inside.get(declaration.name, ())
         for name in dict.fromkeys(
             n for d in (declaration, *inner) for n in referred(d)
@@ -354,7 +354,7 @@ class _Writer:
         yield from self._braced(head, self._items(component))
 
     def _items(self, component: Component) -> Iterator[str]:
-        """Ports and parameters, but for those of the base."""
+        """Ports and parameters, without inherited ones."""
         inherited: frozenset[Port | ConfigurationParameter] = frozenset()
         if component.base is not None:
             base = self._model.find(component.base)
@@ -513,7 +513,7 @@ class _Writer:
     def _reference(
         self, name: ScopedName, scope: ScopedName, beside: Collection[str]
     ) -> str:
-        """A use of a type; its whole definition where it is declared by its first use."""
+        """A use of a type, or its definition at its first use if it is declared in place."""
         holder = self._model.find(scope) if scope in self._names else None
         if (
             isinstance(holder, _INLINE)
@@ -528,9 +528,9 @@ class _Writer:
     def _name(
         self, name: ScopedName, scope: ScopedName, beside: Collection[str] = ()
     ) -> str:
-        """A scoped name, from the root where its first part means something else here.
+        """A scoped name, absolute if its first part is hidden here.
 
-        A name that is used also counts as declared in the scope (CORBA 2.6, 3.15.3).
+        A name that is used is also introduced into the scope (CORBA 2.6, 3.15.3).
         """
         text = "::".join(map(escaped, name))
         first = name[0].lower()

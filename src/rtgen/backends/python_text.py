@@ -1,10 +1,10 @@
-"""Python text in black's form, by construction: line fitter, header.
+"""Prints Python in black's format: line fitting, module header.
 
 A statement is written on one line; `fit` splits it if it is longer than 88 columns, as black
 would: a bracket pair is opened, one item a line with a trailing comma (which keeps black from
-joining them again), beginning with the last pair (in a `def`, a `class` and a tuple of targets
-with the first). A statement that has no bracket to open, because its names are too long, is
-marked with `# fmt: skip`.
+joining them again), starting with the last pair (in a `def`, a `class` and a tuple of targets
+with the first). A statement without a bracket to open, because its names are too long, is marked
+with `# fmt: skip`.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from rtgen.backends.quoting.code import HashComment
 from rtgen.backends.quoting.python import comment_text
 
 WIDTH = 88
-"""Columns of a line, as black has them."""
+"""Maximum line length of black."""
 
 SKIPPED = "  # fmt: skip"
-"""What marks a line that black is to leave as it is."""
+"""Marks a line that black leaves unchanged."""
 
 _OFF, _ON = "# fmt: off", "# fmt: on"
 _STEP = 4
@@ -36,7 +36,7 @@ _LITERAL = re.compile(r''''(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*"''')
 
 
 def _split(text: str, separator: str, most: int = -1) -> list[str]:
-    """`text.split(separator, most)`, but what stands inside of string literals stays whole."""
+    """Like `text.split(separator, most)`, but string literals are not split."""
     hidden = _LITERAL.sub(lambda found: "\0" * len(found[0]), text)
     parts, start = [], 0
     for part in hidden.split(separator, most):
@@ -47,7 +47,7 @@ def _split(text: str, separator: str, most: int = -1) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class _Group:
-    """A bracket pair and what stands in it.
+    """A bracket pair with its content.
 
     `comma`: the items are separated by commas, and a trailing one is legal. `lone`: a single item
     keeps its trailing comma on one line too, as a tuple needs it.
@@ -278,10 +278,10 @@ def _group(closing: str, items: list[list[_Part]], comprehension: bool) -> _Grou
 def header(
     version: str, sources: Iterable[str], owner: Owner = Owner.RTGEN
 ) -> tuple[str, ...]:
-    """The lines at the top of a generated file, without comment marks.
+    """The lines of a generated file's header, without comment marks.
 
-    `sources` are the keys of the inputs, each named once. Their digests stand in the manifest only,
-    so that a change of an input shows where it changes something.
+    `sources` are the keys of the inputs, each named once. Their digests are only in the manifest,
+    so that a change of an input only changes affected files.
     """
     named = [comment_text(key) for key in dict.fromkeys(sources)]
     if owner is Owner.USER:

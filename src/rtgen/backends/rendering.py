@@ -1,9 +1,9 @@
-"""Templates: an environment for each output language, strict about missing names.
+"""Jinja environments, one for each output language, strict about missing names.
 
-The suffix of a template's file before `.j2` says the language, which decides what becomes of a
-value that is inserted: `Code` of the language stays as it is, any other text is quoted, or refused
-where only code or a name can stand. So a text of a definition cannot become code by a filter that
-was forgotten.
+The suffix of a template's file before `.j2` determines the language, and how inserted values are
+treated: `Code` of the language is inserted unchanged, other text is quoted, or rejected where
+only code or a name is allowed. So a text of a definition cannot become code because of a
+forgotten filter.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ _FOLDER = Path(__file__).resolve().parents[1] / "templates"
 
 @dataclass(frozen=True)
 class Language:
-    """An output language: what makes any value insertable, the type of that, further filters."""
+    """An output language: default filter of inserted values, its result type, further filters."""
 
     quote: Callable[[object], str]
     code: type[str]
     filters: Mapping[str, Callable[..., str]] = field(default_factory=dict)
 
     def join(self, values: Iterable[object], separator: str = "") -> str:
-        """The filter `join`: the values are quoted, the separator is the template's own."""
+        """The filter `join`: the values are quoted, the separator belongs to the template."""
         return self.code(separator.join(map(self.quote, values)))
 
 
@@ -73,9 +73,9 @@ LANGUAGES: Mapping[str, Language] = {
 
 
 def render(template: str, **values: object) -> str:
-    """The text of a template below `rtgen/templates`: code of the template's language.
+    """Render a template below `rtgen/templates`; returns code of the template's language.
 
-    Raises UnquotableError for a text that the language cannot hold where the template has it.
+    Raises UnquotableError for a text that the language cannot represent at its place.
     """
     suffix = PurePosixPath(template).suffixes[-2]
     text = _environment(suffix).get_template(template).render(values)

@@ -1,7 +1,7 @@
 """Back end for RTCBuilder: `RTC.xml`, the RtcProfile of a component, format version 0.3.
 
-Element and attribute order are those of the schema; everything, dates too, comes from the
-definition, so the same input gives the same bytes.
+Element and attribute order are those of the schema; all content, including dates, comes from the
+definition, so the output is deterministic.
 """
 
 from __future__ import annotations
@@ -111,12 +111,12 @@ class _ServicePort:
 
 
 class RtcProfileBackend:
-    """Makes the `RTC.xml` of each component."""
+    """Generates the `RTC.xml` of each component."""
 
     name = "rtc-profile"
 
     def emit(self, model: Model, options: Options) -> Emission:
-        """One profile in each component's package; none where a component has errors."""
+        """One profile in each component's package; none if a component has errors."""
         found = check(model)
         if has_errors(found):
             return Emission((), found)

@@ -1,7 +1,8 @@
-"""Systems as RtsProfile: the XML of RT System Editor and rtshell, format version 0.2.
+"""Prints systems as RtsProfile: the XML of RT System Editor and rtshell, format version 0.2.
 
-Element and attribute order are those of the schema. What readers of rtsprofile 4.1 want is always
-there: an abstract, dates, an execution context for each component, composite type `None`.
+Element and attribute order are those of the schema. Elements required by rtsprofile 4.1 are
+always present: an abstract, dates, an execution context for each component, composite type
+`None`.
 """
 
 from __future__ import annotations
@@ -18,10 +19,10 @@ _ATTRIBUTES = {
     "dataport.dataflow_type": "push",
     "dataport.subscription_type": "flush",
 }
-"""The properties that are attributes of a connector, with their defaults."""
+"""Properties that are attributes of a connector, with their defaults."""
 
 _COLUMNS, _STEP = 4, (240, 160)
-"""Where components without a location are drawn."""
+"""Position of components without a location."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +59,10 @@ def system_text(
     ports: Mapping[str, InstancePorts] | None = None,
     header: Sequence[str] = (),
 ) -> str:
-    """The system as XML; `ports` by instance, by default those that are connected.
+    """The system as XML; `ports` by instance, by default the connected ones.
 
-    Connectors and components keep the order of the system. The activation is its own; the steps
-    of one instance after another follow in that order.
+    Connectors and components keep the order of the system. The activation order is written
+    separately; the steps of one instance after another follow it.
     """
     ids = {c.instance: c.id for c in system.components}
     components = [

@@ -1,4 +1,4 @@
-"""Front ends: text to model, one package or module for each input language."""
+"""Interface of front ends: text to model, one package or module for each input language."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rtgen.model import Model
 
 @dataclass(frozen=True, slots=True)
 class Dependency:
-    """A path that was looked at: the sha256 of its bytes, or None where there was no file."""
+    """A path that was read or searched for: the sha256 of its content, or None if it is missing."""
 
     path: Path
     sha256: str | None
@@ -20,11 +20,11 @@ class Dependency:
 
 @dataclass(frozen=True, slots=True)
 class FrontendResult:
-    """What reading a set of definition files gives.
+    """Result of reading a set of definition files.
 
-    `sources` maps displayed paths to decoded texts, for the lines that findings point at.
-    `dependencies` holds every file read and every path that was tried in vain: as long as none
-    of them changes, reading again gives the same.
+    `sources` maps displayed paths to decoded texts, for excerpts in diagnostics. `dependencies`
+    holds every file that was read and every path that was searched for: while none of them
+    changes, reading again gives the same result.
     """
 
     model: Model
@@ -42,7 +42,7 @@ def key_of(path: Path, root: Path) -> str:
 
 
 def together(results: Sequence[FrontendResult]) -> FrontendResult:
-    """What several front ends read, as one."""
+    """Merge the results of several front ends."""
     models = [result.model for result in results]
     return FrontendResult(
         model=Model(

@@ -1,10 +1,9 @@
-"""The YAML form of profiles, as rtc-template and rtshell write it, and the XML form of it.
+"""Converts profiles between YAML, as written by rtc-template and rtshell, and XML.
 
-A key is an attribute or element in lower camel case; those of an extension's namespace bear its
-prefix (`rtcDoc::doc`, `rtsExt::visible`), but for those inside of an element of the same one.
-Elements that may stand several times are lists, dates
-are mappings of numbers. Every value is a text: what YAML takes for a number or truth value is not
-looked at. Aliases are refused.
+A key is an attribute or element in lower camel case; those of an extension's namespace have its
+prefix (`rtcDoc::doc`, `rtsExt::visible`), except inside an element of the same namespace.
+Elements that may be repeated are lists, dates are mappings of numbers. Every value is a text:
+YAML's numbers and booleans are not interpreted. Aliases are rejected.
 """
 
 from __future__ import annotations
@@ -43,8 +42,8 @@ _STEPS = "StartUp ShutDown Activation Deactivation Resetting Initializing Finali
 class _Form:
     """A kind of profile: its root, prefixes, and elements in the order of the schema.
 
-    `many` may stand several times, `texts` hold a text, `lower` are those elements whose names do
-    not begin with a capital letter.
+    `many` may be repeated, `texts` contain a text, `lower` are the elements whose names start in
+    lower case.
     """
 
     root: str
@@ -167,7 +166,7 @@ _MAX_LENGTH = 1024 * 1024
 
 
 def to_yaml(root: Element) -> str:
-    """A profile in YAML. Raises KeyError for a root that is no profile."""
+    """Convert a profile to YAML. Raises KeyError for an unknown root."""
     import yaml
 
     [form] = [f for f in _FORMS if root.name == (f.namespaces[f.base], f.root)]
@@ -198,7 +197,7 @@ def _mapping(form: _Form, element: Element) -> dict[str, Any]:
 
 
 def _date(text: str) -> object:
-    """The parts of a date; those that rtshell does not know of only where they are."""
+    """The parts of a date; those unknown to rtshell only if present."""
     found = _DATE.fullmatch(text)
     if found is None:
         return text
@@ -226,7 +225,7 @@ def _is_many(form: _Form, parent: str, local: str) -> bool:
 
 
 def to_xml(text: str, file: str) -> str:
-    """The XML text of a profile in YAML. Raises InputError with one located finding."""
+    """Convert a profile in YAML to XML. Raises InputError with one located diagnostic."""
     content = _loaded(text, file)
     for form in _FORMS:
         root = content.get(form.key) if isinstance(content, dict) else None
@@ -280,7 +279,7 @@ def _place(mark: Any) -> tuple[int, int]:
 def _element(
     form: _Form, name: str, content: Any, depth: int, more: Iterable[str] = ()
 ) -> Iterator[str]:
-    """The lines of an element. Raises ValueError for what is no profile."""
+    """The lines of an element. Raises ValueError for anything that is no profile."""
     if depth > _MAX_DEPTH:
         raise ValueError(f"`{name}` is nested deeper than any profile is")
     margin = "    " * depth
@@ -317,7 +316,7 @@ def _element(
 
 
 def _split(form: _Form, key: str, inside: str) -> tuple[str, str]:
-    """Prefix and name of a key. Raises ValueError for what cannot be a name."""
+    """Prefix and name of a key. Raises ValueError for an invalid name."""
     prefix, separator, name = key.partition("::")
     if not separator:
         prefix, name = inside, key
@@ -331,7 +330,7 @@ def _element_name(form: _Form, key: str) -> str:
 
 
 def _clean(value: object, name: str) -> str:
-    """A text that XML can hold. Raises ValueError."""
+    """A text that XML can represent. Raises ValueError."""
     text = str(value)
     if any(ord(c) < 32 and c not in "\t\n\r" for c in text) or "\ufffe" in text:
         raise ValueError(f"`{name}` has a character that XML cannot hold")

@@ -1,7 +1,7 @@
-"""Front end for systems: RtsProfile, the files of RTSystemEditor and rtshell, in XML or YAML.
+"""Reads systems: RtsProfile 0.2, the files of RT System Editor and rtshell, in XML or YAML.
 
-Format 0.2. Names are bound by namespace; what is not known is ignored, and what real files leave
-out is not asked for.
+Names are resolved by namespace; unknown elements are ignored, and what real files omit is
+optional.
 """
 
 from __future__ import annotations
@@ -124,7 +124,7 @@ _DROPPED = frozenset(
 
 
 class SystemResult(NamedTuple):
-    """What `load` gives: no system if there are errors; `sources` maps displayed path to text."""
+    """Result of `load`: no system if there are errors; `sources` maps displayed path to text."""
 
     system: System | None
     diagnostics: tuple[Diagnostic, ...]
@@ -132,7 +132,7 @@ class SystemResult(NamedTuple):
 
 
 def load(path: Path, *, display: str | None = None) -> SystemResult:
-    """Read a system. Never raises for what a user can have done.
+    """Read a system. All problems of the input are in the diagnostics.
 
     `display` is the path for messages, by default `path` as given.
     """
@@ -170,7 +170,7 @@ def _xml_text(data: bytes, file: str) -> str:
 
 
 class _Reader:
-    """Makes the model from the tree and notes what is wrong on the way."""
+    """Builds the model from the tree, collecting diagnostics."""
 
     def __init__(self, file: str) -> None:
         self.diagnostics: list[Diagnostic] = []
@@ -273,7 +273,7 @@ class _Reader:
     def _configuration(
         self, element: Element, places: dict[tuple[str, str], Span]
     ) -> Iterator[tuple[str, tuple[tuple[str, str], ...]]]:
-        """The sets; notes in `places` where their values stand."""
+        """The configuration sets; records the places of their values in `places`."""
         for values in element.all(RTS, "ConfigurationSets"):
             set_id = self._required(values, "id")
             pairs = []
@@ -309,7 +309,7 @@ class _Reader:
             return default
 
     def _instance(self, element: Element) -> str | None:
-        """The instance that an element refers to; None, with a finding, where there is none."""
+        """The instance that an element refers to; None, with a diagnostic, if it is missing."""
         instance = self._required(element, "instanceName")
         if instance is None:
             return None
@@ -446,7 +446,7 @@ class _Reader:
         )
 
     def _resolved(self, steps: list[Activation], span: Span) -> tuple[Activation, ...]:
-        """The steps by sequence, but none before those that it waits for."""
+        """The steps in their sequence, each after those that it waits for."""
         started: list[Activation] = []
         waiting = steps
         while waiting:

@@ -1,4 +1,4 @@
-"""Which files the components of a model get."""
+"""The generated files of a model's components."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from rtgen.typemap.python_names import identifier, module_name
 
 @dataclass(frozen=True, slots=True)
 class _Entry:
-    """A factory: what makes an instance of the component type `name`."""
+    """A factory of instances of the component type `name`."""
 
     name: str
     module: str
@@ -36,7 +36,7 @@ class _Entry:
 
 
 class ComponentsBackend:
-    """Makes a package for each component, its skeleton, and the factory entries."""
+    """Generates a package for each component, its skeleton, and the entry points."""
 
     name = "components"
 
@@ -116,5 +116,5 @@ def _entry(component: Component, options: Options) -> _Entry:
 
 
 def _skeleton_module(options: Options, name: str) -> str:
-    """Where a component's skeleton is imported from; top-level without a package."""
+    """The module of a component's skeleton; top-level without a package."""
     return f"{options.skeleton_prefix}{module_name(name)}"

@@ -1,4 +1,4 @@
-"""The text of `<component>_base.py`: configuration class, profile and base class."""
+"""Prints `<component>_base.py`: configuration class, profile and base class."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def class_names(component: Component) -> tuple[str, str]:
 def attribute_names(
     model: Model, names: PythonNames, component: Component, options: Options
 ) -> Attributes:
-    """The attributes that ports and parameters have, whatever the target."""
+    """The attributes for ports and parameters, for all targets."""
     return _attributes(model, component, _imports(model, names, component, options))
 
 
@@ -79,7 +79,7 @@ def _attributes(model: Model, component: Component, imports: Imports) -> Attribu
 def base_module(
     model: Model, names: PythonNames, component: Component, options: Options
 ) -> str:
-    """The whole module of a component without errors."""
+    """The complete module of a component without errors."""
     return _BaseModule(model, names, component, options).text()
 
 
@@ -125,7 +125,7 @@ class _BaseModule:
         return fit_text(text)
 
     def _runtime_base(self) -> tuple[list[str], list[str], str]:
-        """The import of the class that the base derives from, ours or generated; its name."""
+        """The import of the parent class, from the runtime or generated; returns its name."""
         if not self._component.runtime_base:
             return [], [], "Component"
         module, name = self._component.runtime_base.split(":")
@@ -246,7 +246,7 @@ class _BaseModule:
 
 
 def _call(callee: str, /, **arguments: str) -> str:
-    """A call with keyword arguments; empty ones are left to their defaults."""
+    """A call with keyword arguments; empty ones are omitted."""
     return f"{callee}({', '.join(f'{key}={value}' for key, value in arguments.items() if value)})"
 
 

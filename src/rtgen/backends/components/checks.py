@@ -1,4 +1,4 @@
-"""What a component needs before it can be emitted: a pass from the model to findings."""
+"""Checks of components before they are emitted."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _DATA_PORTS = (PortKind.INPORT, PortKind.OUTPORT)
 
 
 def components_of(model: Model) -> list[Component]:
-    """The components of the files that were given, in order."""
+    """The components of the given files, in order."""
     mains = {file.name for file in model.files if file.main}
     return [
         d for d in model.declarations if isinstance(d, Component) and d.file in mains
@@ -48,7 +48,7 @@ def components_of(model: Model) -> list[Component]:
 
 
 def check(model: Model) -> list[Diagnostic]:
-    """All findings about the components that are to be emitted."""
+    """All diagnostics about the components to emit."""
     components = components_of(model)
     found = list(_module_clashes(components))
     for component in components:
@@ -57,7 +57,7 @@ def check(model: Model) -> list[Diagnostic]:
 
 
 def check_component(model: Model, component: Component) -> list[Diagnostic]:
-    """The findings about a component by itself."""
+    """Diagnostics about a single component."""
     return [
         *_basic(component),
         *_texts(component),
@@ -81,7 +81,7 @@ def _module_clashes(components: list[Component]) -> Iterator[Diagnostic]:
 
 
 def check_modules(model: Model, skeleton_package: str) -> Iterator[Diagnostic]:
-    """Warnings about skeletons at the top level that would hide modules of Python."""
+    """Warnings about top-level skeletons that would hide Python modules."""
     for component in components_of(model):
         name = module_name(component.name[-1])
         if not skeleton_package and name in sys.stdlib_module_names:

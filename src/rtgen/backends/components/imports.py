@@ -1,4 +1,4 @@
-"""How a component's modules name what they import: types by their module, without clashes."""
+"""Imports of a component's modules: types by their module, without clashes."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from rtgen.typemap.python_names import identifier
 
 
 class Imports:
-    """Hands out names and collects the imports for them.
+    """Allocates names and collects their imports.
 
     Types in IDL modules are named by their Python module (`iis.TimedPose2D`), those of the global
     scope directly. `root` is the root package as the module writes it: `...` or `refrobots`.
-    `taken` are the names that the module binds itself. `external` gives the package of what the
-    root package does not hold, by the displayed path of the file that declares it.
+    `taken` are the names bound by the module itself. `external` gives the package of types
+    outside the root package, by the displayed path of the declaring file.
     """
 
     def __init__(
@@ -61,7 +61,7 @@ class Imports:
 
     @property
     def locals(self) -> frozenset[str]:
-        """The names that the imports bind."""
+        """The names bound by the imports."""
         return frozenset(self._imported.values())
 
     def lines(self, standard: bool = False) -> list[str]:

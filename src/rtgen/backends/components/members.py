@@ -1,4 +1,4 @@
-"""The attributes that a component's base class and configuration class get."""
+"""Python names of a component's ports and parameters."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Attributes:
 
 
 def attributes_of(component: Component, imported: Collection[str] = ()) -> Attributes:
-    """The names: those of the definition, with `_` where Python or the runtime has them.
+    """Choose names: those of the definition, with `_` after those of Python or the runtime.
 
-    `imported` are names that the fields' own types are written with.
+    `imported` are names in the types of the fields.
     """
     names = COMPONENT_NAMES
     if component.runtime_base:

@@ -1,4 +1,4 @@
-"""Where a component's files go, and what they say about where they came from."""
+"""Locations of a component's files, and the origin comments in them."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def source_of(model: Model, component: Component) -> SourceFile:
 
 
 def summary(component: Component) -> str:
-    """What the component is, in one line; may be empty."""
+    """The description of the component in one line; may be empty."""
     return profile_texts.summary(component.description, component.doc)
 
 

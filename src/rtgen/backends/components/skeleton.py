@@ -1,4 +1,4 @@
-"""The text of the skeleton that a user fills in: callbacks and servants, created once."""
+"""Prints the skeleton, which the user completes: callbacks and servants, created once."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class _Operation:
 
 @dataclass(frozen=True, slots=True)
 class _Servant:
-    """The class that carries out the calls to a provider; `attribute` is the provider's."""
+    """The servant class of a provider; `attribute` is the provider's."""
 
     name: str
     interface: str
@@ -152,7 +152,7 @@ def _operation(imports: Imports, operation: Operation) -> _Operation:
 
 
 def _result(results: Sequence[str]) -> str:
-    """What an operation gives: nothing, its one result, or a tuple of all."""
+    """The result of an operation: nothing, a single value, or a tuple."""
     if len(results) > 1:
         return f"tuple[{', '.join(results)}]"
     return results[0] if results else "None"

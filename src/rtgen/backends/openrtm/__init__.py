@@ -1,4 +1,4 @@
-"""Back end for OpenRTM-aist-Python: for each component a module that its manager can load."""
+"""Back end for OpenRTM-aist-Python: a module for its manager for each component."""
 
 from __future__ import annotations
 

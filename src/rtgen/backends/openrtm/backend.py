@@ -1,4 +1,4 @@
-"""Which files the target openrtm has beside those of the embedded one."""
+"""The files of the target openrtm, in addition to those of the embedded target."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from rtgen.model import Model
 
 
 class OpenRtmBackend:
-    """Makes a folder for each component: its OpenRTM module, and what belongs to it."""
+    """Generates a folder for each component: its OpenRTM module and accompanying files."""
 
     name = "openrtm"
 

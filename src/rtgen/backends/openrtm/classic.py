@@ -1,4 +1,4 @@
-"""What of a model classic IDL and omniORBpy have: the IDL of CORBA 2.6 without `long double`."""
+"""The part of a model that classic IDL (CORBA 2.6 without `long double`) and omniORBpy support."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ _UNKNOWN = {
 }
 
 _VALUE_BASE: ScopedName = ()
-"""Stands for `ValueBase` among the names of types."""
+"""Represents `ValueBase` among the names of types."""
 
 _NO_SWITCH = (Primitive.OCTET, Primitive.WCHAR)
-"""What IDL 4 alone has as the type of a discriminator."""
+"""Discriminator types that only IDL 4 has."""
 
 
 class Classic:
-    """Tells why a declaration cannot be compiled by omniidl, if so."""
+    """Decides whether omniidl can compile a declaration, with the reason if not."""
 
     def __init__(self, model: Model) -> None:
         self._model = model
@@ -59,9 +59,9 @@ class Classic:
         self._visited: set[ScopedName] = set()
 
     def reason(self, name: ScopedName) -> str:
-        """Why there is no such type or interface there; empty where there is.
+        """The reason why a type or interface is unsupported; empty if it is supported.
 
-        What stands for something unknown gets a stand-in there, too.
+        A placeholder for an unknown type becomes a placeholder there, too.
         """
         if name in self._reasons:
             return self._reasons[name]
@@ -80,11 +80,11 @@ class Classic:
         return found
 
     def holds_values(self, type_: Type) -> bool:
-        """Whether valuetypes are in the data: they may be shared, so that a value is a graph."""
+        """Whether the data contain valuetypes, which may be shared, so that a value is a graph."""
         return not self._names_in(type_).isdisjoint(self._with_values)
 
     def members(self, struct: Struct) -> list[tuple[Struct, int]]:
-        """The members with those of the bases, each as its struct and place there."""
+        """The members including inherited ones, each with its struct and index there."""
         found: list[tuple[Struct, int]] = []
         if struct.base is not None:
             base = self._model.find(struct.base)
@@ -190,7 +190,7 @@ class Classic:
 
     @cached_property
     def _with_values(self) -> frozenset[ScopedName]:
-        """The declared types in whose data valuetypes are."""
+        """The declared types whose data contain valuetypes."""
         found = {
             d.name
             for d in self._model.declarations

@@ -1,4 +1,4 @@
-"""The files of a component but those of its IDL: module, configuration, profile."""
+"""The files of a component other than IDL: module, configuration, profile."""
 
 from __future__ import annotations
 

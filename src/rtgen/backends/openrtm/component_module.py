@@ -1,4 +1,4 @@
-"""The text of `<Component>.py`: the module that OpenRTM's manager loads."""
+"""Prints `<Component>.py`, the module that OpenRTM's manager loads."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _TAKEN = frozenset(
 
 @dataclass(frozen=True, slots=True)
 class _Servant:
-    """The class of what serves an interface: conversions, and omniORB's skeleton."""
+    """The class that serves an interface: conversions, and omniORB's skeleton."""
 
     name: str
     calls: str
@@ -64,7 +64,7 @@ class _ComponentModule:
         self._servants: dict[str, _Servant] = {}
 
     def _own(self, name: str) -> str:
-        """A name that the module binds, unlike all others."""
+        """A unique name bound by the module."""
         name = identifier(name, self._taken)
         self._taken.add(name)
         return name
@@ -119,7 +119,7 @@ class _ComponentModule:
         return fit_text(text)
 
     def _specification_text(self) -> str:
-        """The module spec: a pair a line, as everybody writes it."""
+        """The module spec: one pair per line, in OpenRTM's usual form."""
         pairs = (map(string_literal, pair) for pair in self._entries())
         lines = "".join(f"    {', '.join(pair)},\n" for pair in pairs)
         return f'# fmt: off\n{self._specification} = [\n{lines}    "",\n]\n# fmt: on'
@@ -163,7 +163,7 @@ class _ComponentModule:
     # The attributes of the class: what differs in the definition differs here.
 
     def _attribute(self, kind: str, key: str, name: str) -> str:
-        """The attribute for a thing of that kind and key: the name, `_` behind it if taken."""
+        """The attribute for an item, by kind and key: its name, with `_` appended if taken."""
         known = self._attributes.get((kind, key))
         if known is None:
             taken = self._attributes.values()
@@ -220,14 +220,14 @@ class _ComponentModule:
         return f"{self._module(found.path)}.{getattr(found, which)}"
 
     def _module(self, path: str) -> str:
-        """A module with conversions, under its local name."""
+        """A module of conversions, by its local name."""
         known = self._modules.get(path)
         if known is None:
             known = self._modules[path] = self._own(path.rpartition(".")[2])
         return known
 
     def _stub(self, path: str) -> str:
-        """A class of stubs, its package imported."""
+        """A class of stubs, with the import of its package."""
         package, dot, rest = path.partition(".")
         if package not in self._stubs:
             fine = package == "RTC" or package not in self._taken
@@ -236,7 +236,7 @@ class _ComponentModule:
         return self._stubs[package] + dot + rest
 
     def _initial(self, planned: PlannedParameter) -> str:
-        """The default as a value of Python: tools tell the type by it."""
+        """The default as a Python value, from which tools infer the type."""
         parameter = planned.parameter
         type_ = self._plan.unit.model.unalias(parameter.type)
         default = parameter.default

@@ -1,8 +1,8 @@
-"""The statements and expressions that convert values to omniORB's objects and back.
+"""Prints code that converts values to omniORB's objects and back.
 
-Structs are filled in field by field: a kept object, or a new one that is made without its
-constructor, since calling those takes longer than all the rest. Structs in structs are converted in
-place up to `_INLINE` fields; beyond that, and for the items of sequences, by calls.
+Structs are filled field by field: a kept object, or a new one made without its constructor,
+because calls of constructors dominate the time. Nested structs are converted in place up to
+`_INLINE` fields; beyond that, and for the items of sequences, by calls.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ from rtgen.model import (
 from rtgen.model.declarations import OPAQUE
 
 _INLINE = 48
-"""The most fields, inner structs and their fields included, that are converted in one function."""
+"""Maximum number of fields, including those of nested structs, converted in one function."""
 
 STAND_IN = "opaque"
-"""The member, an octet, of what stands for a struct that is not known."""
+"""The member, an octet, of the placeholder of an unknown struct."""
 
 _BY_OCTETS = {
     Primitive.ANY: "ANYTHING",
@@ -80,7 +80,7 @@ class ConversionCode:
     # Structs, exceptions, unions: bodies of functions.
 
     def fill(self, declaration: Struct | Union) -> list[str]:
-        """The body of what fills `wire` in place from `value`."""
+        """The body of the function that fills `wire` in place from `value`."""
         if self._holds_values(declaration):
             fresh = f"{self._py.octets(declaration)}.to(value)"
             return [f"wire.__dict__.update({fresh}.__dict__)"]
@@ -90,7 +90,7 @@ class ConversionCode:
         return lines or ["pass"]
 
     def to(self, declaration: Struct | Union | ExceptionDecl) -> list[str]:
-        """The body of what makes a wire object of `value`."""
+        """The body of the function that makes a wire object of `value`."""
         if self._holds_values(declaration):
             return [f"return {self._py.octets(declaration)}.to(value)"]
         class_ = self._py.wire_class(declaration)
@@ -110,7 +110,7 @@ class ConversionCode:
         return [*lines, "return wire"]
 
     def of(self, declaration: Struct | Union | ExceptionDecl) -> list[str]:
-        """The body of what makes a value of `wire`."""
+        """The body of the function that makes a value of `wire`."""
         ours = self._py.type(declaration.name)
         if self._holds_values(declaration):
             octets = self._py.octets(declaration)
@@ -179,7 +179,7 @@ class ConversionCode:
             yield f"{there} = {here}"
 
     def _kept_element(self, plain: Type) -> Struct | None:
-        """The struct that a list consists of whose wire objects are kept."""
+        """The struct of a list's items, if their wire objects are kept."""
         match plain:
             case SequenceType(element) | ArrayType(element, (_,)):
                 return self._struct(self._model.unalias(element))
@@ -193,7 +193,7 @@ class ConversionCode:
         return None
 
     def _inner(self, type_: Type) -> Struct | None:
-        """The struct of a member that is converted where the member is."""
+        """The struct of a member that is converted in place."""
         struct = self._struct(self._model.unalias(type_))
         if struct is None or self._holds_values(struct):
             return None
@@ -214,7 +214,7 @@ class ConversionCode:
     def _made(
         self, struct: Struct, value: str, wire: str, used: set[str]
     ) -> Iterator[str]:
-        """The statements that fill in what is to be a value."""
+        """The statements that fill a new value."""
         for field in self._fields(struct):
             there, here = f"{wire}.{field.theirs}", f"{value}.{field.ours}"
             inner = self._inner(field.type)
@@ -259,7 +259,7 @@ class ConversionCode:
         yield f"return {ours}(made, part)"
 
     def _branches(self, union: Union, convert: _Convert) -> Iterator[str]:
-        """The arms for all branches; a discriminator without one has no value."""
+        """The match arms for all branches; a discriminator without one has no value."""
         default: Case | None = None
         for case in union.cases:
             if case.default:
@@ -316,7 +316,7 @@ class ConversionCode:
         return None
 
     def _outgoing(self, type_: Type, expression: str, depth: int = 1) -> str:
-        """An expression for a wire form that shares nothing with the value."""
+        """An expression for a wire form that shares no data with the value."""
         plain = self._model.unalias(type_)
         if self._is_immutable(plain):
             return expression
@@ -336,7 +336,7 @@ class ConversionCode:
         return f"{self._octets(plain)}.to({expression})"
 
     def _incoming(self, type_: Type, expression: str, depth: int = 1) -> str:
-        """An expression for a value that shares nothing with the wire form."""
+        """An expression for a value that shares no data with the wire form."""
         plain = self._model.unalias(type_)
         if self._is_immutable(plain):
             return expression
@@ -382,7 +382,7 @@ class ConversionCode:
         return self._py.octets(declaration)
 
     def _is_immutable(self, plain: Type) -> bool:
-        """Whether both sides have the same values, which nobody can change."""
+        """Whether both sides have the same immutable values."""
         match plain:
             case PrimitiveType(kind):
                 return kind not in _BY_OCTETS
@@ -397,7 +397,7 @@ class ConversionCode:
         return True
 
     def _is_same(self, plain: Type) -> bool:
-        """Whether omniORB marshals our value as it is: what is immutable, and lists of it."""
+        """Whether omniORB marshals the value unconverted: immutable values, and lists of them."""
         if self._is_immutable(plain):
             return True
         if isinstance(plain, SequenceType | ArrayType):
@@ -407,7 +407,7 @@ class ConversionCode:
 
 
 def _element(type_: SequenceType | ArrayType) -> Type:
-    """What the items of a list are: those of an array of arrays are arrays."""
+    """The type of a list's items: those of an array of arrays are arrays."""
     if isinstance(type_, ArrayType) and len(type_.dimensions) > 1:
         return ArrayType(type_.element, type_.dimensions[1:])
     return type_.element

@@ -1,4 +1,4 @@
-"""The modules `_corba/<module>.py`: our values to and from omniORB's, servants and stubs."""
+"""Prints the modules `_corba/<module>.py`: conversions of values, servants and stubs."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _CONVERTED = (Struct, Union, ExceptionDecl)
 
 
 def conversions(unit: Unit) -> Iterator[Artifact]:
-    """The conversions of all types of a unit that classic IDL has, a module for each IDL file."""
+    """The conversions of all types supported by classic IDL, a module for each IDL file."""
     names = WireNames(unit)
     classic = Classic(unit.model)
     modules = []
@@ -60,7 +60,7 @@ def _header(unit: Unit, sources: Iterable[SourceFile]) -> str:
 
 
 class _Module:
-    """One module."""
+    """One module of conversions."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""What all parts of the target openrtm agree on: packages, components, ports, IDL files."""
+"""Plan of the target openrtm, shared by its parts: packages, components, ports, IDL files."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ STOCK = frozenset(
         *("RTC", "SDOPackage", "OpenRTM", "DataPort", "DataPort_OpenRTM", "Manager"),
     }
 )
-"""Stems of the IDL files that OpenRTM has itself: included from its folder, never emitted."""
+"""Stems of OpenRTM's own IDL files: included from its folder, never emitted."""
 
 _STOCK_STEMS = {stem.casefold(): "" for stem in STOCK}
 _NOT_IN_STEM = re.compile(r"\W", re.ASCII)
@@ -56,12 +56,12 @@ _NEEDED = sys.stdlib_module_names | {
     *("RTC", "OpenRTM", "OpenRTM_aist", "RTM", "SDOPackage", "rtgen"),
     *("omniORB", "omnipy", "CORBA", "CosNaming", "PortableServer"),
 }
-"""What a component's module, in front of the search path, must not hide."""
+"""Modules that a component's module, first in the search path, must not hide."""
 
 
 @dataclass(frozen=True, slots=True)
 class IdlFile:
-    """An IDL file as omniidl is to compile it: `<stem>.idl` gives the module `<stem>_idl`.
+    """An IDL file for omniidl: `<stem>.idl` gives the module `<stem>_idl`.
 
     `module` is the implementation module of its types (`_idl/<module>.py`, `_corba/<module>.py`),
     `files` are the displayed paths of the definition files that share it. A stock file is one of
@@ -79,9 +79,9 @@ class Unit:
     """A generated Python package: the project's own, or one of its TECS packages.
 
     `options.package` is the package. `external` maps the displayed path of a file to the absolute
-    name of the package that has its conversions, where that is another one; `types` has the
-    module to import what such a file declares from, where the package does not. `factories` has
-    `module:name` for the component types whose behaviour does not stand in a skeleton.
+    name of the package with its conversions, if that is another one; `types` has the module that
+    provides the declarations of such a file, if the package does not. `factories` has
+    `module:name` for the component types whose behaviour is not in a skeleton.
     """
 
     model: Model
@@ -92,17 +92,17 @@ class Unit:
 
     @property
     def components(self) -> list[Component]:
-        """Its components."""
+        """The components of the package."""
         inner = (c for c in components_of(self.model) if c.file not in self.external)
         return list(inner)
 
     def package_of(self, file: str) -> str:
-        """The absolute name of the package that has the types of a definition file."""
+        """The absolute name of the package with the types of a definition file."""
         return self.external.get(file, self.options.package)
 
     @cached_property
     def idl_files(self) -> tuple[IdlFile, ...]:
-        """Every file with types or interfaces, after those that it needs."""
+        """All files with types or interfaces, each after its dependencies."""
         modules = implementation_modules(self.model)
         groups: dict[str, list[str]] = {}
         for file in self.model.files:
@@ -133,16 +133,16 @@ class Unit:
         return tuple(ordered.values())
 
     def idl_file_of(self, declaration: Declaration) -> IdlFile:
-        """The IDL file that a type or interface is compiled from."""
+        """The IDL file of a type or interface."""
         return next(f for f in self.idl_files if declaration.file in f.files)
 
     def needs(self, file: IdlFile) -> tuple[IdlFile, ...]:
-        """The other files that the declarations of a file refer to, in the order of `idl_files`."""
+        """The other files that the declarations of a file refer to, in order of `idl_files`."""
         modules = self._needs[file.module]
         return tuple(each for each in self.idl_files if each.module in modules)
 
     def closure(self, names: Iterable[ScopedName]) -> tuple[IdlFile, ...]:
-        """The files that types and interfaces of these names need, each after what it needs."""
+        """The files needed for types and interfaces of these names, each after its dependencies."""
         modules = implementation_modules(self.model)
         waiting = [modules[self.model.find(name).file] for name in names]
         wanted: set[str] = set()
@@ -179,7 +179,7 @@ class Unit:
 
 @dataclass(frozen=True, slots=True)
 class DataPort:
-    """A data port: `name` is OpenRTM's, `attribute` that of the behaviour; `type` is no alias."""
+    """A data port: `name` is OpenRTM's, `attribute` the behaviour's; `type` is no alias."""
 
     port: Port
     name: str
@@ -189,7 +189,7 @@ class DataPort:
 
 @dataclass(frozen=True, slots=True)
 class ServiceInterface:
-    """A provided or required interface: `attribute` is that of the behaviour."""
+    """A provided or required interface: `attribute` is the behaviour's."""
 
     port: Port
     attribute: str
@@ -197,7 +197,7 @@ class ServiceInterface:
 
     @property
     def type_name(self) -> str:
-        """The name of the type that the interface is registered with."""
+        """The type name that the interface is registered with."""
         return self.port.type_name or self.type.scoped
 
     @property
@@ -236,7 +236,7 @@ class ComponentPlan:
 
     @property
     def name(self) -> str:
-        """The component type: of the module, the class, the folder."""
+        """The component type, also the name of module, class and folder."""
         return self.component.name[-1]
 
     @property
@@ -251,7 +251,7 @@ class ComponentPlan:
 
     @property
     def behaviour(self) -> tuple[str, str]:
-        """Module and name of what makes an instance of the behaviour from an instance name."""
+        """Module and name of the factory of the behaviour."""
         options = self.unit.options
         factory = self.unit.factories.get(self.name) or self.component.factory
         if factory:
@@ -261,19 +261,19 @@ class ComponentPlan:
 
     @cached_property
     def idl_files(self) -> tuple[IdlFile, ...]:
-        """The IDL files that its ports need, each after what it needs."""
+        """The IDL files needed by its ports, each after its dependencies."""
         data = (port.type.name for port in (*self.in_ports, *self.out_ports))
         services = (i.type.name for port in self.service_ports for i in port.interfaces)
         return self.unit.closure((*data, *services))
 
     @property
     def own_idl_files(self) -> tuple[IdlFile, ...]:
-        """Those among them that OpenRTM does not have."""
+        """Those of the IDL files that OpenRTM lacks."""
         return tuple(file for file in self.idl_files if not file.stock)
 
     @cached_property
     def stub_modules(self) -> tuple[str, ...]:
-        """The packages of stubs that its types are in, sorted: `IIS`, `RTC`, `_GlobalIDL`."""
+        """The stub packages of its types, sorted: `IIS`, `RTC`, `_GlobalIDL`."""
         paths = {path for file in self.idl_files for path in file.files}
         declared = [
             d
@@ -286,12 +286,12 @@ class ComponentPlan:
 
 
 def openrtm_port_name(component: Component, port: Port) -> str:
-    """The name that a port of the component is registered by, without the instance's."""
+    """The registration name of a port, without the instance's name."""
     return names_of(component)[key_of(port)]
 
 
 def plans(units: Sequence[Unit]) -> tuple[list[ComponentPlan], list[Diagnostic]]:
-    """The plans of all components, in the order of the units, and what is wrong with them."""
+    """The plans of all components, in order of the units, with diagnostics."""
     planned: list[ComponentPlan] = []
     findings: list[Diagnostic] = []
     folders: dict[str, Component] = {}
@@ -349,7 +349,7 @@ def _plan(unit: Unit, component: Component) -> ComponentPlan:
 
 
 def _text_findings(component: Component) -> Iterator[Diagnostic]:
-    """What the configuration files of the component could not hold."""
+    """Diagnostics for texts that configuration files cannot represent."""
     for what, text, fits in (
         ("category", component.category, is_conf_key),
         ("kind of execution context", component.execution, is_conf_value),

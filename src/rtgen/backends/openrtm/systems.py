@@ -1,4 +1,4 @@
-"""Systems for OpenRTM: scripts that start, connect and stop one, its RtsProfile, its conf files."""
+"""Generates systems for OpenRTM: scripts to start and stop, RtsProfile, conf files."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ from rtgen.typemap.openrtm_ports import SERVICE, key_of, known_name, names_of
 from rtgen.typemap.parameters import Parameters
 
 PER_CYCLE = "rtgen.openrtm.per_cycle"
-"""The property of a system that lists the parameters meant for one execution."""
+"""The property of a system that lists parameters in units of one execution."""
 
 _DEFAULTS = {
     "dataport.dataflow_type": "push",
@@ -62,12 +62,12 @@ _DEFAULTS = {
     "dataport.buffer.read.empty_policy": "readback",
     "dataport.buffer.read.timeout": "1.0",
 }
-"""All is stated: what one connection of a port says can leak into a later one that does not."""
+"""All properties are given explicitly: OpenRTM reuses those of earlier connections of a port."""
 
 _STEM = re.compile(r"[^/\\:\x00-\x1f]+")
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
-"""What ends a line for OpenRTM; a comment may hold the other ends of lines that Unicode has."""
+"""Line ends of OpenRTM; a comment may contain other line ends of Unicode."""
 
 _CONF_LINE = re.compile(
     r"\s*conf\.(?P<set>[^.\s]+)\.(?P<name>[^:=\s]+)\s*[:=](?P<text>.*)"
@@ -76,7 +76,7 @@ _CONF_LINE = re.compile(
 
 @dataclass(frozen=True, slots=True)
 class _Instance:
-    """A component of a system and its plan; `per_cycle` are values by parameter."""
+    """A component of a system with its plan; `per_cycle` are values by parameter."""
 
     component: SystemComponent
     plan: ComponentPlan
@@ -90,9 +90,9 @@ class _Instance:
 def system_artifacts(
     systems: Sequence[System], plans: Iterable[ComponentPlan], version: str
 ) -> tuple[list[Artifact], list[Diagnostic]]:
-    """The folders of all systems, and what is wrong with them for OpenRTM alone.
+    """The folders of all systems, with diagnostics specific to OpenRTM.
 
-    Systems have no errors: their components, ports and types are there.
+    The systems have no errors: their components, ports and types exist.
     """
     by_type = {plan.name: plan for plan in plans}
     folders = {
@@ -118,7 +118,7 @@ def system_artifacts(
 
 
 def folder_name(system: System) -> str:
-    """The folder of a system: the stem of its file, or of its folder for `system.xml`."""
+    """The folder of a system: the stem of its file, or its folder for `system.xml`."""
     parts = system.key.split("/")
     stem = parts[-1].rpartition(".")[0]
     if stem == "system" and len(parts) > 1:
@@ -127,7 +127,7 @@ def folder_name(system: System) -> str:
 
 
 class _Writer:
-    """Makes the files of one system."""
+    """Generates the files of one system."""
 
     def __init__(
         self,
@@ -202,7 +202,7 @@ class _Writer:
         return own is None
 
     def _connection(self, connection: Connection) -> Connection:
-        """The connection as OpenRTM wants it: its names of the ports, all properties stated."""
+        """The connection with OpenRTM's names of ports, and all properties."""
         source: PortKind | None = None
         target: PortKind | None = None
         given = own_properties(connection.properties)
@@ -241,7 +241,7 @@ class _Writer:
         )
 
     def _renamed(self, end: PortReference, kind: PortKind | None) -> PortReference:
-        """The end by OpenRTM's name of its port; `kind` None for a service port."""
+        """One end with OpenRTM's port name; `kind` None for a service port."""
         component = self._ends[end.instance].component
         ports = (
             interfaces(end, self._ends)
@@ -252,7 +252,7 @@ class _Writer:
         return replace(end, port=known_name(registered))
 
     def _interface_key(self, end: PortReference, port: Port) -> str:
-        """How OpenRTM names an interface in the properties of a connector."""
+        """OpenRTM's name of an interface in the properties of a connector."""
         [interface] = [
             interface
             for service in self._plans[end.instance].service_ports
@@ -269,7 +269,7 @@ class _Writer:
     # Order and rates.
 
     def _activation(self, system: System) -> tuple[Activation, ...]:
-        """The order of the system, but providers before those that call them."""
+        """The order of the system, with providers before their callers."""
         needs: dict[str, set[str]] = {c.instance: set() for c in system.components}
         for pairs in self._pairs.values():
             for pair in pairs:
@@ -299,7 +299,7 @@ class _Writer:
     def _per_cycle(
         self, plans: Mapping[str, ComponentPlan]
     ) -> dict[str, dict[str, float]]:
-        """The parameters that the system lists, with the values that they have in it."""
+        """The parameters that the system lists, with their values in it."""
         listed = dict(self._system.properties).get(PER_CYCLE, "")
         components = {c.instance: c for c in self._system.components}
         found: dict[str, dict[str, float]] = {}
@@ -398,7 +398,7 @@ class _Writer:
 
 
 def _value(c: SystemComponent, plan: ComponentPlan, name: str) -> float | None:
-    """The number that a parameter has: of the system, of a conf file, of the definition."""
+    """The number of a parameter, from the system, a conf file, or the definition."""
     parameter = next((p for p in plan.component.configuration if p.name == name), None)
     if parameter is None:
         return None

@@ -1,4 +1,4 @@
-"""The IDL files that omniidl compiles for a component: classic IDL, printed from the model."""
+"""Prints classic IDL from the model, for omniidl to compile."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class WireIdl:
         self._told: set[str] = set()
 
     def artifacts(self, plan: ComponentPlan) -> Iterator[Artifact]:
-        """The files of a component: its IDL but for OpenRTM's own, and what compiles it."""
+        """The IDL files of a component except OpenRTM's own, and the script that compiles them."""
         for file in plan.own_idl_files:
             sources = [f for f in self._unit.model.files if f.name in file.files]
             keys = tuple(dict.fromkeys(source.key for source in sources))
@@ -60,7 +60,7 @@ class WireIdl:
             yield Artifact(f"{plan.folder}/{name}", text, (source.key,))
 
     def findings(self, plan: ComponentPlan) -> Iterator[Diagnostic]:
-        """What classic IDL cannot have at a port, and modules that Python has as well."""
+        """Diagnostics for port types without classic IDL, and for IDL modules hiding Python's."""
         data = [(port.port, port.type) for port in (*plan.in_ports, *plan.out_ports)]
         services = [
             (interface.port, interface.type)
@@ -89,7 +89,7 @@ class WireIdl:
                 yield rules.PYTHON_MODULE.at(declaration.span, message)
 
     def text(self, file: IdlFile) -> str:
-        """The text of a file, with the files included that it needs."""
+        """The text of a file, with includes of its dependencies."""
         sources = [f for f in self._unit.model.files if f.name in file.files]
         keys = [source.key for source in sources]
         head = "".join(
@@ -114,7 +114,7 @@ class WireIdl:
 
     @cached_property
     def _model(self) -> Model:
-        """The model without what classic IDL has not, and with the members of bases in structs."""
+        """The model restricted to classic IDL, with inherited members copied into structs."""
         return replace(
             self._unit.model,
             declarations=tuple(self._classic_ones(self._unit.model.declarations)),

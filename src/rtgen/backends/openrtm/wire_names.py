@@ -1,4 +1,4 @@
-"""The names of conversions between our values and omniORB's, as everything that uses them needs."""
+"""Names of the conversions between values and omniORB's objects."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ CORBA_PACKAGE = "_corba"
 
 @dataclass(frozen=True, slots=True)
 class Conversions:
-    """What there is for a declared type or interface: names in a module.
+    """The names for a declared type or interface.
 
-    `package` is the absolute name of the package that has it, `module` the implementation module
-    there, `name` the class of the type in it.
+    `package` is the absolute name of its package, `module` the implementation module there,
+    `name` the class of the type in it.
     """
 
     package: str
@@ -54,22 +54,25 @@ class Conversions:
 
     @property
     def objects(self) -> str:
-        """The conversion of objects of an interface that operations take or give."""
+        """The conversion of objects of an interface in arguments and results."""
         return f"{self.name}Objects"
 
     @property
     def servant(self) -> str:
-        """The class that serves an interface to omniORB: made with a servant of ours."""
+        """The class that serves an interface to omniORB; constructed with a servant."""
         return f"{self.name}Servant"
 
     @property
     def stub(self) -> str:
-        """The class that calls an omniORB object: made with a function that gives it, or None."""
+        """The class that calls an omniORB object.
+
+        Constructed with a function that returns it, or None.
+        """
         return f"{self.name}Stub"
 
 
 class WireNames:
-    """The names of a unit's types on our side and on omniORB's."""
+    """The names of a unit's types in generated code and in omniORB's stubs."""
 
     def __init__(self, unit: Unit) -> None:
         self._unit = unit
@@ -77,7 +80,7 @@ class WireNames:
         self.mapping = PythonMapping(unit.model, ".".join)
 
     def conversions(self, declaration: Declaration) -> Conversions:
-        """Where the conversions of a struct, union, exception or interface are."""
+        """The names of the conversions of a struct, union, exception or interface."""
         path, name = self.python.implementation(declaration.name)
         package = self._unit.package_of(declaration.file)
         return Conversions(package, path.removeprefix("_idl."), name)
@@ -101,12 +104,12 @@ class WireNames:
 
 
 def wire_id(declaration: Declaration) -> str:
-    """The repository id that omniORB knows a type by: a stand-in is not what it stands for."""
+    """The repository id of a type in omniORB; a placeholder has its own."""
     if isinstance(declaration, Struct) and declaration.annotation(OPAQUE) is not None:
         return f"IDL:rtgen.opaque/{'/'.join(declaration.name)}:1.0"
     return declaration.repository_id
 
 
 def mangled(name: str) -> str:
-    """How omniidl writes an identifier in Python: keywords get an underscore in front."""
+    """An identifier in omniidl's Python: keywords get a leading underscore."""
     return f"_{name}" if keyword.iskeyword(name) else name

@@ -1,4 +1,4 @@
-"""The names of one module of conversions: what it imports, and what it looks up when imported."""
+"""Names and imports of one module of conversions."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ _VARIABLE = re.compile("(value|wire|item|part|state|made|error|result|context)(_
 
 
 class WireScope:
-    """Hands out names, and remembers what has to stand at the top of the module for them.
+    """Allocates names, and collects the imports and lookups at the top of the module.
 
-    `defined` are the names that the module defines itself, `parameters` those that variables of
-    its functions have.
+    `defined` are the names defined by the module itself, `parameters` those of variables in its
+    functions.
     """
 
     def __init__(
@@ -48,11 +48,11 @@ class WireScope:
         return self._imported(module, name)
 
     def spell(self, module: str, name: str) -> str:
-        """The same as the mapping table asks for it; builtins have no module."""
+        """Like `runtime`, for names of the mapping table; builtins have no module."""
         return self._imported(module, name) if module else name
 
     def type(self, name: ScopedName) -> str:
-        """Our class of a declared type or interface: `extended_data_types.Point2D`."""
+        """The generated class of a declared type or interface: `extended_data_types.Point2D`."""
         declaration = self._unit.model.find(name)
         elsewhere = self._unit.types.get(declaration.file)
         if elsewhere is not None:
@@ -74,7 +74,7 @@ class WireScope:
         return self._imported(f"{home}{joint}{known.module}", function)
 
     def _relative(self, package: str, inner: str) -> str:
-        """A package of rtgen's as this module writes it."""
+        """A package of rtgen as this module imports it."""
         if package != self._unit.options.package:
             return f"{package}.{inner}"
         return "." if inner == CORBA_PACKAGE else f"..{inner}"
@@ -98,12 +98,12 @@ class WireScope:
         return self._constant(enum, "_items", made)
 
     def members(self, enum: Enum) -> str:
-        """Our enumerators of an enum, by number."""
+        """The generated enumerators of an enum, by number."""
         made = f"tuple({self.type(enum.name)})"
         return self._constant(enum, "_members", made)
 
     def octets(self, declaration: Declaration) -> str:
-        """The conversion of a declared type by way of CDR."""
+        """The conversion of a declared type through CDR."""
         ours = f"{self.type(declaration.name)}._descriptor_"
         is_raised = isinstance(declaration, ExceptionDecl)
         way = self.helper("ExceptionOctets" if is_raised else "Octets")
@@ -130,7 +130,7 @@ class WireScope:
         return name
 
     def constant_lines(self) -> list[str]:
-        """The statements for what is looked up."""
+        """The statements that look up names."""
         return [f"{name} = {made}" for name, made in self._constants.values()]
 
     def import_lines(self) -> list[list[str]]:

@@ -1,4 +1,4 @@
-"""Servants for omniORB that call ours, and stubs of ours that call omniORB's objects."""
+"""Prints servants for omniORB that delegate to ours, and stubs that call omniORB's objects."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class _Raise:
 
 @dataclass(frozen=True, slots=True)
 class _Operation:
-    """An operation, or an accessor of an attribute, as both classes have it."""
+    """An operation, or an accessor of an attribute, in both classes."""
 
     wire_name: str
     wire_parameters: str
@@ -194,7 +194,7 @@ class WireServices:
         return annotations[0] if annotations else "None"
 
     def _give(self, results: Sequence[Type], result: str) -> str:
-        """What the servant gives to omniORB: one value, or a tuple of several."""
+        """The return value of the servant: one value, or a tuple of several."""
         code = self._code
         if len(results) < 2:
             return "".join(code.outgoing(type_, result) for type_ in results)
@@ -205,7 +205,7 @@ class WireServices:
         return f"({', '.join(parts)})"
 
     def _take(self, results: Sequence[Type], result: str, made: str) -> Iterator[str]:
-        """The statements that give the caller what omniORB gave."""
+        """The statements that return omniORB's result to the caller."""
         code = self._code
         if len(results) == 1:
             yield f"{made}: {self._result(results)} = {code.incoming(results[0], result)}"
@@ -219,7 +219,7 @@ class WireServices:
 
 
 def _apart(name: str, given: Sequence[str]) -> str:
-    """A name for a variable that no parameter has."""
+    """A variable name distinct from all parameters."""
     while name in given:
         name += "_"
     return name

@@ -1,8 +1,8 @@
-"""Code and text: what a template may insert as it is, and what it has to quote.
+"""Distinguishes code from text: code is inserted into templates unchanged, text is quoted.
 
-A `Code` is a piece of an output language, made by the functions of this package or by a back end
-that says so. Any other `str` is text: it may come from a definition, so it is quoted, or refused
-where no quoting fits every place.
+A `Code` is a piece of an output language, made by the functions of this package or explicitly by
+a back end. Any other `str` is text: it may come from a definition, so it is quoted, or rejected
+if no quoting fits all places.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ class Code(str):
 
 
 class HashComment(Code):
-    """Whole lines that begin with `#`, which several languages take for comments."""
+    """Complete lines that start with `#`, a comment in several languages."""
 
     __slots__ = ()
 
 
 class UnquotableError(ValueError):
-    """The output language has no notation for a text at its place.
+    """The output language cannot represent a text at its place.
 
-    Back ends report a diagnostic before they come to it.
+    Back ends report a diagnostic before this can happen.
     """
 
     def __init__(self, text: str, language: str) -> None:

@@ -10,12 +10,12 @@ _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\ud800-\udfff\ufeff]")
 
 
 def characters(text: str, wide: bool) -> str:
-    """The text for between the quotes of a literal: others than ASCII's by their codes."""
+    """Escape a text for a literal: non-ASCII characters by their codes."""
     return "".join(_character(c, wide) for c in text)
 
 
 def readable_string(text: str) -> str:
-    """A string literal for people, in an annotation: printable characters stay."""
+    """A string literal in an annotation: printable characters are kept."""
     body = (
         c if c.isprintable() and c not in '\\"' else _character(c, False) for c in text
     )
@@ -23,9 +23,9 @@ def readable_string(text: str) -> str:
 
 
 def repository_id(name: str, text: str) -> str:
-    """What gives a declaration its repository id, whose escapes stay as they were written.
+    """A directive that sets a repository id, with its escapes as written.
 
-    The directive knows no escapes, so that an id with some is given by a declaration.
+    The directive has no escapes, so an id that contains some is set by a declaration.
     """
     if "\\" not in text and '"' not in text and text.isprintable():
         return f'#pragma ID ::{name} "{text}"'
@@ -34,7 +34,7 @@ def repository_id(name: str, text: str) -> str:
 
 
 def comment_lines(text: str) -> list[str]:
-    """The lines of a text for within a block comment; none for a text of blanks."""
+    """Lines of a text inside a block comment; none for a blank text."""
     text = _CONTROL.sub(" ", text).replace("*/", "* /")
     return text.split("\n") if text.strip() else []
 

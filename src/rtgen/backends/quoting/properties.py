@@ -1,7 +1,7 @@
-"""Configuration files of OpenRTM (`key: value`), EDS files, and entry points of Python packages.
+"""Configuration files of OpenRTM (`key: value`), EDS files, and entry points of packages.
 
-OpenRTM reads a line up to its end, takes what is before the first `:` or `=` for the key, strips
-both, and gives a meaning to backslashes and to a `#` or `!` at the beginning of a line.
+OpenRTM reads a line up to its end, takes the text before the first `:` or `=` as the key, strips
+both, and interprets backslashes and a leading `#` or `!`.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ class Entries(Code):
 
 
 def is_conf_value(text: str) -> bool:
-    """Whether a configuration file can hold the text as a value."""
+    """Whether a configuration file can represent the text as a value."""
     return _is_one_line(text) and _VALUE.fullmatch(text) is not None
 
 
 def is_conf_key(text: str) -> bool:
-    """Whether a configuration file can hold the text as a part of a key, which may be empty."""
+    """Whether a configuration file can represent the text as a part of a key, possibly empty."""
     return _is_one_line(text) and _KEY.fullmatch(text) is not None
 
 
@@ -46,7 +46,7 @@ def _is_one_line(text: str) -> bool:
 
 
 def conf_value(value: object) -> Conf:
-    """A value. Raises UnquotableError for texts that no line can hold."""
+    """Quote a value. Raises UnquotableError for texts that a line cannot represent."""
     text = str(value)
     if not is_conf_value(text):
         raise UnquotableError(text, "a configuration file")
@@ -54,7 +54,7 @@ def conf_value(value: object) -> Conf:
 
 
 def conf_key(value: object) -> Conf:
-    """A part of a key. Raises UnquotableError."""
+    """Quote a part of a key. Raises UnquotableError."""
     text = str(value)
     if not is_conf_key(text):
         raise UnquotableError(text, "the key of a configuration file")
@@ -62,7 +62,7 @@ def conf_key(value: object) -> Conf:
 
 
 def conf_comment(text: str) -> Conf:
-    """The text in one line behind a `#`; no backslash at its end joins the next line to it."""
+    """A comment line; a trailing backslash cannot join the next line."""
     return Conf(comment_text(text))
 
 
@@ -74,12 +74,12 @@ def eds_line(text: str) -> str:
 
 
 def quote_conf(value: object) -> str:
-    """What a template of a configuration file inserts: code, or a value."""
+    """Filter of templates of configuration files: accepts code, quotes values."""
     return value if isinstance(value, Conf | HashComment) else conf_value(value)
 
 
 def quote_entry(value: object) -> str:
-    """What a template of entry points inserts: code, and ASCII names `module.name:name`."""
+    """Filter of templates of entry points: accepts code and ASCII names `module.name:name`."""
     if isinstance(value, Entries | HashComment):
         return value
     text = str(value)

@@ -10,12 +10,12 @@ _CONTROL = re.compile(
     r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff\ufeff"
     r"\u200e\u200f\u202a-\u202e\u2066-\u2069]"
 )
-"""What ends a line, or makes text look like other text: control and direction of writing."""
+"""Line ends, and characters that change the appearance of text: control and direction."""
 
 _QUOTES = re.compile('"{3,}')
 _STEP = 4
 _INERT = re.compile(r"(?!.*\w \w)[A-Za-z0-9_.,:|\[\]{} ]*")
-"""Names, types and parameters: no statement, call or literal, no end of a line or string."""
+"""Names, types and parameters, without statements, calls, literals or line ends."""
 
 
 class Python(Code):
@@ -25,7 +25,7 @@ class Python(Code):
 
 
 def quote(value: object) -> str:
-    """What a template of Python inserts: code, numbers, names and type expressions.
+    """Filter of Python templates: accepts code, numbers, names and type expressions.
 
     Raises UnquotableError for other texts: they need `literal`, `in_docstring` or `comment`.
     """
@@ -51,9 +51,9 @@ def number_literal(value: float) -> Python:
 
 
 def docstring(text: str, indent: int, otherwise: str = "") -> Python:
-    """The text as a docstring at that indent, with the newline at its end.
+    """The text as a docstring with this indent, with a final newline.
 
-    `otherwise` stands in for a text of blanks alone; without it such a text gives nothing.
+    `otherwise` replaces a blank text; without it a blank text gives nothing.
     """
     lines = _escaped(text.expandtabs()).split("\n")
     body = "\n".join(line.rstrip() for line in lines).strip()

@@ -45,7 +45,7 @@ def shell_comment(text: str) -> Shell:
 
 
 def quote_shell(value: object) -> str:
-    """What a template of a shell script inserts: code, or one word."""
+    """Filter of templates of shell scripts: accepts code, quotes words."""
     return value if isinstance(value, Shell | HashComment) else shell_word(value)
 
 
@@ -55,9 +55,9 @@ def batch_comment(text: str) -> Batch:
 
 
 def quote_batch(value: object) -> str:
-    """What a template of a batch file inserts: code, and texts that need no quoting.
+    """Filter of templates of batch files: accepts code, and texts that need no quoting.
 
-    Raises UnquotableError for others: there is no quoting that every command understands.
+    Raises UnquotableError for others: no quoting is understood by all commands.
     """
     if isinstance(value, Batch):
         return value
@@ -79,7 +79,7 @@ def ruby_comment(text: str) -> Ruby:
 
 
 def quote_ruby(value: object) -> str:
-    """What a template of Ruby inserts: code, and texts that mean themselves in any literal."""
+    """Filter of Ruby templates: accepts code, and texts without special characters."""
     if isinstance(value, Ruby | HashComment):
         return value
     text = str(value)

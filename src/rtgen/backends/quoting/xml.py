@@ -1,4 +1,4 @@
-"""XML and SVG: text and attributes alike, and comments."""
+"""XML and SVG: text, attributes, and comments."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _HYPHENS = re.compile("-(?=-|$)")
 
 
 def quote_xml(value: object) -> Markup:
-    """What a template of XML inserts: markup, or text for elements and attributes.
+    """Filter of XML templates: accepts markup, quotes text for elements and attributes.
 
-    Line breaks and tabs stay what they are in attributes, too. Raises UnquotableError.
+    Line breaks and tabs are preserved in attributes, too. Raises UnquotableError.
     """
     if isinstance(value, Markup):
         return value

@@ -1,4 +1,4 @@
-"""Which files the target small has, beside those of the embedded one."""
+"""The files of the target small, in addition to those of the embedded target."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ from rtgen.typemap.idl_python import PythonNames, package_path
 from rtgen.typemap.python_names import module_name
 
 ROOT = "small"
-"""The folder of everything, below the output folder: what is copied to a board."""
+"""The folder that is copied to a board, below the output folder."""
 RUNTIME = (
     *("__init__.py", "codes.py", "components.py", "ports.py", "sequences.py"),
     *("system.py", "wire.py"),
 )
-"""The modules of the small runtime, which are copied as they are."""
+"""The modules of the small runtime, copied unchanged."""
 _DATA = (PortKind.INPORT, PortKind.OUTPORT)
 
 
 class SmallBackend:
-    """Makes a tree that takes the place of the runtime and of the generated package."""
+    """Generates a tree that replaces the runtime and the generated package."""
 
     name = "small"
 
@@ -61,7 +61,7 @@ BACKEND = SmallBackend()
 def _fit(
     model: Model, names: PythonNames, limits: Limits
 ) -> tuple[list[Component], list[Diagnostic]]:
-    """The components that have a small form, and why the others have none."""
+    """The components with a small form, and the reasons why the others have none."""
     fitting: list[Component] = []
     findings: list[Diagnostic] = []
     for component in components_of(model):

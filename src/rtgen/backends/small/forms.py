@@ -1,4 +1,4 @@
-"""Which types have a small form, and what a member of each type is in the text of a struct."""
+"""Small forms of types: which types have one, and the code of their members."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ _OCTETS = (PrimitiveType(Primitive.OCTET), PrimitiveType(Primitive.UINT8))
 
 
 class NoFormError(Exception):
-    """A type that has no small form; the text says which part of it."""
+    """A type without a small form; the text names the offending part."""
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """Room for items of a sequence and octets of a string without bound; for unread samples."""
+    """Capacity of unbounded sequences and strings, and of the buffers of ports."""
 
     sequence: int = 1024
     string: int = 128
@@ -39,9 +39,9 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """The statements for a member; `{0}` stands for the attribute, `{1}` for that of the source.
+    """Code for a member; `{0}` is the attribute, `{1}` that of the source.
 
-    `made` is the value that a new object gets; where it is mutable, an argument is copied into it.
+    `made` is the initial value of a new object; into a mutable one an argument is copied.
     """
 
     made: str

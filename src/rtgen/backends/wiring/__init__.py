@@ -1,4 +1,4 @@
-"""Back end for wiring diagrams: a system of components as SVG, without any other program."""
+"""Back end for wiring diagrams: draws a system of components as SVG."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a wiring diagram shows: boxes with ports, links between ports, and media."""
+"""Content of a wiring diagram: boxes with ports, links between ports, and media."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rtgen.model import Component, PortKind, PortReference, System
 _DATA_PORTS = (PortKind.INPORT, PortKind.OUTPORT)
 _LEFT = (PortKind.INPORT, PortKind.PROVIDER)
 _MOST_IDLE = 3
-"""So many ports of a side of a box are drawn although nothing is connected with them."""
+"""Maximum number of unconnected ports drawn on one side of a box."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +86,7 @@ class Tab:
 class Box:
     """An instance of a component in the diagram.
 
-    `media` are the media that it is attached to, each with what the component is there.
+    `media` are the media that it is attached to, each with the component's role.
     """
 
     instance: str
@@ -104,7 +104,7 @@ class Box:
         return tab
 
     def collapse(self) -> None:
-        """Replace many ports of a side that nothing is connected with by one tab."""
+        """Replace many unconnected ports of a side by one tab."""
         for left in (True, False):
             side = [tab for tab in self.tabs if tab.is_left is left]
             idle = [tab for tab in side if not tab.connected]
@@ -126,9 +126,9 @@ class Box:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Link:
-    """A connection, from a tab at a right side to one at a left side.
+    """A connection, from a tab on the right of a box to one on the left.
 
-    `times` are the seconds at which a timeline makes it; none for one that is there at the start.
+    `times` are the seconds at which a timeline makes it; empty if it exists at the start.
     """
 
     source: Tab
@@ -162,7 +162,7 @@ def diagram_of(
     profiles: Mapping[str, ComponentView],
     timeline: Sequence[TimedConnection] = (),
 ) -> Diagram:
-    """The diagram of a system; what no profile states is taken from the connectors."""
+    """The diagram of a system; missing profiles are derived from the connectors."""
     boxes = {
         c.instance: Box(c.instance, c.type, c.rate, c.location and c.location[:2])
         for c in system.components

@@ -1,4 +1,4 @@
-"""From the layout to SVG text."""
+"""Renders the layout as SVG."""
 
 from __future__ import annotations
 
@@ -88,11 +88,11 @@ def render(
     timeline: Sequence[TimedConnection] = (),
     buses: Sequence[Bus] = (),
 ) -> str:
-    """A system as SVG: data flows from left to right, feedback goes round.
+    """Draw a system as SVG: data flow from left to right, feedback returns around the boxes.
 
-    `profiles` maps a component type to its ports; the ports of a type without one are those that
-    connectors name. `timeline` has the connections that are made during a run, `buses` the
-    networks of the project, which state bit rates and PDO links.
+    `profiles` maps a component type to its ports; those of a type without profile are taken from
+    the connectors. `timeline` has the connections made during a run, `buses` the networks of the
+    project, with bit rates and PDO links.
     """
     diagram = with_media(
         diagram_of(system, profiles, timeline),
@@ -155,9 +155,9 @@ def render(
 
 
 class _Colours:
-    """The class of the colour of each connected port.
+    """The CSS class of each connected port's colour.
 
-    A type has one colour, an OutPort of unknown type one of its own.
+    Each type has a colour, and each OutPort of unknown type another one.
     """
 
     def __init__(self, diagram: Diagram) -> None:

@@ -1,4 +1,4 @@
-"""Which box stands in which column and row: by the editor's locations, else by layers."""
+"""Places boxes in columns and rows, by the editor's coordinates or by layers."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Cell: TypeAlias = tuple[int, int]
 """Column and row, both from 0."""
 
 _SAME_PLACE = 50
-"""Locations nearer than this, in the editor's pixels, are meant to be in one column or row."""
+"""Boxes closer than this, in the editor's pixels, share a column or row."""
 
 _SWEEPS = 6
 
@@ -94,7 +94,7 @@ def _by_layers(diagram: Diagram) -> dict[Box, Cell]:
 
 
 def _order_without_cycles(count: int, edges: Sequence[tuple[int, int]]) -> list[int]:
-    """A position for each box such that few edges go back (Eades, Lin, Smyth 1993)."""
+    """Order the boxes such that few edges go back (Eades, Lin, Smyth 1993)."""
     left = list(range(count))
     placed: set[int] = set()
     head: list[int] = []
@@ -123,7 +123,7 @@ def _order_without_cycles(count: int, edges: Sequence[tuple[int, int]]) -> list[
 def _layers(
     count: int, forward: Sequence[tuple[int, int]], order: Sequence[int]
 ) -> list[int]:
-    """The column of each box: one after its last predecessor; sources next to their users."""
+    """The column of each box: one after its last predecessor; sources next to their successors."""
     columns = [0] * count
     for node in order:
         columns[node] = max(
@@ -137,7 +137,7 @@ def _layers(
 
 
 def _rows(columns: Sequence[int], edges: Sequence[tuple[int, int]]) -> list[int]:
-    """The row of each box: in each column by the mean row of what it is joined with."""
+    """The row of each box: in each column by the mean row of its neighbours."""
     layers = [
         [node for node, column in enumerate(columns) if column == index]
         for index in range(max(columns, default=-1) + 1)
@@ -175,7 +175,7 @@ def _reorder(
 def _crossings(
     columns: Sequence[int], rows: Sequence[int], edges: Sequence[tuple[int, int]]
 ) -> tuple[int, int]:
-    """How many pairs of edges cross as straight lines, then how far all edges climb."""
+    """Cost of an order: pairs of crossing edges, then the total height of all edges."""
     spans = [
         (
             ((columns[a], rows[a]), (columns[b], rows[b]))

@@ -1,8 +1,9 @@
-"""Where everything lies: boxes on a grid, and links through the channels between them.
+"""Lays out boxes on a grid, and routes links through the channels between them.
 
-A link to the next column is one curve. Any other runs along a lane in the gap above or below a row,
-so that no link hides behind a box. Links from one port share their lane. A medium (CAN bus, TCP or
-serial line) is a trunk below all boxes with risers in the channels. Lengths are in SVG units.
+A link to the next column is one curve. Any other runs along a lane in the gap above or below a
+row, so that no link passes behind a box. Links from one port share their lane. A medium (CAN bus,
+TCP or serial line) is a trunk below all boxes with risers in the channels. Lengths are in SVG
+units.
 """
 
 from __future__ import annotations
@@ -84,7 +85,7 @@ class Geometry:
 
 
 def text_width(text: str, size: float) -> float:
-    """About how wide a text is in a usual sans-serif font."""
+    """Approximate width of a text in a usual sans-serif font."""
     # What `sum` gives depends on the version of Python.
     return size * fsum(_share(character) for character in text)
 
@@ -117,7 +118,7 @@ def box_width(box: Box) -> float:
 
 
 def notes(diagram: Diagram) -> dict[Tab, str]:
-    """For each port that a timeline connects, when it does."""
+    """The times at which a timeline connects each port."""
     times: dict[Tab, set[float]] = defaultdict(set)
     for link in diagram.links:
         if link.times:
@@ -263,14 +264,14 @@ class _Router:
         return " ".join((*lines, *stubs))
 
     def _is_direct(self, link: Link) -> bool:
-        """Whether nothing stands between the two boxes, seen from the source's row."""
+        """Whether the line between the two boxes in the source's row is free."""
         column, row = self._cells[link.source.box]
         target = self._cells[link.target.box][0]
         between = range(column + 1, target)
         return target > column and not any((c, row) in self._taken for c in between)
 
     def _gap_for(self, link: Link) -> int:
-        """The gap that is least out of the way: 0 above the first row, and so on down."""
+        """The gap with the smallest detour: 0 above the first row, and so on."""
         ends = [
             self._cells[tab.box][1] + self._depth(tab)
             for tab in (link.source, link.target)
@@ -285,7 +286,7 @@ class _Router:
         )
 
     def _depth(self, tab: Tab) -> float:
-        """How far down its row a tab is, from 0 to 1."""
+        """The height of a tab within its row, from 0 to 1."""
         row = self._cells[tab.box][1]
         return (HEADER + (tab.row + 0.5) * ROW) / self._tallest[row]
 

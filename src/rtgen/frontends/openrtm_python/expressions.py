@@ -1,4 +1,4 @@
-"""Expressions of a module as far as they are known without running it."""
+"""Abstract evaluation of expressions: values known without running the module."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ _METHODS: dict[type, frozenset[str]] = {
     dict: frozenset(("items", "keys", "values", "get", "update", "setdefault", "copy")),
 }
 _OUTWARD = frozenset(("append", "extend", "insert", "update", "setdefault", "get"))
-"""Methods that only pass values on, so those may be unknown."""
+"""Methods that only store or forward values, which may be unknown."""
 
 
 def is_known(value: Value, depth: int = 0) -> bool:
@@ -97,14 +97,14 @@ def is_known(value: Value, depth: int = 0) -> bool:
 
 
 def iterated(value: Value) -> list[Value] | None:
-    """The items of what a loop runs over, None if they are not known."""
+    """The items that a loop iterates over, None if unknown."""
     if isinstance(value, list | tuple | str | dict | range):
         return list(value) if len(value) <= _LARGEST else None
     return None
 
 
 class Statements(Protocol):
-    """What expressions need of the walker, which follows the statements."""
+    """Interface to the walker, which follows statements."""
 
     def step(self) -> None: ...
 
@@ -114,14 +114,14 @@ class Statements(Protocol):
 
 
 class Expressions:
-    """Evaluates expressions in a frame; calls go to the walker."""
+    """Evaluates expressions in a frame; calls are delegated to the walker."""
 
     def __init__(self, walker: Statements) -> None:
         self._walker = walker
         self._depth = 0
 
     def value(self, node: ast.expr | None, frame: Frame) -> Value:
-        """The value of an expression, UNKNOWN where it is computed."""
+        """The value of an expression, UNKNOWN if it is computed at run time."""
         if node is None or self._depth >= _DEEPEST:
             return UNKNOWN
         self._walker.step()
@@ -246,7 +246,7 @@ class Expressions:
     def guarded(
         self, function: Callable[..., Any], *args: Value, **more: Value
     ) -> Value:
-        """What a function of Python gives for known values; UNKNOWN if it fails or is huge."""
+        """The result of a Python function for known values; UNKNOWN if it fails or is huge."""
         try:
             found = function(*args, **more)
             if isinstance(found, int) and abs(found) >= 1 << 256:
@@ -327,7 +327,7 @@ class Expressions:
     def builtin(
         self, name: str, args: list[Value], keywords: dict[str, Value]
     ) -> Value:
-        """What a function of Python gives, UNKNOWN where it does not matter here."""
+        """The result of a Python function, UNKNOWN if it is irrelevant here."""
         function = _FUNCTIONS.get(name)
         passing = name in ("len", "list", "tuple", "zip", "enumerate", "reversed")
         fine = all(is_known(a) or (passing and iterated(a) is not None) for a in args)
@@ -344,7 +344,7 @@ class Expressions:
     def method(
         self, holder: Value, name: str, args: list[Value], keywords: dict[str, Value]
     ) -> Value:
-        """What a method of a text, list or dict gives, or does with it."""
+        """The result or effect of a method of a text, list or dict."""
         if name not in _METHODS.get(type(holder), ()):
             return UNKNOWN
         if name not in _OUTWARD and not all(map(is_known, (*args, *keywords.values()))):
@@ -366,5 +366,5 @@ class Expressions:
 
 
 def is_made(value: Value, *names: str) -> bool:
-    """Whether it is the outcome of a call of one of these, wherever they are imported from."""
+    """Whether it is the result of a call of one of these, wherever they are imported from."""
     return isinstance(value, Made) and value.path[-1:] in {(name,) for name in names}

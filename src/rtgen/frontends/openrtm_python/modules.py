@@ -1,4 +1,4 @@
-"""Modules that a component consists of: its own, and those beside it that it imports from."""
+"""The modules of a component: its own, and those of the repository that it imports."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ _MOST_MODULES = 50
 _MOST_FOLDERS = 6
 _STUBS = "import omniORB"
 _OPENRTM = (("OpenRTM_aist",), ("omniORB",), ("RTC",))
-"""Packages that are OpenRTM's own, wherever they are."""
+"""Packages of OpenRTM itself."""
 
 
 @dataclass(eq=False, slots=True)
 class ModuleName:
-    """A module that was read as a value: what it has not comes from a module of that name."""
+    """A module as a value; an attribute that it lacks comes from a submodule."""
 
     module: Module
     path: tuple[str, ...]
 
     def attribute_of(self, name: str) -> Value:
-        """What the module defines under the name."""
+        """The definition of a name in the module."""
         found = self.module.find(name)
         if isinstance(found, Named) or found is None:
             return Named((*self.path, name), imported=True)
@@ -41,7 +41,7 @@ class Modules:
         self._read: dict[Path, Module | None] = {}
 
     def imported(self, path: tuple[str, ...], of: Path, level: int) -> Module | None:
-        """The module that an import names, None if it is not of the repository."""
+        """The imported module, None if it is not in the repository."""
         if path[:1] in _OPENRTM:
             return None
         if level:
@@ -71,7 +71,7 @@ class Modules:
 
 
 def _folders(start: Path) -> Iterator[Path]:
-    """The folder and those around it, up to the repository's own."""
+    """The folder and its parents, up to the repository's root."""
     folder = start.absolute()
     for _ in range(_MOST_FOLDERS):
         yield folder

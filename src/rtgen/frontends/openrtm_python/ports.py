@@ -1,4 +1,4 @@
-"""The ports that a component makes and adds, from the calls that do so."""
+"""Extracts the ports of a component from the calls that create and add them."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ _UNKNOWN_TYPE = "Unknown"
 
 
 class Tell(Protocol):
-    """Reports a finding."""
+    """Reports a diagnostic."""
 
     def __call__(
         self, rule: Rule, span: Span, message: str, hint: str | None = None
@@ -44,7 +44,7 @@ class Tell(Protocol):
 
 
 class Ports:
-    """Ports of a component whose constructor and onInitialize were followed."""
+    """Ports of a component whose constructor and onInitialize were evaluated."""
 
     def __init__(
         self, walker: Walker, module: Module, component: Component, tell: Tell
@@ -61,7 +61,7 @@ class Ports:
         return Span(made.file, node.lineno, node.col_offset + 1, end, column)
 
     def _holder(self, made: Made) -> str:
-        """The attribute that keeps a port, with a blank before; empty without one."""
+        """The attribute of a port, with a leading blank; empty without one."""
         for name, value in self._component.attributes.items():
             if value is made:
                 return f" {name}"
@@ -70,7 +70,7 @@ class Ports:
     # Data ports.
 
     def data_ports(self) -> Iterator[ProfileDataPort]:
-        """The data ports in the order in which they are made."""
+        """The data ports in order of creation."""
         adding = [call for call in self._walker.calls if call.name in ADD_DATA_PORT]
         added: dict[Made, bool] = {}
         for call in adding:
@@ -187,7 +187,7 @@ class Ports:
     # Service ports.
 
     def service_ports(self) -> Iterator[ProfileServicePort]:
-        """The service ports with their interfaces, in the order in which they are made."""
+        """The service ports with their interfaces, in order of creation."""
         added = {
             port
             for call in self._walker.calls
@@ -241,7 +241,7 @@ class Ports:
             )
 
     def _consumed(self, call: Call) -> str | None:
-        """The interface of a `CorbaConsumer`, whose registration may leave out its module."""
+        """The interface of a `CorbaConsumer`, whose registration may omit its module."""
         consumer = call.argument(2, "consumer")
         if not is_made(consumer, "CorbaConsumer"):
             return None

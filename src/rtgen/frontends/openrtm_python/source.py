@@ -1,4 +1,4 @@
-"""The text of a module, in whatever encoding and Python it is written, and its syntax tree."""
+"""Decodes and parses a module, in any encoding, and in Python 2 or 3."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from rtgen.frontends.openrtm_python import rules
 
 _MAX_BYTES = 4 * 1024 * 1024
 _OTHERS = ("utf-8-sig", "euc_jp", "cp932", "latin-1")
-"""The encodings that are tried where the declared one does not fit."""
+"""Fallback encodings if the declared one does not fit."""
 
 _FIXES = (
     *("except", "exec", "ne", "numliterals", "print", "raise", "repr"),
     *("tuple_params", "unicode"),
 )
-"""What is converted of Python 2: its syntax; names stay, as nothing is executed."""
+"""Conversions of Python 2: only syntax; names stay, because nothing is executed."""
 
 _MOST_CONVERTED = 300_000
-"""Characters of a module that is converted, which takes seconds."""
+"""Maximum length of a module that is converted, which takes seconds."""
 
 _NOT_PYTHON_3 = "this is not Python 3"
 _DEEP = "too many"
@@ -48,7 +48,7 @@ class Source:
 
 
 def read_source(path: Path) -> Source:
-    """The text and tree of a file; what is wrong with it is in the diagnostics."""
+    """Read the text and tree of a file; its problems are in the diagnostics."""
     file = path.as_posix()
     start = Span(file, 1, 1, 1, 2)
     try:
@@ -81,7 +81,7 @@ def read_source(path: Path) -> Source:
 
 
 def _decoded(data: bytes) -> tuple[str, str | None]:
-    """The text, and the encoding where it had to be guessed."""
+    """The text, and the encoding if it had to be guessed."""
     try:
         encoding, _ = tokenize.detect_encoding(BytesIO(data).readline)
         return _lines(data.decode(encoding)), None
@@ -116,7 +116,7 @@ def _parsed(text: str, file: str) -> tuple[ast.Module | None, Diagnostic | None]
 
 
 def _python_3(text: str, problem: str) -> str | None:
-    """The text with the syntax of Python 3; None if it cannot be converted here."""
+    """The text converted to Python 3; None if it cannot be converted."""
     if len(text) > _MOST_CONVERTED or _NOT_PYTHON_3 not in problem or _DEEP in problem:
         return None
     try:

@@ -1,4 +1,4 @@
-"""What is known of a module's values without running it."""
+"""Abstract values of a module: what is known without running it."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from typing import Any, TypeAlias
 from rtgen.frontends.openrtm_python.source import Source
 
 GLOBAL_STUBS = ("_GlobalIDL", "_GlobalIDL__POA")
-"""The packages in which omniidl's Python back end puts what stands in no IDL module."""
+"""The packages in which omniidl's Python back end puts declarations outside of modules."""
 
 GENERATED = ("rtgen", "runtime", "openrtm")
-"""What modules that rtgen makes import."""
+"""Modules imported by modules that rtgen generates."""
 
 GENERATED_VARIABLE = "_c_"
-"""What the variables of parameters begin with in them."""
+"""Prefix of the variables of parameters in generated modules."""
 
 _NO_STUBS = ("OpenRTM_aist", "omniORB")
 
@@ -28,7 +28,7 @@ CONSTANTS = (str, int, float, bytes, type(None))
 
 @dataclass(frozen=True, slots=True)
 class Unknown:
-    """A value that only running the module tells; `choices` are what it may be, if known."""
+    """A value unknown without running the module; `choices` are the candidates, if known."""
 
     choices: tuple[Value, ...] = ()
 
@@ -38,9 +38,9 @@ UNKNOWN = Unknown()
 
 @dataclass(eq=False, slots=True)
 class Named:
-    """What an import or a name stands for that has no definition here, by its dotted name.
+    """An import or name without a definition here, by its dotted name.
 
-    `imported`: an import says so; else it may come from any module that is imported by `*`.
+    `imported`: imported explicitly; else it may come from any module that is imported by `*`.
     """
 
     path: tuple[str, ...]
@@ -49,9 +49,9 @@ class Named:
 
 @dataclass(eq=False, slots=True)
 class Made:
-    """The outcome of a call of something that has no definition here, or of a class.
+    """The result of calling something without a definition here, or a class.
 
-    `certain`: it is made in any case.
+    `certain`: the call is unconditional.
     """
 
     path: tuple[str, ...]
@@ -63,7 +63,7 @@ class Made:
     certain: bool
 
     def argument(self, place: int, *names: str) -> Value:
-        """An argument by its place, or by one of its names; UNKNOWN where it is not given."""
+        """An argument by position, or by one of its names; UNKNOWN if it is not given."""
         if place < len(self.arguments):
             return self.arguments[place]
         return next((self.keywords[n] for n in names if n in self.keywords), UNKNOWN)
@@ -74,7 +74,7 @@ class Made:
 
 @dataclass(eq=False, slots=True)
 class Module:
-    """A module that was read: the names that it defines, and what it imports by `*`."""
+    """A module that was read: its names, and its imports by `*`."""
 
     source: Source
     tree: ast.Module
@@ -83,7 +83,7 @@ class Module:
     open_names: list[Module] = field(default_factory=list)
 
     def find(self, name: str) -> Value | None:
-        """What a name stands for; None if the module says nothing of it."""
+        """The value of a name; None if the module does not define it."""
         if name in self.names:
             return self.names[name]
         for other in self.open_names:
@@ -102,7 +102,7 @@ class Class:
 
 @dataclass(eq=False, slots=True)
 class Function:
-    """A function, or a method with the class that has it."""
+    """A function, or a method with its class."""
 
     node: ast.FunctionDef
     module: Module
@@ -111,13 +111,13 @@ class Function:
 
 @dataclass(eq=False, slots=True)
 class Component:
-    """The object that `self` is: its attributes, and its class with all that it derives from."""
+    """The object `self`: its attributes, and its class with all bases."""
 
     line: list[Class]
     attributes: dict[str, Value] = field(default_factory=dict)
 
     def method(self, name: str, behind: Class | None = None) -> Function | None:
-        """The method of that name; of a class behind another in the line if that is given."""
+        """The method of that name; with a class given, the next one in the resolution order."""
         place = 0 if behind is None else self.line.index(behind) + 1
         for each in self.line[place:]:
             for node in each.node.body:
@@ -128,7 +128,7 @@ class Component:
 
 @dataclass(eq=False, slots=True)
 class Frame:
-    """Where a statement stands: its module, its function's variables, and `self`."""
+    """The environment of a statement: module, variables of the function, and `self`."""
 
     module: Module
     names: dict[str, Value] | None = None
@@ -136,14 +136,14 @@ class Frame:
     owner: Class | None = None
 
     def find(self, name: str) -> Value:
-        """What a name stands for."""
+        """The value of a name."""
         if self.names is not None and name in self.names:
             return self.names[name]
         found = self.module.find(name)
         return Named((name,)) if found is None else found
 
     def bind(self, name: str, value: Value) -> None:
-        """Gives a name a value."""
+        """Assign a value to a name."""
         (self.module.names if self.names is None else self.names)[name] = value
 
     def inner(self) -> Frame:
@@ -153,7 +153,7 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Bound:
-    """An attribute of an object that is looked up to be called."""
+    """A method looked up in order to be called."""
 
     holder: Value
     name: str
@@ -169,7 +169,7 @@ class Super:
 
 
 def alternatives(value: Value) -> Iterator[Value]:
-    """The value, or all that an unknown one may be."""
+    """The value, or all candidates of an unknown one."""
     if isinstance(value, Unknown):
         for choice in value.choices:
             yield from alternatives(choice)
@@ -178,7 +178,7 @@ def alternatives(value: Value) -> Iterator[Value]:
 
 
 def merged(one: Value, other: Value) -> Value:
-    """What is known where either of two values is there."""
+    """The common knowledge about two alternative values."""
     same = one is other or (
         isinstance(one, CONSTANTS) and type(one) is type(other) and one == other
     )
@@ -189,7 +189,7 @@ def merged(one: Value, other: Value) -> Value:
 
 
 def dotted(node: ast.expr | None) -> tuple[str, ...]:
-    """`a.b.c` as its names; empty for everything else."""
+    """`a.b.c` as its names; empty for any other expression."""
     names: list[str] = []
     while isinstance(node, ast.Attribute):
         names.append(node.attr)
@@ -200,7 +200,7 @@ def dotted(node: ast.expr | None) -> tuple[str, ...]:
 
 
 def scoped(value: Named | Made | Class | Value, open_modules: list[str]) -> str | None:
-    """The IDL name of a class of stubs, None for what is none."""
+    """The IDL name of a class of stubs, None for other classes."""
     if not isinstance(value, Named | Made) or not value.path:
         return None
     path = value.path

@@ -1,4 +1,4 @@
-"""Follows what a component does when it is made, as far as that is known without running it."""
+"""Abstract interpretation of a component's construction: follows statements over partial values."""
 
 from __future__ import annotations
 
@@ -35,17 +35,17 @@ from rtgen.frontends.openrtm_python.values import (
 )
 
 MOST_STEPS = 200_000
-"""How many expressions and statements are looked at."""
+"""Maximum number of expressions and statements evaluated."""
 
 _DEEPEST = 20
 _NO_DATA = ("OpenRTM_aist", "typing")
-"""Packages in which no types of data are."""
+"""Packages without data types."""
 
 _MOST_ROUNDS = 1000
 
 
 class TooMuchError(Exception):
-    """The module does more than MOST_STEPS steps."""
+    """The module exceeds MOST_STEPS steps."""
 
 
 @dataclass(eq=False, slots=True)
@@ -57,13 +57,13 @@ class Call:
     made: Made
 
     def argument(self, place: int, *names: str) -> Value:
-        """An argument by its place, or by one of its names."""
+        """An argument by position, or by one of its names."""
         return self.made.argument(place, *names)
 
 
 @dataclass(frozen=True, slots=True)
 class _End:
-    """How a block of statements ends before its last one."""
+    """Ways in which a block of statements ends early."""
 
     kind: type[ast.stmt]
     value: Value = None
@@ -71,7 +71,7 @@ class _End:
 
 @dataclass(eq=False)
 class Walker:
-    """Runs statements over values that may be unknown: both ways where a condition is."""
+    """Runs statements over partial values; both branches of a condition are followed."""
 
     modules: Modules
     calls: list[Call] = field(default_factory=list)
@@ -86,7 +86,7 @@ class Walker:
         self._known: set[Module] = set()
 
     def step(self) -> None:
-        """Counts; raises TooMuchError."""
+        """Count a step. Raises TooMuchError."""
         self._steps += 1
         if self._steps > MOST_STEPS:
             raise TooMuchError
@@ -101,13 +101,13 @@ class Walker:
             self._certain = certain
 
     def method(self, component: Component, name: str) -> None:
-        """Runs a method of the component, if it has one."""
+        """Run a method of the component, if it exists."""
         function = component.method(name)
         if function is not None:
             self._called(function, component, [UNKNOWN] * 9, {})
 
     def perhaps(self, function: Function, component: Component) -> None:
-        """Runs a method that may be called some time."""
+        """Run a method that may be called later."""
         certain, self._certain = self._certain, False
         self._called(function, component, [UNKNOWN] * 9, {})
         self._certain = certain
@@ -167,7 +167,7 @@ class Walker:
     def _of_type(
         self, type_: Value, found: Value, node: ast.AnnAssign, frame: Frame
     ) -> Value:
-        """What a variable is annotated with, where a call of something else gave it its value."""
+        """The annotated type of a variable assigned from an unknown call."""
         if not isinstance(type_, Named) or type_.path[0] in _NO_DATA:
             return found
         known = isinstance(found, Made) and found.path
@@ -177,7 +177,7 @@ class Walker:
         return self._new(type_.path, type_.imported, [], {}, call, frame)
 
     def assign(self, target: ast.expr, value: Value, frame: Frame) -> None:
-        """Gives a target a value."""
+        """Assign a value to a target."""
         match target:
             case ast.Name(id=name):
                 frame.bind(name, value)
@@ -217,7 +217,7 @@ class Walker:
         return self._any_of([*ways, rest], frame)
 
     def _any_of(self, ways: Sequence[Sequence[ast.stmt]], frame: Frame) -> _End | None:
-        """One of several blocks is run: what they leave is merged, but for those that end."""
+        """Run alternative blocks: their results are merged, except of those that end early."""
         start = _State.of(frame)
         certain, self._certain = self._certain, False
         left: _State | None = None
@@ -317,7 +317,7 @@ class Walker:
     # Calls.
 
     def call(self, node: ast.Call, frame: Frame) -> Value:
-        """What a call gives; those of OpenRTM are noted."""
+        """The result of a call; calls of OpenRTM are recorded."""
         value = self.expressions.value
         function = value(node.func, frame)
         arguments: list[Value] = []

@@ -1,7 +1,7 @@
-"""Front end for RtcProfiles, the files of RTCBuilder (`RTC.xml`, formats 0.1 to 0.3), and in YAML.
+"""Reads RtcProfiles, the files of RTCBuilder (`RTC.xml`, formats 0.1 to 0.3), in XML or YAML.
 
-Names are bound by namespace; what is not known is ignored, what real files leave out or misspell
-is read with a warning.
+Names are resolved by namespace; unknown elements are ignored, what real files omit or misspell is
+read with a warning.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ __all__ = ["Profiles", "lowered", "read", "xml_text"]
 
 @dataclass(frozen=True, slots=True)
 class Profiles:
-    """What `read` gives: the profiles without errors, and where they and their IDL stand."""
+    """Result of `read`: the profiles without errors, and the places of their files."""
 
     profiles: tuple[RtcProfile, ...] = ()
     files: tuple[SourceFile, ...] = ()
@@ -33,14 +33,14 @@ class Profiles:
     sources: dict[str, str] = field(default_factory=dict)
     dependencies: tuple[Dependency, ...] = ()
     idl: tuple[Path, ...] = ()
-    """IDL files that the profiles name, where they were found."""
+    """Existing IDL files that the profiles name."""
 
 
 def read(paths: Sequence[Path], *, root: Path, include: Sequence[Path]) -> Profiles:
-    """Reads profiles, and looks for the IDL files that they name.
+    """Read profiles, and search for the IDL files that they name.
 
-    Those are looked for beside the profile, in a folder `idl` there, and in `include`. Whatever
-    is wrong with a file is in the diagnostics.
+    These are searched for beside the profile, in a folder `idl` there, and in `include`. All
+    problems of a file are in the diagnostics.
     """
     profiles: list[RtcProfile] = []
     files: list[SourceFile] = []
@@ -94,7 +94,7 @@ def read(paths: Sequence[Path], *, root: Path, include: Sequence[Path]) -> Profi
 
 
 def xml_text(data: bytes, file: str) -> str:
-    """The text of a profile, of one in YAML its form in XML. Raises InputError."""
+    """The text of a profile in XML, converted from YAML if necessary. Raises InputError."""
     if file.lower().endswith(YAML_SUFFIXES):
         return profile_yaml.to_xml(data.decode("utf-8", "replace"), file)
     return located_xml.decode(data, file)

@@ -1,4 +1,4 @@
-"""Constraint elements of a profile as the tree that has a text form."""
+"""Converts constraint elements of a profile to the text form."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ _UPPER = (Operator.LESS, Operator.LESS_OR_EQUAL)
 
 
 class NoTextFormError(ValueError):
-    """A constraint that OpenRTM's text form has no words for; the message says which."""
+    """A constraint without a text form in OpenRTM; the message gives the part."""
 
 
 def constraint(element: Element) -> Constraint:
-    """What `rtc:Constraint` holds. Raises NoTextFormError."""
+    """Convert the content of `rtc:Constraint`. Raises NoTextFormError."""
     kind, inner = _only(element)
     if kind == "ConstraintListType":
         return ItemConstraints(tuple(_unit(item) for item in _constraints(inner)))

@@ -1,7 +1,7 @@
-"""What a profile of rtgen says beyond its attributes, put into what was made of those.
+"""Applies rtgen's additional facts in a profile to the lowered component.
 
-Each fact counts only if the attributes are what rtgen writes for it; where they were edited since,
-they win. So a fact is tried, and its attribute made again and compared.
+A fact only applies if the attributes are those that rtgen writes for it; edited attributes take
+precedence. So a fact is applied, and its attribute written again and compared.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _Item = TypeVar("_Item", Port, ConfigurationParameter, Component)
 
 @dataclass(frozen=True)
 class Definitions:
-    """Restores definitions; what cannot be used of the facts goes to `report`."""
+    """Restores definitions; unusable facts are reported to `report`."""
 
     declared: Mapping[ScopedName, Declaration]
     parameters: Parameters
@@ -46,7 +46,7 @@ class Definitions:
     # Ports.
 
     def port(self, made: Port, facts: Facts, events: Sequence[Annotation] = ()) -> Port:
-        """The port with what its facts say; `events` are those of an event port, as annotations."""
+        """The port with its facts applied; `events` are those of an event port, as annotations."""
         with self._passing_over(made.span):
             is_data = made.kind in (PortKind.INPORT, PortKind.OUTPORT)
             name = facts.get("name")
@@ -63,7 +63,7 @@ class Definitions:
     # Parameters.
 
     def type(self, parameter: ProfileParameter) -> Type | None:
-        """The IDL type of a parameter, None where its word alone says it."""
+        """The IDL type of a parameter, None if its attribute determines the type."""
         with self._passing_over(parameter.type_span):
             text = parameter.facts.get("type")
             if text is None:
@@ -81,7 +81,7 @@ class Definitions:
     def default(
         self, made: ConfigurationParameter, parameter: ProfileParameter
     ) -> ConfigurationParameter:
-        """The parameter with the default of its facts, if that is what the attribute says."""
+        """The parameter with the default of its facts, if the attribute agrees."""
         if "default" not in parameter.facts:
             return made
         with self._passing_over(parameter.default_span):
@@ -160,7 +160,7 @@ class Definitions:
         return (last,)
 
     def component(self, made: Component, profile: RtcProfile) -> Component:
-        """The component with what its facts say."""
+        """The component with its facts applied."""
         facts = profile.facts
         with self._passing_over(made.span):
             for field, usual in profile_facts.WITH_USUAL.items():
@@ -202,7 +202,7 @@ class Definitions:
                 self._tell(made.span, f"the interface {text} is not found")
 
     def _with_base(self, made: Component, facts: Facts) -> Component:
-        """The component with its base, if it has all that the base has."""
+        """The component with its base, if it has all members of the base."""
         text = facts.get("base")
         if text is None:
             return made
@@ -241,7 +241,7 @@ class Definitions:
 
     @contextmanager
     def _passing_over(self, span: Span) -> Iterator[None]:
-        """Tells of facts that cannot be used; what was restored before them stays."""
+        """Report unusable facts; those restored before are kept."""
         try:
             yield
         except ValueError as error:
@@ -253,7 +253,7 @@ class Definitions:
 
 
 def identifier_of(variable: str, facts: Facts) -> str | None:
-    """The identifier that the facts have, if the attribute says the same."""
+    """The identifier in the facts, if the attribute agrees."""
     found = facts.get("identifier")
     return variable if found == variable else None
 
@@ -281,7 +281,7 @@ _Part = TypeVar("_Part", Port, ConfigurationParameter)
 def _inherited(
     own: Sequence[_Part], of_base: Sequence[_Part]
 ) -> tuple[_Part, ...] | None:
-    """All items, those of the base first and as it has them; None if one of those is another."""
+    """All items, those of the base first and unchanged; None if one of those differs."""
     rest: list[_Part] = list(own)
     for item in of_base:
         same = [each for each in rest if replace(each, span=item.span) == item]

@@ -1,4 +1,4 @@
-"""From profiles to components of the model: types looked up, names made identifiers."""
+"""Lowers profiles to components of the model: resolves types, makes identifiers of names."""
 
 from __future__ import annotations
 
@@ -49,16 +49,16 @@ _BREAKS_ID = re.compile(r"[:\r\n\t]")
 _BREAKS_VERSION = re.compile(r"[:\s]+")
 _REPOSITORY_ID = re.compile(r"IDL:(.*?)(?::[\d.]*)?")
 _TYPE_NAME = re.compile(r"\w+(?:::\w+)*")
-"""Other forms, such as repository ids, are not what components register."""
+"""Other forms, such as repository ids, are not registered by components."""
 _LONGEST_NAME = 100
 
 
 @dataclass
 class Lowering:
-    """Makes components of profiles, with the types of a model, and placeholders for others.
+    """Lowers profiles to components, with the types of a model, and placeholders for others.
 
-    `given` are the definition files that the user named. A component that stands in another one,
-    which a profile led to, is that profile's.
+    `given` are the definition files that the user named. A component that was reached through a
+    profile belongs to that profile.
     """
 
     model: Model
@@ -79,7 +79,7 @@ class Lowering:
         )
 
     def component(self, profile: RtcProfile) -> Component:
-        """The component of a profile, which later ones may clash with."""
+        """Lower a profile; later ones must not clash with its component."""
         taken: set[str] = set()
         ports = [self._data_port(profile, port, taken) for port in profile.data_ports]
         for service in profile.service_ports:
@@ -121,7 +121,7 @@ class Lowering:
         self.diagnostics.append(rule.at(span, message, hint=hint))
 
     def _name(self, profile: RtcProfile) -> ScopedName:
-        """The component's name, told if it is not the profile's."""
+        """The component's name, with a diagnostic if it had to be changed."""
         last = profile_texts.word(profile.name, "Component")[:_LONGEST_NAME]
         why = "is no identifier" if len(last) < _LONGEST_NAME else "is too long"
         name = self._definitions.name(profile, last)
@@ -143,7 +143,7 @@ class Lowering:
     def _id_part(
         self, profile: RtcProfile, text: str, breaking: re.Pattern[str]
     ) -> str:
-        """A part of the profile's id, told if it had to be mended."""
+        """A part of the profile's id, with a diagnostic if it had to be changed."""
         mended = breaking.sub("_", text)
         if mended != text:
             message = f"{text!r} would break the profile's id; {mended!r} is taken"
@@ -151,7 +151,7 @@ class Lowering:
         return mended
 
     def _outside_name(self, span: Span, text: str) -> str:
-        """The name of a port, interface or parameter, told if it had to be mended."""
+        """The name of a port, interface or parameter, with a diagnostic if it had to be changed."""
         mended = "".join(c if c.isprintable() else "_" for c in text)
         mended = mended if mended.strip() else "_"
         if mended != text:
@@ -160,7 +160,7 @@ class Lowering:
         return mended
 
     def _is_taken(self, name: ScopedName) -> bool:
-        """Whether the name, whatever the case, is one of a type or module, or inside of a type."""
+        """Whether the name, in any case, is that of a type or module, or used inside a type."""
         scopes = tuple(_scopes(name))
         return scopes[-1] in self._bound or not self._types.isdisjoint(scopes)
 
@@ -220,7 +220,7 @@ class Lowering:
         *,
         service: bool,
     ) -> Type:
-        """The type of a port: one of the model, else a placeholder."""
+        """The type of a port in the model, or a placeholder."""
         facts = port.facts if port.facts.get("type_name") == port.type else {}
         written = _scoped(facts.get("type", port.type))
         name = self._found(written, service)
@@ -239,7 +239,7 @@ class Lowering:
         return self._stand_in(profile, port, written, service)
 
     def _found(self, written: ScopedName, service: bool) -> ScopedName | None:
-        """The declared name that is meant; one without its module is looked for in all."""
+        """The declared name; a name without its module is searched for in all modules."""
         if written in self._by_name:
             return written
         if len(written) != 1:
@@ -281,7 +281,7 @@ class Lowering:
         written: ScopedName,
         service: bool,
     ) -> Type:
-        """The placeholder for a name, under that name if nothing else has it."""
+        """The placeholder for a name, under that name if it is free."""
         name = self._stand_ins.get((written, service))
         if name is None:
             parts = [profile_texts.word(part, "Unknown") for part in written]
@@ -382,7 +382,7 @@ def _scopes(name: ScopedName) -> Iterator[ScopedName]:
 
 
 def _scoped(text: str) -> ScopedName:
-    """A type's name as people write it: by IDL, as repository id, with dots or slashes."""
+    """A type's name in its variants: IDL, repository id, with dots or slashes."""
     text = text.strip()
     if (found := _REPOSITORY_ID.fullmatch(text)) is not None:
         text = found[1]
@@ -392,7 +392,7 @@ def _scoped(text: str) -> ScopedName:
 
 
 def _type_name(interface: ProfileInterface, type_: Type) -> str:
-    """The name that a profile has for an interface's type, if that is not the scoped name."""
+    """The name of an interface's type in a profile, if it is not the scoped name."""
     written = interface.type.strip()
     is_name = _TYPE_NAME.fullmatch(written) or interface.facts.get("type_name")
     return written if is_name and written != str(type_) else ""
@@ -424,7 +424,7 @@ _Item = TypeVar("_Item", Port, ConfigurationParameter)
 
 
 def _beside(component: str, item: _Item, taken: set[str]) -> _Item:
-    """The item under an identifier that is not the component's: IDL has none such inside of it."""
+    """The item, renamed if it has the component's identifier, which IDL does not allow."""
     if item.identifier.lower() != component.lower():
         return item
     name, number = item.identifier, 1
@@ -439,7 +439,7 @@ def _identifier(
     otherwise: str,
     taken: set[str],
 ) -> str:
-    """An identifier that no other of the component has, whatever the case."""
+    """An identifier unique in the component, in any case."""
     text = profile_texts.identifier(item.variable or item.name, otherwise)
     base = name = identifier_of(item.variable, item.facts) or text
     number = 1
@@ -453,14 +453,14 @@ def _identifier(
 def components(
     profiles: Sequence[RtcProfile], model: Model, given: frozenset[str] = frozenset()
 ) -> tuple[tuple[Declaration, ...], tuple[Diagnostic, ...]]:
-    """The placeholders and components of profiles, in that order, and what was found."""
+    """The placeholders and components of profiles, in that order, with the diagnostics."""
     lowering = Lowering(model, given)
     made = [lowering.component(profile) for profile in _bases_first(profiles)]
     return (*lowering.placeholders.values(), *made), tuple(lowering.diagnostics)
 
 
 def _bases_first(profiles: Sequence[RtcProfile]) -> list[RtcProfile]:
-    """The profiles, each behind that of its base if there is one."""
+    """The profiles, each after that of its base if there is one."""
     rest = list(profiles)
     made: list[RtcProfile] = []
     while rest:

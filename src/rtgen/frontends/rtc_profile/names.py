@@ -1,4 +1,4 @@
-"""Namespaces of RtcProfile files, and the words of their attributes."""
+"""Namespaces of RtcProfile files, and the values of their attributes."""
 
 from __future__ import annotations
 
@@ -9,4 +9,4 @@ RTC_EXT = "http://www.openrtp.org/namespaces/rtc_ext"
 COMPONENT_TYPES = ("STATIC", "UNIQUE", "COMMUTATIVE")
 ACTIVITY_TYPES = ("PERIODIC", "SPORADIC", "EVENTDRIVEN")
 WIDGET = "__widget__"
-"""The property of a parameter that names its widget."""
+"""The property of a parameter with the name of its widget."""

@@ -1,4 +1,4 @@
-"""From the elements of an RtcProfile to its words and texts; types are not looked up here."""
+"""Reads the elements of an RtcProfile as texts, without resolving types."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _DEFAULT_DATE = "1970-01-01T00:00:00+00:00"
 
 
 class Reader:
-    """Reads one file; what is wrong with it is in `diagnostics`."""
+    """Reads one file; its problems are in `diagnostics`."""
 
     def __init__(self, file: str) -> None:
         self.diagnostics: list[Diagnostic] = []
@@ -46,7 +46,7 @@ class Reader:
         self._misspellings: set[str] = set()
 
     def profile(self, root: Element) -> RtcProfile | None:
-        """The profile, None if nothing can be made of it."""
+        """The profile, None if it is unusable."""
         if root.name != (RTC, "RtcProfile"):
             message = f"the root element is `{root.name[1]}`, not `RtcProfile` of {RTC}"
             self._tell(rules.NOT_A_PROFILE, root.span, message)
@@ -93,7 +93,7 @@ class Reader:
     # Attributes.
 
     def _get(self, element: Element, name: str, *others: str) -> str:
-        """The attribute `rtc:name`, or what stands for it: without prefix, or misspelt."""
+        """The attribute `rtc:name` or a variant: without prefix, or misspelt."""
         value = element.attributes.get((RTC, name))
         if value is not None:
             return value
@@ -118,14 +118,14 @@ class Reader:
         return ""
 
     def _misspelt(self, element: Element, local: str, written: str, meant: str) -> None:
-        """Told once for each kind of element."""
+        """Report once for each kind of element."""
         message = f"`{written}` of `{element.name[1]}` is read as `{meant}`"
         if message not in self._misspellings:
             self._misspellings.add(message)
             self._tell(rules.MISSPELT, element.place(local), message)
 
     def _name(self, root: Element, info: Element) -> str | None:
-        """The component's name; one that is missing may stand in the id."""
+        """The component's name; falls back on the id."""
         name = self._get(info, "name").strip()
         if name:
             return name
@@ -139,7 +139,7 @@ class Reader:
         return None
 
     def _required(self, element: Element, name: str) -> str | None:
-        """An attribute without which nothing can be made of the element."""
+        """An attribute without which the element is unusable."""
         value = self._get(element, name).strip()
         if value:
             return value
@@ -208,7 +208,7 @@ class Reader:
         return _DEFAULT_DATE
 
     def _facts(self, element: Element) -> Facts:
-        """What rtgen has written beside the attributes; nothing where somebody else did."""
+        """Additional facts written by rtgen; none in profiles of other tools."""
         found, place = self._property(element)
         return self._checked(found, place)
 
