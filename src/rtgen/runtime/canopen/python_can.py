@@ -9,6 +9,7 @@ import logging
 import os
 import select
 import socket
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, TypeAlias
 
@@ -90,10 +91,19 @@ def bus_address(
 
 
 class OpenBus:
-    """An open bus. Once it has failed, all methods raise LinkError."""
+    """An open bus. Once it has failed, all methods raise LinkError.
 
-    def __init__(self, bus: can.BusABC, address: BusAddress) -> None:
+    `on_queued` is to be called with each frame when it is queued for `send`.
+    """
+
+    def __init__(
+        self,
+        bus: can.BusABC,
+        address: BusAddress,
+        on_queued: Callable[[Frame], None] | None = None,
+    ) -> None:
         self.bus = bus
+        self.on_queued = on_queued
         self._address = address
         self._stream = _stream_of(bus)
         self._more = False
@@ -159,6 +169,12 @@ class OpenBus:
         except (can.CanError, NotImplementedError, OSError):
             return False
 
+    @property
+    def carries_remote_frames(self) -> bool:
+        """Whether remote frames are transmitted: socketcand's protocol has none."""
+        bus = getattr(self.bus, "shared_bus", self.bus)
+        return ".socketcand." not in type(bus).__module__
+
     def interrupt(self) -> None:
         """Interrupt a transmission that blocks another thread."""
         if self._stream is not None:
@@ -206,10 +222,18 @@ def open_bus(address: BusAddress) -> OpenBus:
         ) from error
     from can.interfaces import BACKENDS
 
+    from rtgen.runtime.canopen.canopen_network import INTERFACE, NetworkBus
+
+    if address.interface == INTERFACE:
+        try:
+            network = NetworkBus(address.channel)
+        except can.CanError as error:
+            raise LinkError(f"{address}: {_reason(error)}") from error
+        return OpenBus(network, address, network.queued)
     if address.interface not in BACKENDS:
         raise LinkError(
             f"python-can has no interface {address.interface!r}; "
-            f"known: {', '.join(sorted(BACKENDS))}"
+            f"known: {', '.join(sorted((*BACKENDS, INTERFACE)))}"
         )
     arguments: dict[str, Option] = dict(address.options)
     hub = address.hub

@@ -51,12 +51,13 @@ class RealLink(SharedLink):
         """
         super().__init__(str(address))
         self.address = address
-        self.carries_remote_frames = address.interface != "socketcand"
         self._on_attached = on_attached
         self._may_close = may_close
         self.ignored = 0
         """Messages that were no frames of classical CAN."""
-        self._bus: OpenBus | None = open_bus(address)
+        bus = open_bus(address)
+        self._bus: OpenBus | None = bus
+        self.carries_remote_frames = bus.carries_remote_frames
         self._up = True
         self._closing = threading.Event()
         self._lock = threading.RLock()
@@ -161,11 +162,14 @@ class RealLink(SharedLink):
     # Transmission
 
     def _put(self, frames: Iterable[Frame], seat: Seat | None) -> None:
+        bus = self._bus
         for frame in frames:
             if not self._up or self.closed or self._outgoing.qsize() >= _QUEUE:
                 self.lost += 1
                 continue
             self._outgoing.put(frame)
+            if bus is not None and bus.on_queued is not None:
+                bus.on_queued(frame)
             self._local.append((frame, seat))
         if not self._delivering:
             self._deliver()
