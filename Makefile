@@ -72,7 +72,7 @@ pytest: $(VENV)/test.stamp
 test-openrtm: $(VENV)/test.stamp
 	@test -d "$(SITE)/OpenRTM_aist" || \
 	    { echo "make test-openrtm SITE=FOLDER: there is no $(SITE)/OpenRTM_aist" >&2; exit 2; }
-	PYTHONPATH=$$($(BIN)/python tests/openrtm/site_path.py "$(SITE)") $(BIN)/pytest tests/openrtm
+	OPENRTM_SITE=$$(realpath "$(SITE)") PYTHONPATH=$(CURDIR)/tests/openrtm/startup $(BIN)/pytest tests/openrtm
 
 # The fast tests again on another interpreter, those with peers left out, with the coverage of lines.
 # Each commit tries one; `tests/interpreters.py --all` tries all that this machine has.

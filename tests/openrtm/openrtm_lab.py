@@ -118,11 +118,14 @@ class Lab:
         """One cycle of the component's own context; gives the callbacks that ran in it."""
         import OpenRTM
 
+        def idle() -> bool:
+            # The real one's worker runs the cycle; a tick meanwhile is lost.
+            return not middleware.REAL or not component._eclist[0]._workerthread._ticked
+
+        until(idle)
         before = len(component.calls)
         self.context(component)._narrow(OpenRTM.ExtTrigExecutionContextService).tick()
-        if middleware.REAL:  # Its worker runs the cycle, and has no answer for `tick`.
-            worker = component._eclist[0]._workerthread
-            until(lambda: not worker._ticked)
+        until(idle)
         found: list[str] = component.calls[before:]
         return found
 
