@@ -14,6 +14,7 @@ from functools import cached_property
 from typing import TypeAlias
 
 from rtgen.diagnostics import Span
+from rtgen.facts.tdr import LETTERS
 from rtgen.model.tecs import (
     AggregateExpression,
     BinaryExpression,
@@ -28,41 +29,6 @@ from rtgen.model.tecs import (
     TecsStruct,
     UnaryExpression,
 )
-
-KINDS = {
-    Scalar.BOOL: "?",
-    Scalar.CHAR: "B",
-    Scalar.UCHAR: "B",
-    Scalar.SCHAR: "b",
-    Scalar.INT8: "b",
-    Scalar.UINT8: "B",
-    Scalar.INT16: "h",
-    Scalar.UINT16: "H",
-    Scalar.INT32: "i",
-    Scalar.UINT32: "I",
-    Scalar.INT64: "q",
-    Scalar.UINT64: "Q",
-    Scalar.LONG_LONG: "q",
-    Scalar.ULONG_LONG: "Q",
-    Scalar.INT128: "w",
-    Scalar.UINT128: "W",
-    Scalar.SHORT: "k",
-    Scalar.USHORT: "K",
-    Scalar.INT: "n",
-    Scalar.UINT: "N",
-    Scalar.LONG: "l",
-    Scalar.ULONG: "L",
-    Scalar.INTPTR: "p",
-    Scalar.UINTPTR: "P",
-    Scalar.FLOAT32: "f",
-    Scalar.DOUBLE64: "d",
-}
-"""The letter of a basic type, as `rtgen.runtime.opaque_rpc.tdr` reads it; `w` and `W`: 128 bits."""
-
-INTEGERS = frozenset(
-    s for s in KINDS if s not in (Scalar.BOOL, Scalar.FLOAT32, Scalar.DOUBLE64)
-)
-"""The integer types."""
 
 OCTETS = (Scalar.CHAR, Scalar.SCHAR, Scalar.UCHAR, Scalar.UINT8)
 """The types whose arrays are octets."""
@@ -92,7 +58,7 @@ class Basic:
     @property
     def kind(self) -> str:
         """Its letter."""
-        return KINDS[self.scalar]
+        return LETTERS[self.scalar]
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +121,7 @@ class String:
     @property
     def kind(self) -> str:
         """The letter of a unit."""
-        return KINDS[self.scalar]
+        return LETTERS[self.scalar]
 
     @property
     def is_wide(self) -> bool:

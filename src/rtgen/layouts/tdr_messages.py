@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from rtgen.diagnostics import Span
+from rtgen.facts.tdr import INTEGERS, LETTERS
 from rtgen.layouts.tdr import (
-    INTEGERS,
-    KINDS,
     OCTETS,
     Basic,
     Branch,
@@ -320,7 +319,7 @@ class _Nodes:
         if not sizes.is_string:
             return self.plain(type_, span)
         unit = resolve(_target(type_, span))
-        if isinstance(unit, CScalarType) and KINDS.get(unit.kind, "-") in _TEXT_UNITS:
+        if isinstance(unit, CScalarType) and LETTERS.get(unit.kind, "-") in _TEXT_UNITS:
             return String(unit.kind, sizes.string)
         raise TransferError(
             span,

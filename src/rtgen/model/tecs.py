@@ -11,40 +11,8 @@ from enum import StrEnum
 from typing import TypeAlias
 
 from rtgen.diagnostics import Span
+from rtgen.facts.tdr import Scalar as Scalar
 from rtgen.model.types import ScopedName
-
-
-class Scalar(StrEnum):
-    """C's basic types as CDL and C headers name them; the value is the canonical spelling."""
-
-    VOID = "void"
-    BOOL = "bool_t"
-    CHAR = "char_t"
-    SCHAR = "schar_t"
-    UCHAR = "uchar_t"
-    INT8 = "int8_t"
-    INT16 = "int16_t"
-    INT32 = "int32_t"
-    INT64 = "int64_t"
-    INT128 = "int128_t"
-    UINT8 = "uint8_t"
-    UINT16 = "uint16_t"
-    UINT32 = "uint32_t"
-    UINT64 = "uint64_t"
-    UINT128 = "uint128_t"
-    SHORT = "short"
-    USHORT = "unsigned short"
-    INT = "int"
-    UINT = "unsigned int"
-    LONG = "long"
-    ULONG = "unsigned long"
-    LONG_LONG = "long long"
-    ULONG_LONG = "unsigned long long"
-    INTPTR = "intptr_t"
-    UINTPTR = "uintptr_t"
-    FLOAT32 = "float32_t"
-    DOUBLE64 = "double64_t"
-
 
 _PLAIN = {
     Scalar.CHAR: "char",

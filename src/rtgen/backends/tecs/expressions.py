@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from rtgen.layouts.tdr import KINDS, Counted, FixedArray, Item, Octets
+from rtgen.facts.tdr import BITS, LETTERS, WIDTH_NAMES
+from rtgen.layouts.tdr import Counted, FixedArray, Item, Octets
 from rtgen.model.tecs import (
     BinaryExpression,
     CastExpression,
@@ -31,15 +32,8 @@ _HELPERS = {
 _COMPARISONS = ("<", ">", "<=", ">=", "==", "!=")
 _LOGICAL = {"&&": "and", "||": "or"}
 _WIDTHS = {
-    "k": "self.tdr.short_bits",
-    "n": "self.tdr.int_bits",
-    "l": "self.tdr.long_bits",
-    "p": "self.tdr.intptr_bits",
-    "b": "8",
-    "h": "16",
-    "i": "32",
-    "q": "64",
-    "w": "128",
+    **{letter: f"self.tdr.{name}" for letter, name in WIDTH_NAMES.items()},
+    **{letter: str(bits) for letter, bits in BITS.items()},
 }
 
 
@@ -92,7 +86,7 @@ def _text(expression: Expression, names: Names) -> str:
         case CastExpression(type_, operand):
             scalar = resolve(type_)
             assert isinstance(scalar, CScalarType)
-            kind = "b" if scalar.kind is Scalar.CHAR else KINDS[scalar.kind]
+            kind = "b" if scalar.kind is Scalar.CHAR else LETTERS[scalar.kind]
             inner = expression_text(operand, names)
             return f"cast({inner}, {_WIDTHS[kind.lower()]}, {kind.islower()})"
     raise AssertionError(expression)

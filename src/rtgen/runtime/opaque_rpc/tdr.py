@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final, Literal, TypeAlias
 
+from rtgen.facts.tdr import STRUCT_CODES, WIDTH_NAMES
+
 Order: TypeAlias = Literal["network", "little", "big"]
 """`network` is `tNBOTDR`; `little` and `big` are `tTDR` of such a machine."""
 
@@ -24,8 +26,6 @@ SHARED_BEGIN: Final = 0x3141
 """Marker of a shared channel before the number of the sub-channel."""
 SHARED_END: Final = 0x2718
 """Marker of a shared channel after an exchange."""
-
-_INTEGERS = {16: ("h", "H"), 32: ("i", "I"), 64: ("q", "Q")}
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ class Tdr:
         if self.order not in ("network", "little", "big"):
             raise ValueError(f"{self.order!r} is no TDR: network, little or big")
         for bits in (self.short_bits, self.int_bits, self.long_bits, self.intptr_bits):
-            if bits not in _INTEGERS:
+            if bits not in STRUCT_CODES:
                 raise ValueError(f"{bits} bits: a width is 16, 32 or 64")
 
     @property
@@ -85,14 +85,10 @@ class Tdr:
         return data
 
     def _own(self, kinds: str) -> str:
-        for kind, bits in (
-            ("k", self.short_bits),
-            ("n", self.int_bits),
-            ("l", self.long_bits),
-            ("p", self.intptr_bits),
-        ):
-            signed, unsigned = _INTEGERS[bits]
-            kinds = kinds.replace(kind, signed).replace(kind.upper(), unsigned)
+        for letter, name in WIDTH_NAMES.items():
+            code = STRUCT_CODES[getattr(self, name)]
+            kinds = kinds.replace(letter, code)
+            kinds = kinds.replace(letter.upper(), code.upper())
         return kinds
 
 

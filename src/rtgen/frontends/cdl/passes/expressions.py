@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, TypeAlias
 
 from rtgen.diagnostics import Rule
+from rtgen.facts import tdr
 from rtgen.frontends.cdl.names.operands import NUMBERS, BadError, Operand, Sort, sort_of
 from rtgen.frontends.cdl.names.scopes import Entity, Kind, Scope
 from rtgen.frontends.cdl.names.table import Table
@@ -496,30 +497,13 @@ def _as_float(value: bool | int | float) -> float:
         return math.inf
 
 
-BITS = {
-    Scalar.CHAR: 8,
-    Scalar.SCHAR: 8,
-    Scalar.UCHAR: 8,
-    Scalar.INT8: 8,
-    Scalar.UINT8: 8,
-    Scalar.INT16: 16,
-    Scalar.UINT16: 16,
-    Scalar.INT32: 32,
-    Scalar.UINT32: 32,
-    Scalar.INT64: 64,
-    Scalar.UINT64: 64,
-    Scalar.INT128: 128,
-    Scalar.UINT128: 128,
+_WITHOUT_RANGE = (Scalar.LONG_LONG, Scalar.ULONG_LONG)
+_BITS = {
+    scalar: tdr.BITS[letter.lower()]
+    for scalar, letter in tdr.LETTERS.items()
+    if letter.lower() in tdr.BITS and scalar not in _WITHOUT_RANGE
 }
 """The types whose values are checked for their range."""
-
-UNSIGNED = frozenset(
-    (
-        *(Scalar.UCHAR, Scalar.UINT8, Scalar.UINT16, Scalar.UINT32, Scalar.UINT64),
-        *(Scalar.UINT128, Scalar.USHORT, Scalar.UINT, Scalar.ULONG),
-        *(Scalar.ULONG_LONG, Scalar.UINTPTR),
-    )
-)
 
 
 def width(kind: Scalar) -> str:
@@ -532,11 +516,11 @@ def width(kind: Scalar) -> str:
 def wrapped(value: int, type_: CType) -> int:
     """An integer as a cast to a type with a size leaves it."""
     found = resolve(type_)
-    if not isinstance(found, CScalarType) or found.kind not in BITS:
+    if not isinstance(found, CScalarType) or found.kind not in _BITS:
         return value
-    bits = BITS[found.kind]
+    bits = _BITS[found.kind]
     value &= (1 << bits) - 1
-    if found.kind not in UNSIGNED and value >> (bits - 1):
+    if found.kind not in tdr.UNSIGNED and value >> (bits - 1):
         value -= 1 << bits
     return value
 
@@ -545,7 +529,7 @@ def limits(type_: CType) -> tuple[int | None, int | None]:
     """The least and the greatest value of an integer type, where they are known."""
     found = resolve(type_)
     assert isinstance(found, CScalarType)
-    bits, unsigned = BITS.get(found.kind), found.kind in UNSIGNED
+    bits, unsigned = _BITS.get(found.kind), found.kind in tdr.UNSIGNED
     if bits is None:
         return (0 if unsigned else None), None
     # A plain character may be signed or not.

@@ -1,0 +1,52 @@
+"""No circle of imports across files, counting those for type checkers and inside functions."""
+
+from __future__ import annotations
+
+import ast
+from graphlib import CycleError, TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import rtgen
+
+ROOT = Path(rtgen.__file__).parent
+
+
+def _modules() -> dict[str, Path]:
+    found = {}
+    for path in ROOT.rglob("*.py"):
+        parts = ["rtgen", *path.relative_to(ROOT).with_suffix("").parts]
+        if parts[-1] == "__init__":
+            parts.pop()
+        found[".".join(parts)] = path
+    return found
+
+
+MODULES = _modules()
+
+
+def _imports(name: str) -> set[str]:
+    """The modules of rtgen that a module imports anywhere in its text."""
+    found = set()
+    for node in ast.walk(ast.parse(MODULES[name].read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found.update(alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module is not None:
+            for alias in node.names:
+                inner = f"{node.module}.{alias.name}"
+                found.add(inner if inner in MODULES else node.module)
+    return found & MODULES.keys() - {name}
+
+
+@pytest.mark.parametrize(
+    "package", ["facts", "diagnostics", "model", "typemap", "frontends", "lint"]
+)
+def test_no_circle_across_files(package: str) -> None:
+    prefix = f"rtgen.{package}"
+    names = [n for n in MODULES if n == prefix or n.startswith(f"{prefix}.")]
+    assert names
+    try:
+        TopologicalSorter({name: _imports(name) for name in names}).prepare()
+    except CycleError as circle:
+        pytest.fail(" -> ".join(circle.args[1]))
