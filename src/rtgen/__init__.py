@@ -1,3 +1,21 @@
-"""rtgen: an interface compiler for robot software (IDL, CDL, EDS to Python)."""
+"""rtgen: an interface compiler for robot software (IDL, CDL, EDS to Python).
+
+`compile`, `read` and `emit` are the compiler for scripts and tests (docs/api.md); they are loaded
+when they are used, since generated code imports this package for its runtime.
+"""
 
 __version__ = "0.1.0"
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from rtgen.api import compile, emit, read  # noqa: A004
+
+__all__ = ["__version__", "compile", "emit", "read"]
+
+
+def __getattr__(name: str) -> object:
+    if name in ("compile", "emit", "read"):
+        from importlib import import_module
+
+        return getattr(import_module("rtgen.api"), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

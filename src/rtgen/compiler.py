@@ -8,13 +8,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, cast
 
-from rtgen import __version__
+from rtgen import __version__, plugins
 from rtgen.backends import Artifact, Backend, Options
-from rtgen.diagnostics import Diagnostic, ToolError, has_errors, in_order
+from rtgen.diagnostics import Diagnostic, has_errors, in_order
 
 if TYPE_CHECKING:
-    from importlib import metadata
-
     from rtgen.frontends import FrontendResult
     from rtgen.frontends.rtc_profile import Profiles
     from rtgen.model import Model, System
@@ -32,9 +30,6 @@ BUILT_IN = (
     "rtgen.backends.small",
 )
 """The modules of the built-in back ends, in the order of their artifacts; each has `BACKEND`."""
-
-ENTRY_POINTS = "rtgen.backends"
-"""The entry point group of plug-ins, which have the same interface."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,12 +131,26 @@ def read(
                 prelude=project.prelude == "kernel",
             )
         )
+    results += _read_by_plugins(project)
     result = results[0] if len(results) == 1 else together(results)
     if project.adapters and not has_errors(result.diagnostics):
         from rtgen.adapters import with_adapters
 
         result = with_adapters(result, project.adapters)
     return result
+
+
+def _read_by_plugins(project: Project) -> Iterator[FrontendResult]:
+    """What front ends of plug-ins make of the project's files."""
+    for name, frontend in plugins.loaded(plugins.Group.FRONTENDS):
+        paths = _ending_with(project.sources, *frontend.suffixes)
+        if paths:
+            yield frontend.load(
+                paths,
+                root=project.root,
+                include=project.include,
+                options=project.plugins.get(name, {}),
+            )
 
 
 def _ending_with(paths: Sequence[Path], *suffixes: str) -> list[Path]:
@@ -161,7 +170,7 @@ def build(project: Project, cache: Cache | None) -> Compilation:
     """The project's artifacts: from the cache, if nothing that they depend on has changed."""
     if cache is None:
         return compile_project(project)
-    key = cache.key(project, plugins())
+    key = cache.key(project, plugins.announced(*plugins.Group))
     return _kept(cache, key, lambda: compile_project(project))
 
 
@@ -178,7 +187,11 @@ def inspect(
     """
     if cache is None or project is None or profiles:
         return _inspected(project, profiles, as_json)
-    key = cache.key(project, (), made="json" if as_json else "text")
+    key = cache.key(
+        project,
+        plugins.announced(plugins.Group.FRONTENDS),
+        made="json" if as_json else "text",
+    )
     return _kept(cache, key, lambda: _inspected(project, (), as_json))
 
 
@@ -293,6 +306,7 @@ def _options(project: Project) -> Options:
         tecs_corba=project.tecs_corba,
         factories=dict(project.components),
         skeleton_path=project.skeleton_path,
+        plugins=project.plugins,
     )
 
 
@@ -324,26 +338,9 @@ def component_models(model: Model, options: Options) -> list[Model]:
     return [model, *(package.model for package in rtc_packages(model, options))]
 
 
-def plugins() -> tuple[metadata.EntryPoint, ...]:
-    """The installed plug-ins, sorted by name."""
-    from importlib import metadata
-
-    return tuple(
-        sorted(
-            metadata.entry_points(group=ENTRY_POINTS), key=lambda e: (e.name, e.value)
-        )
-    )
-
-
 def backends() -> Iterator[Backend]:
     """The built-in back ends, then those of plug-ins; ToolError for a broken plug-in."""
     for module in BUILT_IN:
         yield cast("Backend", import_module(module).BACKEND)
-    for entry in plugins():
-        try:
-            yield cast("Backend", entry.load())
-        except (ImportError, AttributeError) as error:
-            raise ToolError(
-                f"the back end {entry.name!r} ({entry.value}) cannot be loaded: {error}",
-                hint="repair or uninstall the package that brings it",
-            ) from error
+    for _, backend in plugins.loaded(plugins.Group.BACKENDS):
+        yield cast("Backend", backend)

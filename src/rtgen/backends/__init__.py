@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from importlib import import_module
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from rtgen.diagnostics import Diagnostic
 
@@ -47,7 +47,8 @@ class Options:
     importable. `small` is the capacity of unbounded sequences and strings, and of InPorts, on the
     target small. `marshalled`: whether calls of interfaces, and sequences by themselves, have
     codecs; `tecs_corba`: whether those of TECS boards have them without OpenRTM, too. `lazy`:
-    packages import their modules on demand.
+    packages import their modules on demand. `plugins` has the table `[plugin.NAME]` of rtgen.toml
+    for each name.
     """
 
     package: str
@@ -63,6 +64,7 @@ class Options:
     marshalled: bool = True
     tecs_corba: bool = False
     lazy: bool = False
+    plugins: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @property
     def folder(self) -> str:

@@ -51,7 +51,7 @@ from rtgen.typemap.openrtm_ports import (
 )
 
 if TYPE_CHECKING:
-    from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.transports import ProcessTransport
 
 _MILLISECOND = 1_000_000
 _POLL_PERIOD = 20 * _MILLISECOND
@@ -63,7 +63,7 @@ def assemble(
     clock: runtime.Clock,
     settings: Sequence[SetParameter],
     steps: Sequence[Step],
-    transport: CorbaTransport | None = None,
+    transport: ProcessTransport | None = None,
     patience: float = 0.0,
     report: FailureReport | None = None,
 ) -> runtime.System:
@@ -100,7 +100,7 @@ def _fill(
     factories: Factories,
     settings: Sequence[SetParameter],
     steps: Sequence[Step],
-    transport: CorbaTransport | None,
+    transport: ProcessTransport | None,
     patience: float,
     report: FailureReport,
 ) -> None:

@@ -61,7 +61,9 @@ def lint(
         from rtgen.lint import lint as check
 
         selected = {code.upper() for code in (*select, *project.selected)}
-        found += check(result.model, result.sources, select=selected)
+        found += check(
+            result.model, result.sources, select=selected, options=project.plugins
+        )
     ignored = {code.upper() for code in (*ignore, *project.ignored)}
     found = in_order(
         d for d in found if d.severity is Severity.ERROR or d.code not in ignored

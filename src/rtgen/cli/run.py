@@ -150,7 +150,8 @@ def run(
         raise InputError(
             [CONDITION.at(None, "a run in simulated time needs an end", hint=hint)]
         )
-    factories = Factories(load_around(path))
+    project = load_around(path)
+    factories = Factories(project)
     watch = runtime.SimulatedClock() if simulated else runtime.RealClock()
     report = FailureReport(console, shown_failures, simulated=simulated)
     with (
@@ -158,7 +159,9 @@ def run(
         logged(report, console, shown_failures),
         ending(report.waiting) as end,
         Watchdog(report.blocked),
-        transports.opened(carrying, console, simulated=simulated) as transport,
+        transports.opened(
+            carrying, console, project.plugins, simulated=simulated
+        ) as transport,
         assemble(
             profile,
             factories,

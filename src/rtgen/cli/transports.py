@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from rtgen import runtime
+from rtgen import plugins, runtime
 from rtgen.cli.common import Console, FiniteRange, Refusal
 from rtgen.cli.signals import terminable
 from rtgen.diagnostics import InputError, ToolError
@@ -18,7 +18,7 @@ from rtgen.runtime.errors import NoNamingServiceError
 from rtgen.systems.rules import CONNECTION
 
 if TYPE_CHECKING:
-    from rtgen.runtime.corba.transport import CorbaTransport
+    from rtgen.runtime.transports import ProcessTransport
 
 _PORTS = 1 << 16
 
@@ -34,10 +34,25 @@ def _place(_: click.Context, __: click.Parameter, value: str | None) -> str | No
     return value
 
 
+class _Transport(click.Choice[str]):
+    """The built-in transports, which help texts name, and those of plug-ins."""
+
+    def __init__(self) -> None:
+        super().__init__(["direct", "corba"])
+
+    def convert(
+        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
+    ) -> str:
+        """The name of a transport. Raises click.BadParameter."""
+        if value in (entry.name for entry in plugins.announced(plugins.Group.TRANSPORTS)):
+            return str(value)
+        return super().convert(value, param, ctx)
+
+
 _OPTIONS = (
     click.option(
         "--transport",
-        type=click.Choice(["direct", "corba"]),
+        type=_Transport(),
         default="direct",
         show_default=True,
         help="What carries service calls; corba: omniORB, between processes, too.",
@@ -125,15 +140,26 @@ def with_transport(command: Callable[..., int]) -> Callable[..., int]:
 
 @contextmanager
 def opened(
-    carrying: TransportOptions, console: Console, *, simulated: bool
-) -> Iterator[CorbaTransport | None]:
+    carrying: TransportOptions,
+    console: Console,
+    options: Mapping[str, Mapping[str, Any]],
+    *,
+    simulated: bool,
+) -> Iterator[ProcessTransport | None]:
     """The transport; None for direct calls. Raises ToolError.
 
-    Simulated time has no naming service, since no other process can call.
+    Simulated time has no naming service, since no other process can call. `options` are those of
+    plug-ins by their names.
     """
     if carrying.transport == "direct":
         yield None
         return
+    for entry in plugins.announced(plugins.Group.TRANSPORTS):
+        if entry.name == carrying.transport:
+            brought = plugins.load(entry)
+            with brought(options.get(entry.name, {}), simulated=simulated) as transport:
+                yield transport
+            return
     try:
         from rtgen.runtime.corba.orb import LOOPBACK
         from rtgen.runtime.corba.transport import CorbaTransport
@@ -160,7 +186,7 @@ def opened(
         yield transport
 
 
-def await_others(transport: CorbaTransport, seconds: float) -> None:
+def await_others(transport: ProcessTransport, seconds: float) -> None:
     """Wait until other processes provide what is called here. Raises ToolError, InputError.
 
     Ctrl-C and SIGTERM raise KeyboardInterrupt.

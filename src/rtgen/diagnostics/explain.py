@@ -7,7 +7,8 @@ from functools import cache
 from importlib import import_module
 from types import MappingProxyType
 
-from rtgen.diagnostics import Rule
+from rtgen import plugins
+from rtgen.diagnostics import Rule, ToolError
 
 MODULES = (
     "rtgen.backends.canopen.rules",
@@ -31,16 +32,24 @@ MODULES = (
     "rtgen.systems.checks",
     "rtgen.systems.rules",
 )
-"""The modules with `RULES`."""
+"""The modules of rtgen with `RULES`."""
 
 
 @cache
 def rules() -> MappingProxyType[str, Rule]:
-    """Every rule by its code, sorted."""
+    """Every rule by its code, sorted, those of plug-ins too. Raises ToolError for a broken one."""
     found: dict[str, Rule] = {}
     for name in MODULES:
         for rule in import_module(name).RULES:
             assert rule.code not in found, f"{rule.code} stands for two rules"
+            found[rule.code] = rule
+    for name, brought in plugins.loaded(plugins.Group.RULES):
+        for rule in brought:
+            if rule.code in found:
+                raise ToolError(
+                    f"the rules of the plug-in {name!r} have the code {rule.code}, which is taken",
+                    hint="uninstall one of the packages",
+                )
             found[rule.code] = rule
     return MappingProxyType(dict(sorted(found.items())))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, Protocol
 
 from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.model import Model
@@ -31,6 +32,30 @@ class FrontendResult:
     diagnostics: tuple[Diagnostic, ...]
     sources: Mapping[str, str]
     dependencies: tuple[Dependency, ...]
+
+
+class Frontend(Protocol):
+    """The interface of a front end that an entry point `rtgen.frontends` brings."""
+
+    @property
+    def suffixes(self) -> Sequence[str]:
+        """The ends of its files' names, in lower case, with the dot."""
+        ...
+
+    def load(
+        self,
+        paths: Sequence[Path],
+        *,
+        root: Path,
+        include: Sequence[Path],
+        options: Mapping[str, Any],
+    ) -> FrontendResult:
+        """What the files say, which are all read together.
+
+        `root` is the project's folder, `include` its include folders, `options` the table
+        `[plugin.NAME]` of rtgen.toml. Wrong input gives findings and raises nothing.
+        """
+        ...
 
 
 def key_of(path: Path, root: Path) -> str:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping
+from typing import Any
 
+from rtgen import plugins
 from rtgen.diagnostics import Diagnostic, in_order
 from rtgen.lint import data, devices, python, style, usage
 from rtgen.lint.context import Context
@@ -33,17 +35,19 @@ def lint(
     sources: Mapping[str, str],
     *,
     select: Collection[str] = (),
+    options: Mapping[str, Mapping[str, Any]] | None = None,
 ) -> list[Diagnostic]:
-    """Diagnostics for the given files, in order.
+    """Diagnostics of the built-in checks and of plug-ins for the given files, in order.
 
-    `sources` maps displayed paths to texts. Rules of ON_DEMAND only run if `select` has their
-    codes.
+    `sources` maps displayed paths to texts; `options` has the table `[plugin.NAME]` of rtgen.toml
+    for each name. Rules of ON_DEMAND only run if `select` has their codes.
     """
-    context = Context(model, sources)
+    context = Context(model, sources, options or {})
+    checks = (*_CHECKS, *(check for _, check in plugins.loaded(plugins.Group.LINT)))
     left_out = {rule.code for rule in ON_DEMAND} - set(select)
     return in_order(
         finding
-        for check in _CHECKS
+        for check in checks
         for finding in check(context)
         if finding.code not in left_out
     )

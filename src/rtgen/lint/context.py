@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 from rtgen.model import (
     Case,
@@ -26,10 +27,11 @@ _WORD = re.compile(r"[^\W\d]\w*")
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """The model and the source texts, by their displayed paths."""
+    """The model, the source texts by their displayed paths, and the options of plug-ins."""
 
     model: Model
     sources: Mapping[str, str]
+    options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     @cached_property
     def files(self) -> dict[str, SourceFile]:

@@ -86,6 +86,7 @@ class Cache:
                 project.components,
                 project.skeleton_path,
             ],
+            json.dumps(project.plugins, default=str, sort_keys=True),
         ]
         return sha256(json.dumps(content).encode()).hexdigest()
 

@@ -97,6 +97,10 @@ def _adapter(value: Any) -> str | None:
     return None if fine else f"must be a table: {form}"
 
 
+def _table(value: Any) -> str | None:
+    return None if isinstance(value, dict) else "must be a table of a plug-in's options"
+
+
 SCHEMA: dict[str, dict[str, Check] | Check] = {
     "sources": {
         "paths": _texts,
@@ -119,6 +123,7 @@ SCHEMA: dict[str, dict[str, Check] | Check] = {
     "components": _factory,
     "adapter": _adapter,
     "lint": {"ignore": _texts, "select": _texts},
+    "plugin": _table,
 }
 """Section to its keys, or to the check for each value of a section with free keys."""
 

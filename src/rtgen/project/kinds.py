@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
+
+from rtgen import plugins
 
 FILE_NAME = "rtgen.toml"
 
@@ -29,11 +32,17 @@ _SYSTEMS = {
 def is_definition(path: Path) -> bool:
     """Whether a front end reads the file, or it is a system."""
     return (
-        path.name.lower().endswith(SUFFIXES)
+        path.name.lower().endswith((*SUFFIXES, *plugin_suffixes()))
         or is_bus_file(path)
         or is_component_profile(path)
         or is_system(path)
     )
+
+
+@cache
+def plugin_suffixes() -> tuple[str, ...]:
+    """What front ends of plug-ins read. Raises ToolError for a broken plug-in."""
+    return tuple(s for _, f in plugins.loaded(plugins.Group.FRONTENDS) for s in f.suffixes)
 
 
 def is_component_profile(path: Path) -> bool:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import keyword
 import os
 import sys
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from rtgen.diagnostics import Diagnostic, InputError, Span
 from rtgen.project.kinds import (
@@ -62,7 +62,7 @@ class Project:
     folders of the environment's TECSPATH, which imports of CDL are looked for in at last;
     `tecs_corba` tells whether services of TECS boards can be called over CORBA. `node_id` is the
     node that devices are read for. `systems` are the RtsProfiles among the sources, which are no
-    definitions.
+    definitions. `plugins` has the options of plug-ins, `[plugin.NAME]`.
     """
 
     root: Path
@@ -87,6 +87,7 @@ class Project:
     components: tuple[tuple[str, str], ...] = ()
     adapters: tuple[AdapterEntry, ...] = ()
     lint: tuple[tuple[str, str, Span], ...] = ()
+    plugins: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     node_id: int | None = None
 
     @property
@@ -177,6 +178,7 @@ def load(start: Path | None = None) -> Project:
             for key in ("ignore", "select")
             for code in settings.texts("lint", key)
         ),
+        plugins=settings.tables("plugin"),
     )
     findings = [
         *settings.check_paths(root),

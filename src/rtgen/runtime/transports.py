@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -56,3 +56,19 @@ class Transport(Protocol):
         properties: Mapping[str, str],
     ) -> RemoteConnector:
         """A connection to a port of another process, not established yet. Raises ConnectError."""
+
+
+class ProcessTransport(Transport, Protocol):
+    """A transport that `rtgen run` can use, also for a system divided among processes."""
+
+    def await_others(self, seconds: float) -> None:
+        """Waits until all providers that are connected are there.
+
+        Raises TransportError after so many seconds, PortTypeError if a provider does not fit.
+        """
+
+    def is_ready(self, instance: str, before: Collection[str]) -> bool:
+        """Whether the providers of an instance that other processes activate first are ACTIVE.
+
+        `before` are the names of the instances that are activated before it.
+        """

@@ -11,7 +11,7 @@ import pytest
 from small_pipeline import Pipeline
 
 import rtgen
-from rtgen import compiler
+from rtgen import plugins
 from rtgen.cli import run
 from rtgen.compiler import Compilation, build
 from rtgen.project import Project, cache, load, with_arguments
@@ -145,7 +145,7 @@ def test_the_key_tells_plug_ins_and_their_content(
     module = tmp_path / "some_plugin.py"
     module.write_text("BACKEND = None\n")
     monkeypatch.syspath_prepend(tmp_path)
-    plugin = metadata.EntryPoint("x", "some_plugin:BACKEND", compiler.ENTRY_POINTS)
+    plugin = metadata.EntryPoint("x", "some_plugin:BACKEND", plugins.Group.BACKENDS)
     known = cache.default()
     keys = {known.key(project(), ()), known.key(project(), (plugin,))}
     module.write_text("BACKEND = 1\n")

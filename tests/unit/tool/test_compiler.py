@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from small_pipeline import Pipeline
 
-from rtgen import compiler
+from rtgen import compiler, plugins
 from rtgen.backends import Artifact, Emission, Options
 from rtgen.diagnostics import Diagnostic, Severity, ToolError
 from rtgen.model import Model
@@ -64,8 +64,10 @@ def test_plug_ins_follow_the_built_in_ones(
 ) -> None:
     (tmp_path / "rtgen_some_plugin.py").write_text("BACKEND = 'the back end'\n")
     monkeypatch.syspath_prepend(tmp_path)
-    entry = metadata.EntryPoint("x", "rtgen_some_plugin:BACKEND", compiler.ENTRY_POINTS)
-    monkeypatch.setattr(compiler, "plugins", lambda: (entry,))
+    entry = metadata.EntryPoint(
+        "x", "rtgen_some_plugin:BACKEND", plugins.Group.BACKENDS
+    )
+    monkeypatch.setattr(plugins, "announced", lambda *_: (entry,))
     names = [getattr(b, "name", b) for b in compiler.backends()]
     assert names[-1] == "the back end"
     assert len(names) == len(compiler.BUILT_IN) + 1
@@ -73,9 +75,9 @@ def test_plug_ins_follow_the_built_in_ones(
 
 def test_a_broken_plug_in_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     entry = metadata.EntryPoint(
-        "broken", "rtgen_no_such_module:X", compiler.ENTRY_POINTS
+        "broken", "rtgen_no_such_module:X", plugins.Group.BACKENDS
     )
-    monkeypatch.setattr(compiler, "plugins", lambda: (entry,))
+    monkeypatch.setattr(plugins, "announced", lambda *_: (entry,))
     monkeypatch.setattr(compiler, "BUILT_IN", ())
     with pytest.raises(ToolError, match="broken"):
         list(compiler.backends())

@@ -1,0 +1,103 @@
+"""rtgen from Python: definitions to a model, a model to files, for scripts and tests.
+
+`rtgen.compile`, `rtgen.read` and `rtgen.emit` are these functions; docs/api.md shows their use.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from rtgen import __version__, compiler
+from rtgen.backends import Backend, Emission, Options
+from rtgen.diagnostics import InputError, has_errors, in_order
+from rtgen.frontends import FrontendResult, idl
+from rtgen.frontends.kit.library import VirtualFile
+from rtgen.model import Model
+from rtgen.project import load, with_arguments
+from rtgen.standard_idl import standard_idl
+
+Paths = str | os.PathLike[str]
+
+TEXT = "text.idl"
+"""The file that declarations and findings of a text are in."""
+
+
+def read(
+    source: Paths | Iterable[Paths],
+    *,
+    include: Sequence[Paths] = (),
+    define: Mapping[str, str] | None = None,
+    lowered: bool = False,
+) -> FrontendResult:
+    """The model of definitions, and what is wrong with them.
+
+    `source` is IDL (`str`), the path of a file or folder (`pathlib.Path`), or several paths in a
+    list, strings or not. The settings of the `rtgen.toml` around the working folder hold, if
+    there is one, but not the files that it names. `include` are further include folders,
+    `define` macros by name; `lowered` adds the IDL and the components of devices.
+
+    Raises InputError for a path that is no definition and for a wrong `rtgen.toml`; whatever is
+    wrong in definitions is among the diagnostics.
+    """
+    paths: list[str] = []
+    if not isinstance(source, str):
+        several = [source] if isinstance(source, os.PathLike) else source
+        paths = [os.fspath(path) for path in several]
+    project = with_arguments(
+        load(),
+        paths=paths,
+        include=[os.fspath(folder) for folder in include],
+        define=tuple((define or {}).items()),
+    )
+    if not isinstance(source, str):
+        project = project if paths else replace(project, sources=(), systems=())
+        return compiler.read(project, lowered=lowered)
+    return idl.load(
+        (),
+        root=project.root,
+        include=project.include,
+        define=dict(project.define),
+        ignore_case_clashes=project.ignore_case_clashes,
+        virtual={**standard_idl(()), TEXT: VirtualFile(TEXT, source, given=True)},
+    )
+
+
+def compile(  # noqa: A001 - the name that users look for, as in re.compile
+    source: Paths | Iterable[Paths],
+    *,
+    include: Sequence[Paths] = (),
+    define: Mapping[str, str] | None = None,
+    lowered: bool = False,
+) -> Model:
+    """The model of definitions; the arguments are those of `read`.
+
+    Raises InputError, whose `diagnostics` say what is wrong.
+    """
+    result = read(source, include=include, define=define, lowered=lowered)
+    if has_errors(result.diagnostics):
+        raise InputError(result.diagnostics)
+    return result.model
+
+
+def emit(
+    model: Model, *backends: str | Backend, options: Options | None = None
+) -> Emission:
+    """The files that back ends make of a model, and their findings; writes nothing.
+
+    `backends` are back ends or the names of installed ones, without any all of them. `options`
+    are by default those of a project without `rtgen.toml`. Raises ValueError for an unknown name.
+    """
+    installed = {backend.name: backend for backend in compiler.backends()}
+    unknown = [b for b in backends if isinstance(b, str) and b not in installed]
+    if unknown:
+        known = ", ".join(installed)
+        raise ValueError(f"no back end is called {unknown[0]!r}; there are: {known}")
+    chosen = [installed[b] if isinstance(b, str) else b for b in backends]
+    settings = options or Options("robots", "", __version__)
+    found = [b.emit(model, settings) for b in chosen or installed.values()]
+    return Emission(
+        tuple(artifact for emission in found for artifact in emission.artifacts),
+        tuple(in_order(d for emission in found for d in emission.diagnostics)),
+    )

@@ -1,0 +1,215 @@
+"""Plug-ins of an installed package: front end, lint check, rules, back end, transport, options."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from rtgen.cli import run
+from rtgen.diagnostics import explain
+from rtgen.project import kinds
+
+MODULE = '''
+from contextlib import contextmanager
+from pathlib import Path
+
+from rtgen.backends import Artifact, Emission
+from rtgen.diagnostics import Rule, Severity, Span
+from rtgen.frontends import Dependency, FrontendResult
+from rtgen.model import Model, SourceFile, Struct
+
+SHORT = Rule("ACME0001", "A name is short", Severity.WARNING, "Names say what they are.")
+EMPTY = Rule("ACME0002", "A list is empty", Severity.ERROR, "Write a name on each line.")
+RULES = (SHORT, EMPTY)
+
+
+class Lists:
+    """One struct for each line of a file."""
+
+    suffixes = (".list",)
+
+    def load(self, paths, *, root, include, options):
+        files, structs, found, sources = [], [], [], {}
+        for path in paths:
+            shown, text = path.as_posix(), path.read_text()
+            sources[shown] = text
+            files.append(SourceFile(name=shown, key=path.name, sha256="0" * 64, main=True))
+            if not text:
+                found.append(EMPTY.at(Span(shown, 1, 1, 1, 2), "no names"))
+            for number, name in enumerate(text.split(), start=1):
+                span = Span(shown, number, 1, number, 1 + len(name))
+                name = options.get("prefix", "") + name
+                structs.append(Struct(
+                    span=span, name=(name,), repository_id=f"IDL:{name}:1.0", file=shown, members=()
+                ))
+        model = Model(files=tuple(files), declarations=tuple(structs))
+        read = tuple(Dependency(path, None) for path in paths)
+        return FrontendResult(model, tuple(found), sources, read)
+
+
+def check(context):
+    least = context.options.get("acme", {}).get("least", 3)
+    for declaration in context.declarations:
+        if len(declaration.name[-1]) < least:
+            yield SHORT.at(declaration.span, f"{declaration.name[-1]} is short")
+
+
+class Names:
+    name = "acme-names"
+
+    def emit(self, model, options):
+        mark = options.plugins.get("acme", {}).get("mark", "-")
+        lines = [f"{mark} {d.scoped}\\n" for d in model.declarations if isinstance(d, Struct)]
+        return Emission([Artifact("names.txt", "".join(lines), tuple(f.key for f in model.files))])
+
+
+@contextmanager
+def opened(options, *, simulated):
+    print(f"opened {options} {simulated}")
+    yield Transport()
+
+
+class Transport:
+    def serve(self, component):
+        print(f"serves {component.instance_name}")
+
+    def withdraw(self, component):
+        print(f"withdraws {component.instance_name}")
+
+    def reach(self, consumer_interface, provider):
+        return provider
+
+    def await_others(self, seconds):
+        print("awaits others")
+
+    def is_ready(self, instance, before):
+        return True
+'''
+ENTRY_POINTS = """
+[rtgen.frontends]
+acme = acme_rtgen:Lists
+[rtgen.lint]
+acme = acme_rtgen:check
+[rtgen.rules]
+acme = acme_rtgen:RULES
+[rtgen.backends]
+acme = acme_rtgen:Names
+[rtgen.transports]
+acme = acme_rtgen:opened
+"""
+
+
+@pytest.fixture(autouse=True)
+def installed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """A package with plug-ins, as if installed, and an empty project as working folder."""
+    site = tmp_path / "site"
+    (site / "acme-1.0.dist-info").mkdir(parents=True)
+    (site / "acme_rtgen.py").write_text(MODULE.replace("Lists:", "_Lists:", 1))
+    text = (site / "acme_rtgen.py").read_text()
+    text += "\n\nLists = _Lists()\nNames = Names()\n"
+    (site / "acme_rtgen.py").write_text(text)
+    info = {"METADATA": "Name: acme\nVersion: 1.0\n", "entry_points.txt": ENTRY_POINTS}
+    for name, content in info.items():
+        (site / "acme-1.0.dist-info" / name).write_text(content)
+    monkeypatch.syspath_prepend(site)
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    (tmp_path / "project" / "defs").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "project")
+    Path("rtgen.toml").write_text('[sources]\npaths = ["defs"]\n')
+    Path("defs/a.list").write_text("Pose\nXy\n")
+    _forget()
+    yield
+    sys.modules.pop("acme_rtgen", None)
+    _forget()
+
+
+def _forget() -> None:
+    explain.rules.cache_clear()
+    kinds.plugin_suffixes.cache_clear()
+
+
+def settings(text: str) -> None:
+    Path("rtgen.toml").write_text(f'[sources]\npaths = ["defs"]\n{text}')
+
+
+def test_a_front_end_reads_its_files(capfd: pytest.CaptureFixture[str]) -> None:
+    settings('[plugin.acme]\nprefix = "My"\n')
+    assert run(["inspect", "--json"]) == 0
+    declared = json.loads(capfd.readouterr().out)["declarations"]
+    assert [d["name"] for d in declared] == ["MyPose", "MyXy"]
+    Path("defs/b.list").write_text("")
+    assert run(["inspect"]) == 2
+    assert "error[ACME0002]: no names" in capfd.readouterr().err
+
+
+def test_files_of_one_kind_can_be_named(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["inspect", "defs/a.list", "--json"]) == 0
+    assert "Pose" in capfd.readouterr().out
+
+
+def test_a_lint_check_has_options(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["lint"]) == 1
+    assert "warning[ACME0001]: Xy is short" in capfd.readouterr().err
+    assert run(["lint", "--ignore", "ACME0001"]) in (0, 1)
+    assert "ACME0001" not in capfd.readouterr().err
+    settings("[plugin.acme]\nleast = 2\n")
+    run(["lint"])
+    assert "ACME0001" not in capfd.readouterr().err
+
+
+def test_rules_are_explained(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["explain", "acme0001"]) == 0
+    told = capfd.readouterr().out
+    assert told == "# ACME0001: A name is short\n\nNames say what they are.\n"
+
+
+def test_a_code_that_is_taken_is_refused(capfd: pytest.CaptureFixture[str]) -> None:
+    file = next(
+        Path(p) for p in sys.path if "site" in p and Path(p, "acme_rtgen.py").exists()
+    )
+    text = (file / "acme_rtgen.py").read_text()
+    (file / "acme_rtgen.py").write_text(text.replace("ACME0001", "IDL0200"))
+    sys.modules.pop("acme_rtgen", None)
+    assert run(["explain", "IDL0200"]) == 3
+    assert "have the code IDL0200, which is taken" in capfd.readouterr().err
+
+
+def test_a_back_end_has_options_and_the_cache_knows_them() -> None:
+    for mark in ("-", "*"):
+        settings(f'[plugin.acme]\nmark = "{mark}"\n')
+        assert run(["generate", "-q"]) == 0
+        assert Path("generated/names.txt").read_text() == f"{mark} Pose\n{mark} Xy\n"
+        assert run(["check", "-q"]) == 0
+
+
+def test_options_are_tables(capfd: pytest.CaptureFixture[str]) -> None:
+    settings("[plugin]\nacme = 1\n")
+    assert run(["generate"]) == 2
+    assert "must be a table" in capfd.readouterr().err
+
+
+SYSTEM = """<rts:RtsProfile rts:id="RTSystem:v:s:1"
+ xmlns:rts="http://www.openrtp.org/namespaces/rts">
+<rts:Components rts:id="RTC:v:c:Quiet:1.0.0" rts:instanceName="Quiet0"/>
+</rts:RtsProfile>"""
+QUIET = """from rtgen.runtime import Component, ComponentProfile
+class Quiet(Component):
+    profile = ComponentProfile("Quiet", "c", "v", "1.0.0")
+"""
+
+
+def test_a_transport_carries_a_run(capfd: pytest.CaptureFixture[str]) -> None:
+    Path("src").mkdir()
+    Path("src/quiet_component.py").write_text(QUIET)
+    Path("s.xml").write_text(SYSTEM)
+    settings('[components]\nQuiet = "quiet_component:Quiet"\n[plugin.acme]\nport = 7\n')
+    assert run(["run", "s.xml", "--until", "1", "--transport", "acme", "-q"]) == 0
+    told = capfd.readouterr().out
+    assert told.startswith("opened {'port': 7} True\nserves Quiet0\nawaits others\n")
+    assert "withdraws Quiet0" in told
+    assert run(["run", "s.xml", "--until", "1", "--transport", "acne"]) == 2
+    assert "'acne' is not one of 'direct', 'corba'" in capfd.readouterr().err
