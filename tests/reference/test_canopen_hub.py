@@ -96,6 +96,10 @@ def base(port: int) -> Iterator[System]:
     """RH3 without its drives, on the hub's bus, with a short way to go."""
     system = profile(CANOPEN / "rh3_pc.xml")
     settings = joined(port, "LeftWheel0", "RightWheel0", "CanopenManager0")
+    # The process with the drives may take its time to start.
+    settings += [
+        f"{wheel}.boot_timeout=30000" for wheel in ("LeftWheel0", "RightWheel0")
+    ]
     values = [assignment(text, system) for text in [*settings, *goal(0.5, 0.0, 0.0)]]
     with assemble(system, Factories(load()), RealClock(), values, []) as running:
         yield running
