@@ -44,7 +44,9 @@ class _Transport(click.Choice[str]):
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> str:
         """The name of a transport. Raises click.BadParameter."""
-        if value in (entry.name for entry in plugins.announced(plugins.Group.TRANSPORTS)):
+        if value in (
+            entry.name for entry in plugins.announced(plugins.Group.TRANSPORTS)
+        ):
             return str(value)
         return super().convert(value, param, ctx)
 

@@ -360,7 +360,7 @@ def test_a_provider_that_is_named_by_a_property(
     for properties, message in (
         ({wish: "Counter0.port.other.provided.Calc::Adder.Adder"}, "is no provider"),
         ({"Caller0.port.adding.required.X.Y": told}, "names no consumer"),
-        ({"port.connection.x": "y"}, "unknown property"),
+        ({"port.connection.x": "y"}, "unknown connector property"),
     ):
         with pytest.raises(runtime.ConnectorPropertyError, match=message):
             here.system.connect(*addresses, properties)
