@@ -7,8 +7,9 @@ import re
 from collections.abc import Callable
 from decimal import Decimal, InvalidOperation
 from enum import IntEnum
-from typing import Any
+from typing import Any, TypeVar
 
+from rtgen.facts import parameter_texts
 from rtgen.facts.constraints import (
     ConstraintError,
     Value,
@@ -20,7 +21,8 @@ from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES, OCTET_TYPES
 from rtgen.runtime.errors import ConfigurationError, ParameterValueError
 from rtgen.runtime.profiles import ParameterProfile
 
-_TRUE, _FALSE = ("true", "1", "yes", "on"), ("false", "0", "no", "off")
+T = TypeVar("T")
+
 _SEQUENCE = re.compile(r"sequence<(?P<element>.+?)(?:,(?P<bound>\d+))?>")
 _ARRAY = re.compile(r"(?P<element>[^\[\]]+)\[(?P<length>\d+)\]")
 _STRING = re.compile(r"(?:w?string(?:<(?P<bound>\d+)>)?|(?P<char>w?char))")
@@ -149,16 +151,19 @@ def _by_example(type_: str, example: object) -> Callable[[str], Any]:
 
 
 def _boolean(text: str) -> bool:
-    if text.lower() not in _TRUE + _FALSE:
-        raise _RefusalError("it must be true or false")
-    return text.lower() in _TRUE
+    return _read(parameter_texts.boolean, text)
+
+
+def _read(read: Callable[[str], T], text: str) -> T:
+    try:
+        return read(text)
+    except ValueError as reason:
+        raise _RefusalError(str(reason)) from None
 
 
 def _integer(low: int, high: int) -> Callable[[str], int]:
     def parse(text: str) -> int:
-        if not re.fullmatch(r"[+-]?[0-9]{1,40}", text):
-            raise _RefusalError("it must be a decimal integer")
-        value = int(text)
+        value = _read(parameter_texts.integer, text)
         if not low <= value <= high:
             raise _RefusalError(f"it must be between {low} and {high}")
         return value
@@ -168,10 +173,7 @@ def _integer(low: int, high: int) -> Callable[[str], int]:
 
 def _floating(largest: float) -> Callable[[str], float]:
     def parse(text: str) -> float:
-        try:
-            value = float(text if "_" not in text else "")
-        except ValueError:
-            raise _RefusalError("it must be a number") from None
+        value = _read(parameter_texts.number, text)
         if math.isfinite(value) and abs(value) > largest:
             raise _RefusalError(f"its size must be at most {largest:.8g}")
         return value
@@ -232,7 +234,7 @@ def _elements(
     parse_element = _parser(type_, sample)
 
     def parse(text: str) -> Any:
-        items = [item.strip() for item in text.split(",")] if text else []
+        items = parameter_texts.items(text)
         if len(items) < least or (most is not None and len(items) > most):
             wanted = f"{least}" if least == most else f"at most {most}"
             raise _RefusalError(f"it must have {wanted} elements, not {len(items)}")

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from rtgen.backends.rtc_profile import profile_id
 from rtgen.diagnostics import Diagnostic, Rule, Severity, Span
-from rtgen.facts import connector_properties
+from rtgen.facts import connector_properties, parameter_texts
 from rtgen.frontends.kit.suggestions import nearest
 from rtgen.model import (
     ConfigurationParameter,
@@ -22,7 +22,7 @@ from rtgen.model import (
 )
 from rtgen.model.declarations import OPAQUE
 from rtgen.model.system_links import DATA_KINDS, Known, interfaces, service_pairs
-from rtgen.typemap.parameters import Parameters, ValueMismatchError, split_items
+from rtgen.typemap.parameters import Parameters, ValueMismatchError
 
 UNKNOWN_COMPONENT = Rule(
     "RTC0580",
@@ -263,7 +263,11 @@ def _value_problem(
         return None
     item = reader.item_type(parameter.type)
     try:
-        for part in split_items(text) if reader.is_sequence(parameter.type) else [text]:
+        for part in (
+            parameter_texts.items(text)
+            if reader.is_sequence(parameter.type)
+            else [text]
+        ):
             reader.check_value(item, reader.parse_item(item, part))
     except ValueMismatchError as error:
         return str(error)

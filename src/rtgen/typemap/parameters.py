@@ -5,6 +5,7 @@ from __future__ import annotations
 from decimal import Decimal
 from math import inf, isfinite
 
+from rtgen.facts import parameter_texts
 from rtgen.facts.constraints import (
     Constraint,
     ConstraintError,
@@ -102,7 +103,7 @@ class Parameters:
         """The items of the default: one for a scalar, any number for a sequence."""
         text = self.default_text(parameter)
         if self.is_sequence(parameter.type):
-            return split_items(text)
+            return parameter_texts.items(text)
         return [text]
 
     def constraint(self, parameter: ConfigurationParameter) -> Constraint | None:
@@ -191,16 +192,18 @@ class Parameters:
         try:
             match type_:
                 case PrimitiveType(Primitive.BOOLEAN):
-                    return _TRUTH[text.lower()]
+                    return parameter_texts.boolean(text)
                 case PrimitiveType(kind):
-                    return int(text, 10) if kind in INTEGER_RANGES else float(text)
+                    if kind in INTEGER_RANGES:
+                        return parameter_texts.integer(text)
+                    return parameter_texts.number(text)
                 case StringType():
                     return text
                 case NamedType(name):
                     return EnumeratorName((*name[:-1], text))
                 case _:
                     raise ValueError(text)
-        except (ValueError, KeyError):
+        except ValueError:
             raise ValueMismatchError(f"{text!r} is not a value of {type_}") from None
 
     def _check_items(
@@ -210,7 +213,7 @@ class Parameters:
             raise ValueMismatchError(
                 f"{_shown(value)} is not a text with commas between the items"
             )
-        items = split_items(value)
+        items = parameter_texts.items(value)
         if bound is not None and len(items) > bound:
             raise ValueMismatchError(f"{len(items)} items are more than {bound}")
         for item in items:
@@ -227,14 +230,6 @@ class Parameters:
                 self.check_value(item_type, self.parse_item(item_type, literal))
             except ValueMismatchError as reason:
                 raise ConstraintError(str(reason)) from None
-
-
-_TRUTH = {"true": True, "1": True, "false": False, "0": False}
-
-
-def split_items(text: str) -> list[str]:
-    """Split the text of a sequence at commas; none for a blank text."""
-    return [item.strip() for item in text.split(",")] if text.strip() else []
 
 
 def value_text(value: ConstantValue) -> str:
