@@ -328,6 +328,15 @@ def test_a_way_is_turned_to_on_the_spot() -> None:
     assert driven(bench, *mirrored)[1] >= 0.0
 
 
+def test_the_side_is_turned_to_that_is_free_beside_the_walls() -> None:
+    # A corner: once turned to the right the base would drive along the wall ahead.
+    corner = [(0.6, 0.05 * i) for i in range(-60, 13)]
+    corner += [(0.05 * i, 0.6) for i in range(-60, 13)]
+    assert driven(avoidance(), *corner) == (0.0, pytest.approx(-0.6))
+    mirrored = [(x, -y) for x, y in corner]
+    assert driven(avoidance(), *mirrored) == (0.0, pytest.approx(0.6))
+
+
 def test_it_is_reported_when_there_is_no_way() -> None:
     bench = avoidance()
     ring = [(0.6 * cos(0.05 * i), 0.6 * sin(0.05 * i)) for i in range(126)]
