@@ -177,7 +177,12 @@ def stages(file: Path) -> dict[str, float]:
     modules = timed("imports", lambda names: [import_module(name) for name in names])(
         ["rtgen.cli.inspect", "rtgen.inspection.models", "rtgen.frontends.idl.pipeline"]
     )
-    from rtgen.frontends.idl import checks, lower, names, parser, pipeline, preprocessor
+    from rtgen.frontends.idl import pipeline
+    from rtgen.frontends.idl.lowering import lower
+    from rtgen.frontends.idl.meaning import checks
+    from rtgen.frontends.idl.names import resolver as names
+    from rtgen.frontends.idl.syntax import parser
+    from rtgen.frontends.idl.text import preprocessor
 
     for name, owner, attribute in (
         ("grammar", parser, "_grammar"),

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 from lark import Lark, Token, Tree
 
-from rtgen.frontends.idl.keywords import RESERVED, TERMINALS
-from rtgen.frontends.idl.preprocessor import Preprocessor, predefined
-from rtgen.frontends.idl.source import Library
+from rtgen.frontends.idl.syntax.keywords import RESERVED, TERMINALS
+from rtgen.frontends.idl.text.preprocessor import Preprocessor, predefined
+from rtgen.frontends.idl.text.source import Library
 from rtgen.frontends.kit import grammars, lalr, lalr_tables
 from rtgen.resources import grammar_file
 

@@ -6,7 +6,7 @@ import pytest
 from mistakes import MISTAKES
 
 from rtgen.frontends.idl import load
-from rtgen.frontends.idl.other_languages import other_language
+from rtgen.frontends.idl.syntax.other_languages import other_language
 
 FOREIGN = {
     "Microsoft's library": (

@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from rtgen.diagnostics import Diagnostic
-from rtgen.frontends.idl import conditions
-from rtgen.frontends.idl.macros import Expander, ExpansionError, define, tokenize
-from rtgen.frontends.idl.preprocessor import Preprocessor, predefined
-from rtgen.frontends.idl.source import Library, decode
-from rtgen.frontends.idl.unit import Unit
+from rtgen.frontends.idl.text import conditions
+from rtgen.frontends.idl.text.macros import Expander, ExpansionError, define, tokenize
+from rtgen.frontends.idl.text.preprocessor import Preprocessor, predefined
+from rtgen.frontends.idl.text.source import Library, decode
+from rtgen.frontends.idl.text.unit import Unit
 
 
 def unit_of(folder: Path, text: str) -> Unit:

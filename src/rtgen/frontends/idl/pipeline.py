@@ -9,20 +9,22 @@ from typing import TYPE_CHECKING
 
 from rtgen.diagnostics import Diagnostic, Related, Span, in_order
 from rtgen.frontends import FrontendResult
-from rtgen.frontends.idl import checks, preprocessor, tables
-from rtgen.frontends.idl.checks import levels
-from rtgen.frontends.idl.lower import Lowering
-from rtgen.frontends.idl.macros import ExpansionError, Macro
-from rtgen.frontends.idl.names import Resolver
-from rtgen.frontends.idl.parser import parse
-from rtgen.frontends.idl.preprocessor import Preprocessor, predefined
+from rtgen.frontends.idl.lowering.lower import Lowering
+from rtgen.frontends.idl.meaning import checks
+from rtgen.frontends.idl.meaning.checks import levels
+from rtgen.frontends.idl.meaning.typetable import Types
+from rtgen.frontends.idl.names import tables
+from rtgen.frontends.idl.names.resolver import Resolver
+from rtgen.frontends.idl.names.structural_equality import structurally_equal
+from rtgen.frontends.idl.names.tables import Tables
 from rtgen.frontends.idl.rules import lexical, names, syntax
-from rtgen.frontends.idl.source import Library, Source
-from rtgen.frontends.idl.structural_equality import structurally_equal
-from rtgen.frontends.idl.tables import Tables
-from rtgen.frontends.idl.tree import Item
-from rtgen.frontends.idl.typetable import Types
-from rtgen.frontends.idl.unit import Inclusion, Unit
+from rtgen.frontends.idl.syntax.parser import parse
+from rtgen.frontends.idl.syntax.tree import Item
+from rtgen.frontends.idl.text import preprocessor
+from rtgen.frontends.idl.text.macros import ExpansionError, Macro
+from rtgen.frontends.idl.text.preprocessor import Preprocessor, predefined
+from rtgen.frontends.idl.text.source import Library, Source
+from rtgen.frontends.idl.text.unit import Inclusion, Unit
 from rtgen.frontends.kit.findings import Findings
 from rtgen.frontends.kit.library import VirtualFile, absolute_path
 from rtgen.frontends.kit.suggestions import nearest
@@ -36,7 +38,7 @@ from rtgen.model import (
 )
 
 if TYPE_CHECKING:
-    from rtgen.frontends.idl.neighbours import Neighbours
+    from rtgen.frontends.idl.names.neighbours import Neighbours
 
 
 _FRAMES = 12 * max(tables.MAX_DEPTH, preprocessor.MAX_DEPTH)
@@ -152,7 +154,7 @@ class _Run:
     def _declares(self, name: str, unit: Unit) -> str | None:
         """The file near a unit that declares an unknown name."""
         if self._neighbours is None:
-            from rtgen.frontends.idl.neighbours import Neighbours
+            from rtgen.frontends.idl.names.neighbours import Neighbours
 
             self._neighbours = Neighbours(self._library)
         return self._neighbours.declares(name, unit)

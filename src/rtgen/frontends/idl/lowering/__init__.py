@@ -1,0 +1,1 @@
+"""The checked syntax tree as the model."""

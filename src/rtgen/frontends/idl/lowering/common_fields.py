@@ -1,0 +1,53 @@
+"""The fields that all declarations of the model have: name, place, documentation, annotations."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from rtgen.frontends.idl.meaning.annotations import Annotations
+from rtgen.frontends.idl.names.annotation_definitions import PLACES
+from rtgen.frontends.idl.names.scopes import Entity
+from rtgen.frontends.idl.syntax import tree
+from rtgen.frontends.idl.text.unit import Unit
+from rtgen.frontends.kit.doc_comments import Docs
+from rtgen.model import Type
+
+
+class CommonFields:
+    """Makes them; the doc comments of a unit are read once."""
+
+    def __init__(self, annotations: Annotations) -> None:
+        self._annotations = annotations
+        self._docs: dict[Unit, Docs] = {}
+
+    def common(self, entity: Entity, type_: Type | None = None) -> dict[str, Any]:
+        """The fields that every declaration has."""
+        item = entity.item
+        return {
+            "name": entity.path,
+            "repository_id": entity.repository_id,
+            "file": entity.unit.source.name,
+            "span": entity.span,
+            "doc": self.doc(item, entity.unit),
+            "annotations": self._annotations.of(
+                item.annotations if item else (),
+                PLACES.get(entity.kind, entity.kind.value),
+                entity.unit,
+                type_,
+            ),
+        }
+
+    def doc(
+        self, item: tree.Item | tree.Enumerator | tree.Parameter | None, unit: Unit
+    ) -> str:
+        """The doc comment of an entry."""
+        if item is None or item.start == item.end:
+            return ""
+        docs = self._docs.get(unit)
+        if docs is None:
+            docs = self._docs[unit] = Docs(unit.text, unit.comments)
+        return docs.of(item.start, item.end)
+
+    def comment_says_key(self, item: tree.Item, unit: Unit) -> bool:
+        """Whether the comment behind an entry marks a key member, as `//@key` does."""
+        return self._docs[unit].say_key(item.end)

@@ -1,0 +1,306 @@
+"""Annotations (OMG IDL 4.2, 7.4.15): allowed places, parameters, and arguments as values."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable, Iterable, Iterator
+from decimal import Decimal
+
+from rtgen.diagnostics import Diagnostic, Related
+from rtgen.frontends.idl.meaning.typetable import PRIMITIVES, Types
+from rtgen.frontends.idl.names.annotation_definitions import (
+    _ANYWHERE,
+    _REPEATABLE,
+    DEFINITIONS,
+    INTEGER,
+    NUMBER,
+    TEXT,
+    TYPED,
+    WORD,
+    Definition,
+    Wanted,
+)
+from rtgen.frontends.idl.names.scopes import Entity, Kind
+from rtgen.frontends.idl.rules import annotations as rules
+from rtgen.frontends.idl.syntax import tree
+from rtgen.frontends.idl.text.unit import Unit
+from rtgen.frontends.kit.suggestions import Guesses, nearest
+from rtgen.model import (
+    Annotation,
+    ConstantValue,
+    EnumeratorName,
+    Primitive,
+    StringType,
+    Type,
+)
+
+
+class Annotations:
+    """Converts annotations of the tree into those of the model; diagnostics go to `report`."""
+
+    def __init__(self, types: Types, report: Callable[[Diagnostic], None]) -> None:
+        self._types = types
+        self._report = report
+        self._guesses = Guesses()
+
+    def of(
+        self,
+        annotations: Iterable[tree.Annotation],
+        place: str,
+        unit: Unit,
+        type_: Type | None = None,
+    ) -> tuple[Annotation, ...]:
+        """The annotations of a declaration; `type_` is its type, for `@default` and others."""
+        nodes = tuple(annotations)
+        if len(nodes) > 1:
+            self._repeated(nodes, unit)
+        return tuple(self._one(a, place, unit, type_) for a in nodes)
+
+    def _repeated(self, nodes: tuple[tree.Annotation, ...], unit: Unit) -> None:
+        seen: dict[str, tree.Annotation] = {}
+        for node in nodes:
+            first = seen.setdefault(node.name, node)
+            if first is not node and node.name not in _REPEATABLE:
+                before = unit.span(first.start, first.end)
+                self._report(
+                    rules.REPEATED.at(
+                        unit.span(node.start, node.end),
+                        f"@{node.name} is given twice",
+                        related=[Related(before, "the first time")],
+                        hint="keep one of them",
+                    )
+                )
+
+    def _one(
+        self, node: tree.Annotation, place: str, unit: Unit, type_: Type | None
+    ) -> Annotation:
+        definition = DEFINITIONS.get(node.name) or self._declared(node.name)
+        span = unit.span(node.start, node.end)
+        if definition is None:
+            near = self._guesses.nearest(node.name, DEFINITIONS)
+            self._report(
+                rules.UNKNOWN_ANNOTATION.at(
+                    span,
+                    f"@{node.name} is not known",
+                    hint=(
+                        f"did you mean @{near}?"
+                        if near
+                        else "it is kept, but nothing is made of it"
+                    ),
+                )
+            )
+        elif place not in definition.places:
+            message = f"@{node.name} means nothing for {_article(place)}"
+            hint = f"it belongs to: {', '.join(sorted(definition.places))}"
+            self._report(rules.MISPLACED.at(span, message, hint=hint))
+        arguments: list[tuple[str, ConstantValue]] = []
+        for argument in node.arguments:
+            key = argument.name.text if argument.name else "value"
+            value = self._argument(node, key, argument.value, definition, unit, type_)
+            if any(key == other for other, _ in arguments):
+                again = unit.span(argument.value.start, argument.value.end)
+                message = f"'{key}' is given twice"
+                hint = "keep one of them"
+                self._report(rules.BAD_ARGUMENT.at(again, message, hint=hint))
+            elif value is not None:
+                arguments.append((key, value))
+        if definition is not None and not _complete(node, definition):
+            needed = definition.required
+            alone = needed == "value"
+            hint = f"write @{node.name}({'VALUE' if alone else f'{needed}=...'})"
+            message = f"@{node.name} needs {'an argument' if alone else needed}"
+            self._report(rules.BAD_ARGUMENT.at(span, message, hint=hint))
+        return Annotation(node.name, tuple(arguments))
+
+    def _declared(self, name: str) -> Definition | None:
+        """An annotation declared by `@annotation`, which may stand anywhere."""
+        found = self._types.tables.annotations.get(name)
+        if found is None:
+            return None
+        return Definition(dict.fromkeys(found, WORD), frozenset(_ANYWHERE.split()))
+
+    def _argument(
+        self,
+        node: tree.Annotation,
+        key: str,
+        value: tree.Expression,
+        definition: Definition | None,
+        unit: Unit,
+        type_: Type | None,
+    ) -> ConstantValue | None:
+        wanted: Wanted | None = None
+        if definition is not None:
+            if key not in definition.arguments:
+                near = nearest(key, definition.arguments)
+                known = ", ".join(definition.arguments) or "none"
+                self._report(
+                    rules.BAD_ARGUMENT.at(
+                        unit.span(value.start, value.end),
+                        f"@{node.name} has no argument '{key}'",
+                        hint=(
+                            f"did you mean {near}?"
+                            if near
+                            else f"its arguments: {known}"
+                        ),
+                    )
+                )
+                return None
+            wanted = definition.arguments[key]
+        if wanted == TYPED:
+            wanted = self._scalar(type_)
+        if wanted is None or isinstance(wanted, str):
+            words = definition.words if definition is not None else ()
+            if isinstance(value, tree.ScopedName) and str(value).upper() in words:
+                return str(value)  # even if something of that name is declared
+            found = self.natural(value, unit)
+            if words and str(found).upper() not in words:
+                self._report(
+                    rules.BAD_ARGUMENT.at(
+                        unit.span(value.start, value.end),
+                        f"@{node.name} cannot be {found}",
+                        hint=f"write one of {', '.join(words)}",
+                    )
+                )
+                return None
+            return found
+        found = self._types.constants.evaluate(value, wanted, unit, "argument")
+        single = self._types.unaliased(wanted) == PRIMITIVES[Primitive.FLOAT]
+        return _shortest(found) if single and isinstance(found, float) else found
+
+    def _scalar(self, type_: Type | None) -> Type | None:
+        """The type of a default value; lists are given as text."""
+        plain = self._types.unaliased(type_)
+        if (
+            plain is None
+            or plain in PRIMITIVES.values()
+            or isinstance(plain, StringType)
+        ):
+            return type_
+        if type(plain).__name__ in ("SequenceType", "ArrayType"):
+            return TEXT
+        return type_
+
+    def natural(self, value: tree.Expression, unit: Unit) -> ConstantValue | None:
+        """The value of an argument of unknown type: that of the literal itself."""
+        constants = self._types.constants
+        match value:
+            case tree.ScopedName():
+                found = self._types.tables.references.get(value)
+                if isinstance(found, Entity) and found.kind is Kind.ENUMERATOR:
+                    return EnumeratorName(found.path)
+                if isinstance(found, Entity) and found.kind is Kind.CONST:
+                    return constants.value_of(found)
+                return str(value)
+            case tree.Text(parts, character):
+                wide = parts[0].startswith("L")
+                kind = Primitive.WCHAR if wide else Primitive.CHAR
+                type_: Type = PRIMITIVES[kind] if character else StringType(wide)
+                return constants.evaluate(value, type_, unit, "argument")
+            case tree.Boolean(flag):
+                return flag
+        type_ = NUMBER if _has_point(value) else INTEGER
+        return constants.evaluate(value, type_, unit, "argument")
+
+
+def _complete(node: tree.Annotation, definition: Definition) -> bool:
+    """Whether the mandatory argument is present, or a wrong one in its place."""
+    given = [a.name.text if a.name else "value" for a in node.arguments]
+    return (
+        not definition.required
+        or definition.required in given
+        or not definition.arguments.keys() >= set(given)
+    )
+
+
+def _shortest(value: float) -> float:
+    """The shortest decimal number that rounds to this one in single precision."""
+    for digits in range(1, 9):
+        short = float(f"{value:.{digits}g}")
+        if struct.pack("<f", short) == struct.pack("<f", value):
+            return short
+    return value
+
+
+def limits(
+    found: Iterable[Annotation],
+) -> tuple[ConstantValue | None, ConstantValue | None, ConstantValue | None]:
+    """The minimum, the maximum and the default in annotations."""
+    found = tuple(found)
+    low, high = value(found, "range", "min"), value(found, "range", "max")
+    low = value(found, "min") if low is None else low
+    high = value(found, "max") if high is None else high
+    return low, high, value(found, "default")
+
+
+def contradictions(found: Iterable[Annotation]) -> Iterator[str]:
+    """Contradictions between a default and its limits."""
+    low, high, default = limits(found)
+    if exceeds(low, high):
+        yield f"the minimum {low} is larger than the maximum {high}"
+    if exceeds(low, default):
+        yield f"the default {default} is below the minimum {low}"
+    if exceeds(default, high):
+        yield f"the default {default} is above the maximum {high}"
+
+
+def _has_point(node: tree.Expression) -> bool:
+    pending: list[tree.Expression] = [node]
+    while pending:
+        match pending.pop():
+            case tree.Number(text):
+                if not text.isdigit() and text[1:2] not in ("x", "X"):
+                    return True
+            case tree.Unary(_, operand):
+                pending.append(operand)
+            case tree.Group(inner):
+                pending.append(inner)
+            case tree.Chain(first, rest):
+                pending += [first, *(operand for _, operand in rest)]
+    return False
+
+
+def _article(place: str) -> str:
+    return f"{'an' if place[0] in 'aeiou' else 'a'} {place}"
+
+
+def flag(annotations: Iterable[Annotation], name: str) -> bool:
+    """Whether an annotation such as `@key` is present and not FALSE."""
+    for annotation in annotations:
+        if annotation.name == name:
+            return annotation.get() is not False
+    return False
+
+
+def integer(annotations: Iterable[Annotation], name: str) -> int | None:
+    """The integer argument of an annotation such as `@id(3)`."""
+    for annotation in annotations:
+        value = annotation.get()
+        if annotation.name == name and isinstance(value, int):
+            return value
+    return None
+
+
+def text(annotations: Iterable[Annotation], name: str) -> str | None:
+    """The text argument of an annotation such as `@unit("m")`."""
+    for annotation in annotations:
+        value = annotation.get()
+        if annotation.name == name and isinstance(value, str):
+            return value
+    return None
+
+
+def value(
+    annotations: Iterable[Annotation], name: str, key: str = "value"
+) -> ConstantValue | None:
+    """The value of an argument of the first annotation with this name."""
+    for annotation in annotations:
+        if annotation.name == name:
+            return annotation.get(key)
+    return None
+
+
+def exceeds(left: ConstantValue | None, right: ConstantValue | None) -> bool:
+    """Whether both are numbers, and the left one is larger."""
+    if isinstance(left, int | float) and isinstance(right, int | float):
+        return left > right
+    return isinstance(left, Decimal) and isinstance(right, Decimal) and left > right

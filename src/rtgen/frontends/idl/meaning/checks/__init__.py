@@ -1,0 +1,74 @@
+"""Semantic checks of resolved declarations, one module for each family of rules."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.frontends.idl.meaning.checks import (
+    interfaces,
+    missing_definitions,
+    operations,
+    structures,
+    unions,
+    values,
+)
+from rtgen.frontends.idl.meaning.checks.context import Context
+from rtgen.frontends.idl.meaning.typetable import Types
+from rtgen.frontends.idl.names.scopes import Entity, Kind
+from rtgen.frontends.idl.names.tables import Tables
+from rtgen.model import Declaration, ScopedName
+
+_CHECKS: Mapping[Kind, tuple[Callable[[Entity, Context], None], ...]] = {
+    Kind.STRUCT: (
+        interfaces.inherited,
+        structures.members,
+        structures.annotated,
+        structures.member_ids,
+    ),
+    Kind.EXCEPTION: (structures.members, structures.annotated),
+    Kind.BITSET: (structures.bitset,),
+    Kind.TYPEDEF: (structures.typedef,),
+    Kind.CONST: (structures.constant,),
+    Kind.UNION: (
+        unions.branches,
+        unions.labels,
+        structures.annotated,
+        structures.member_ids,
+    ),
+    Kind.INTERFACE: (interfaces.bases, interfaces.inherited, operations.all_of),
+    Kind.VALUETYPE: (
+        values.bases,
+        values.members,
+        interfaces.inherited,
+        operations.all_of,
+    ),
+    Kind.VALUE_BOX: (values.box,),
+}
+
+
+def run(
+    tables: Tables,
+    types: Types,
+    made: Mapping[ScopedName, Declaration],
+    report: Callable[[Diagnostic], None],
+) -> None:
+    """Check a translation unit: its tree, and the declarations made of it."""
+    context = Context(types, made, report)
+    ids: dict[str, Entity] = {}
+    for entity in tables.declared:
+        if entity.node is None:
+            continue
+        for check in _CHECKS.get(entity.kind, ()):
+            check(entity, context)
+        structures.repository_id(entity, ids, context)
+
+
+def left_out(
+    tables: Tables,
+    types: Types,
+    made: Mapping[ScopedName, Declaration],
+    report: Callable[[Diagnostic], None],
+) -> None:
+    """Report declarations without errors that are missing from the model."""
+    missing_definitions.report(tables, Context(types, made, report))

@@ -1,0 +1,56 @@
+"""Searches files near a unit for declarations of an unknown name, for hints only."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from rtgen.frontends.idl.text.source import Library, decode
+from rtgen.frontends.idl.text.unit import Unit
+
+_MOST_FILES = 200
+_MOST_BYTES = 4_000_000
+_DECLARED = re.compile(
+    r"^[ \t]*(?:abstract\s+|local\s+)?"
+    r"(?:struct|union|enum|interface|module|exception|valuetype|bitmask|bitset)\s+(\w+)\s*"
+    r"(?:[{:]|switch\b)|^[ \t]*(?:typedef|const)\b[^;{]{0,300}?\b(\w+)(?:\[[^;]{0,80}\])?"
+    r"\s*(?:=[^;]{0,300})?;",
+    re.MULTILINE,
+)
+
+
+class Neighbours:
+    """Index of the declarations in files beside a unit and in the include folders."""
+
+    def __init__(self, library: Library) -> None:
+        self._library = library
+        self._known: dict[Path, dict[str, str]] = {}
+
+    def declares(self, name: str, unit: Unit) -> str | None:
+        """The file that declares a name, as it would be included; None if there is none."""
+        own = unit.source.path.parent
+        for folder in (own, *self._library.include):
+            file = self._names(folder).get(name)
+            if file is not None and file != unit.source.path.name:
+                return file
+        return None
+
+    def _names(self, folder: Path) -> dict[str, str]:
+        if folder not in self._known:
+            found: dict[str, str] = {}
+            left = _MOST_BYTES
+            for path in sorted(folder.glob("*.idl"))[:_MOST_FILES]:
+                try:
+                    if not path.is_file():
+                        continue
+                    with path.open("rb") as stream:
+                        data = stream.read(left)
+                except OSError:
+                    continue
+                left -= len(data)
+                for match in _DECLARED.finditer(decode(data)):
+                    found.setdefault(match[1] or match[2], path.name)
+                if left <= 0:
+                    break
+            self._known[folder] = found
+        return self._known[folder]

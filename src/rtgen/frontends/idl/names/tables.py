@@ -1,0 +1,54 @@
+"""Tables filled by name resolution, beside the tree."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from rtgen.diagnostics import Diagnostic
+from rtgen.frontends.idl.names.scopes import Entity, Scope
+from rtgen.frontends.idl.syntax import tree
+from rtgen.frontends.idl.text.unit import Unit
+from rtgen.model import Primitive, ScopedName
+
+MAX_DEPTH = 256
+"""Maximum nesting of scopes, types and expressions."""
+
+IDL_4_TYPES = {
+    "int8": Primitive.INT8,
+    "uint8": Primitive.UINT8,
+    "int16": Primitive.SHORT,
+    "uint16": Primitive.UNSIGNED_SHORT,
+    "int32": Primitive.LONG,
+    "uint32": Primitive.UNSIGNED_LONG,
+    "int64": Primitive.LONG_LONG,
+    "uint64": Primitive.UNSIGNED_LONG_LONG,
+}
+"""Integer names of IDL 4 that are no keywords: a declaration of the name takes precedence."""
+
+CORBA_TYPES = {
+    "CORBA::Object": Primitive.OBJECT,
+    "CORBA::TypeCode": Primitive.TYPE_CODE,
+}
+"""Predefined members of module CORBA: a declaration takes precedence."""
+
+
+@dataclass(eq=False, slots=True)
+class Tables:
+    """Results of name resolution of a translation unit.
+
+    `references` has None for names that were reported, and a Primitive for IDL 4's integers;
+    `annotations` are those declared by `@annotation`, with their members; `modules` are the
+    openings of modules that have annotations; `undefined` has a diagnostic for each interface
+    without a definition, which another file may contain.
+    """
+
+    top: Scope
+    references: dict[tree.ScopedName, Entity | Primitive | None] = field(
+        default_factory=dict
+    )
+    entities: dict[tree.Name, Entity] = field(default_factory=dict)
+    declared: list[Entity] = field(default_factory=list)
+    annotations: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    units: list[Unit] = field(default_factory=list)
+    modules: list[tuple[tree.Item, Unit]] = field(default_factory=list)
+    undefined: dict[ScopedName, Diagnostic] = field(default_factory=dict)

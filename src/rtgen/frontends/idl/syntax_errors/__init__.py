@@ -1,8 +1,0 @@
-"""Turns parser errors into diagnostics about their likely cause, and decides how to recover."""
-
-from rtgen.frontends.idl.syntax_errors.characters import bad_character, is_blank, meant
-from rtgen.frontends.idl.syntax_errors.context import ErrorContext
-from rtgen.frontends.idl.syntax_errors.recognizers import explain
-from rtgen.frontends.kit.syntax_errors import Recovery
-
-__all__ = ["ErrorContext", "Recovery", "bad_character", "explain", "is_blank", "meant"]

@@ -1,0 +1,1 @@
+"""From bytes to a preprocessed unit: files, macros, conditions, `#include` and `import`."""

@@ -1,0 +1,183 @@
+"""A preprocessed file: its text, and a map from each character to its origin."""
+
+from __future__ import annotations
+
+from bisect import bisect_left, bisect_right
+from dataclasses import dataclass, field
+
+from rtgen.diagnostics import Span
+from rtgen.frontends.idl.text.source import Source
+from rtgen.frontends.kit.doc_comments import Comment
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A run of a unit's text, and the run [start, end) of a source's code it came from.
+
+    `expanded`: the whole run came from the whole of [start, end), as macro expansions do. A line
+    marker sets another file name and an offset for line numbers.
+    """
+
+    source: Source
+    start: int
+    end: int
+    expanded: bool = False
+    file: str | None = None
+    shift: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Pragma:
+    """`#pragma text` at `offset` of a unit's text; [start, end) is its place in the source."""
+
+    offset: int
+    text: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Inclusion:
+    """Another file's declarations, included between two definitions at file scope."""
+
+    offset: int
+    unit: Unit
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Boundary:
+    """The start or the end of a file that was included inside a declaration."""
+
+    offset: int
+    source: Source
+    opens: bool
+
+
+@dataclass(eq=False, slots=True)
+class Unit:
+    """Result of preprocessing a file.
+
+    `events` (pragmas, inclusions, boundaries of nested files) and `comments` are in order of
+    their offsets in `text`. `lacking`: an include or a macro's text is missing, so unknown names
+    are not reported; `flawed` are the offsets of macro calls that could not be expanded; `lost`
+    are names, in lower case, that declarations with syntax errors may have declared; `excused`
+    are the offsets of superfluous `;` caused by an error that is reported; `cut`: an unterminated
+    comment or conditional has swallowed the rest.
+    """
+
+    source: Source
+    text: str = ""
+    pieces: list[Piece] = field(default_factory=list)
+    offsets: list[int] = field(default_factory=list)
+    events: list[Pragma | Inclusion | Boundary] = field(default_factory=list)
+    comments: list[Comment] = field(default_factory=list)
+    nested: list[Source] = field(default_factory=list)
+    lacking: bool = False
+    cut: bool = False
+    flawed: set[int] = field(default_factory=set)
+    lost: set[str] = field(default_factory=set)
+    excused: set[int] = field(default_factory=set)
+
+    def piece(self, offset: int) -> tuple[Piece, int]:
+        """The piece at an offset, and its start; the last piece for the end of the text."""
+        index = max(bisect_right(self.offsets, offset) - 1, 0)
+        return self.pieces[index], self.offsets[index]
+
+    def span(self, start: int, end: int) -> Span:
+        """The original place of [start, end), as the user sees it."""
+        if not self.pieces:
+            return self.source.span(0, 0)
+        first, begin = self.piece(start)
+        if end <= start:
+            last, until = first, begin
+        else:
+            last, until = self.piece(end - 1)
+        low = first.start if first.expanded else first.start + start - begin
+        high = last.end if last.expanded else last.start + max(end, start) - until
+        if last.source is not first.source or high < low:
+            high = first.end
+        span = first.source.span(low, high)
+        if first.file is None and not first.shift:
+            return span
+        return Span(
+            first.file or span.file,
+            max(span.line + first.shift, 1),
+            span.column,
+            max(span.end_line + first.shift, 1),
+            span.end_column,
+        )
+
+    def after(self, offset: int) -> Span:
+        """The place just after the character before `offset`, one column wide."""
+        span = self.span(max(offset - 1, 0), max(offset, 1))
+        column = span.end_column
+        return Span(span.file, span.end_line, column, span.end_line, column + 1)
+
+
+class TextBuilder:
+    """Assembles a unit's text, piece by piece."""
+
+    def __init__(self, source: Source) -> None:
+        self.unit = Unit(source)
+        self.length = 0
+        self._parts: list[str] = []
+
+    def copy(
+        self, source: Source, start: int, end: int, file: str | None, shift: int
+    ) -> None:
+        """Append [start, end) of a source's code unchanged."""
+        if start == end:
+            return
+        unit = self.unit
+        self._parts.append(source.code[start:end])
+        last = unit.pieces[-1] if unit.pieces else None
+        if (
+            last is not None
+            and last.source is source
+            and last.end == start
+            and not last.expanded
+            and (last.file, last.shift) == (file, shift)
+        ):
+            unit.pieces[-1] = Piece(source, last.start, end, False, file, shift)
+        else:
+            unit.pieces.append(Piece(source, start, end, False, file, shift))
+            unit.offsets.append(self.length)
+        self.length += end - start
+
+    def expand(
+        self,
+        text: str,
+        source: Source,
+        start: int,
+        end: int,
+        file: str | None,
+        shift: int,
+    ) -> None:
+        """Append the expansion of [start, end) of a source's code."""
+        if text:
+            self._parts.append(text)
+            self.unit.pieces.append(Piece(source, start, end, True, file, shift))
+            self.unit.offsets.append(self.length)
+            self.length += len(text)
+
+    def tail(self, start: int) -> tuple[str, int]:
+        """The parts appended since part number `start`, and the number of the next part."""
+        return "".join(self._parts[start:]), len(self._parts)
+
+    def finish(self) -> Unit:
+        """The unit, with the comments of its pieces."""
+        unit = self.unit
+        unit.text = "".join(self._parts)
+        for piece, offset in zip(unit.pieces, unit.offsets, strict=True):
+            if piece.expanded:
+                continue
+            comments = piece.source.comments
+            index = bisect_left(comments, piece.start, key=lambda c: c.start)
+            while index < len(comments) and comments[index].start < piece.end:
+                comment = comments[index]
+                start = comment.start - piece.start + offset
+                unit.comments.append(
+                    Comment(start, start + comment.end - comment.start, comment.text)
+                )
+                index += 1
+        return unit
