@@ -12,6 +12,7 @@ from decimal import Decimal
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 import omniORB
+from msgspec import Struct
 from omniORB import CORBA, tcInternal
 
 from rtgen.runtime.cdr_faults import decoded, encoded
@@ -36,10 +37,14 @@ Reference: TypeAlias = Callable[[], Any]
 if TYPE_CHECKING:
 
     def new(class_: type[_T]) -> _T:
-        """An object without attributes."""
+        """An object to be filled: without attributes, or a Struct with its defaults."""
 
 else:
-    new = object.__new__
+    _bare = object.__new__
+
+    def new(class_):
+        # msgspec makes no Struct without its fields.
+        return class_() if issubclass(class_, Struct) else _bare(class_)
 
 
 def class_of(repository_id: str) -> Any:
