@@ -12,9 +12,11 @@ AMBIENT: Final = 25.0
 
 @dataclass(frozen=True, slots=True)
 class Motor:
-    """What does not change: `inertia` [kg m^2] and `friction` [N m s/rad] with the load,
-    `torque_constant` [N m/A], `speed_constant` [rad/s/V], the `supply` that it stands [V], the
-    `current` that it stands for ever [A], which warms it by `rise` [K] within about `warming` [s].
+    """Constants of an axis: motor with load.
+
+    `inertia` [kg m^2] and `friction` [N m s/rad] include the load; `torque_constant` [N m/A],
+    `speed_constant` [rad/s/V], `supply`: maximum voltage [V], `current`: continuous current [A],
+    which warms the motor by `rise` [K] within about `warming` [s].
     """
 
     inertia: float
@@ -49,7 +51,7 @@ class Axis:
 
     @property
     def top_speed(self) -> float:
-        """What the voltage suffices for [rad/s]."""
+        """Maximum speed at the supply voltage [rad/s]."""
         return self.voltage * self.motor.speed_constant
 
     def torque_for(self, speed: float, dt: float) -> float:
@@ -61,7 +63,7 @@ class Axis:
         """Turns on for `dt` [s]."""
         motor = self.motor
         top = self.top_speed
-        # What the motor gives within its voltage; a load may turn it faster than that.
+        # The motor's torque within its voltage; a load may turn it faster.
         fastest, slowest = self.torque_for(top, dt), self.torque_for(-top, dt)
         torque = min(max(torque, min(slowest, 0.0)), max(fastest, 0.0))
         self.torque = torque

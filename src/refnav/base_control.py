@@ -1,4 +1,4 @@
-"""What drives the base, wherever its wheels are: the velocity that it is to have, Stop and Go."""
+"""Base control independent of the wheels: commanded velocity, Stop and Go."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from rtgen.runtime import InPort
 
 
 class TravelSwitch(RefHard):
-    """What a user interface switches: its Go releases the base, whoever has stopped it.
+    """The switch of a user interface: its Go releases the base, whatever has stopped it.
 
-    `bumper` is the same for a bumper, whose Go takes back no more than its own Stop.
+    `bumper` is the switch of a bumper, whose Go only cancels its own Stop.
     """
 
     def __init__(self) -> None:
@@ -40,7 +40,7 @@ class TravelSwitch(RefHard):
 
 
 class Bumper(RefHard):
-    """What a bumper switches."""
+    """The switch of a bumper."""
 
     def __init__(self, switch: TravelSwitch) -> None:
         self._switch = switch
@@ -94,7 +94,7 @@ def furnish(plant: Plant, parameters: PlantRoom, folder: Path) -> None:
 
 
 def contact(plant: Plant) -> str:
-    """What to report of a base that touches something."""
+    """The condition to report while the base touches an obstacle."""
     return f"contact with an obstacle at ({plant.x:.3f}, {plant.y:.3f})"
 
 

@@ -13,7 +13,7 @@ _STILL = (0.0, 0.0, 0.0)
 
 
 class WheelLimits(Protocol):
-    """What all wheels of a robot can do [rad/s, rad/s^2], and their encoders' counts per turn."""
+    """Limits of all wheels of a robot [rad/s, rad/s^2], and counts of their encoders per turn."""
 
     max_wheel_speed: float
     max_wheel_acceleration: float
@@ -36,9 +36,10 @@ class OmniWheelSizes(WheelLimits, Protocol):
 
 
 class Body:
-    """Wheels that are driven by velocities of the body.
+    """Wheels driven by velocities of the body.
 
-    `odometry` is the pose by the encoders. `goes_sideways` tells whether the body can do so.
+    `odometry` is the pose computed from the encoders. `goes_sideways`: the body can move
+    sideways.
     """
 
     def __init__(

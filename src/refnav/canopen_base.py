@@ -111,7 +111,7 @@ class Wheel:
         if self.heard is None:
             moved = 0.0
         elif self._lost:
-            # One that was switched off counts from 0 again: where it was is where it is.
+            # A drive that was switched off counts from 0 again; the pose is kept.
             most = limit * min((now - self.heard) / SECOND, _COASTING)
             if position == 0.0 or abs(moved) > most:
                 moved = 0.0
@@ -177,7 +177,7 @@ class CanopenBase:
         return self._turned() if whole else None
 
     def _check(self, wheels: Sequence[Wheel]) -> None:
-        """Faults that were there before are reset; a new one is told."""
+        """Reset faults that existed before; report a new one."""
         for wheel in wheels:
             if self._running and wheel.master.state in _FAULTS:
                 self._running = False

@@ -1,4 +1,4 @@
-"""The ceiling: lamps, how a camera sees them, and what a picture of them tells of the pose.
+"""The ceiling: lamps, pictures of them by a camera, and the pose computed from a picture.
 
 A picture has one octet for each pixel, row by row; its upper edge is ahead of the base, its left
 edge to the left.
@@ -53,7 +53,7 @@ class Blob(NamedTuple):
 
 
 def parse(text: str, name: str) -> list[Lamp]:
-    """The lamps in a file's text, one or more; `name` is told in errors. Raises MapError."""
+    """Parse the lamps in a file's text, one or more; `name` is used in errors. Raises MapError."""
     lamps = []
     for line, _, values in lines(text, name, {"m": 3}):
         lamp = Lamp(*values)
@@ -66,7 +66,7 @@ def parse(text: str, name: str) -> list[Lamp]:
 
 
 def picture(lamps: Iterable[Lamp], pose: Pose, view: View) -> bytearray:
-    """What a camera at a pose sees of the lamps."""
+    """The lamps as seen by a camera at a pose."""
     image = bytearray(view.width * view.height)
     along, across = cos(pose.theta), sin(pose.theta)
     for lamp in lamps:

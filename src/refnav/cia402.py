@@ -10,7 +10,7 @@ from typing import Final
 
 
 class PowerState(Enum):
-    """The states of the automaton: the bits of a statusword that tell them, and their value."""
+    """States of the drive state machine (CiA 402): mask and value of the statusword."""
 
     NOT_READY_TO_SWITCH_ON = 0x4F, 0x00
     SWITCH_ON_DISABLED = 0x4F, 0x40
@@ -23,13 +23,13 @@ class PowerState(Enum):
 
     @property
     def bits(self) -> int:
-        """What a statusword shows of it."""
+        """The bits of a statusword in this state."""
         bits: int = self.value[1]
         return bits
 
 
 def state_of(statusword: int) -> PowerState | None:
-    """The state that a statusword tells; None if there is no such state."""
+    """The state in a statusword; None if there is no such state."""
     for state in PowerState:
         mask, value = state.value
         if statusword & mask == value:
@@ -106,7 +106,7 @@ class Mode(IntEnum):
 
 
 class DriveMaster:
-    """Brings a drive to operation, step by step, by what its statusword tells."""
+    """Switches a drive on, step by step, following its statusword."""
 
     _NEXT: Final = {
         PowerState.SWITCH_ON_DISABLED: Command.SHUTDOWN,
@@ -121,7 +121,7 @@ class DriveMaster:
         self.state: PowerState | None = None
         """The drive's state by its last statusword; None while nothing is known."""
         self.controlword = int(Command.DISABLE_VOLTAGE)
-        """What the drive is to get next."""
+        """The next controlword."""
 
     @property
     def enabled(self) -> bool:

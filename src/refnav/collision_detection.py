@@ -1,4 +1,4 @@
-"""CollisionDetection: stops the base before it hits something, and when nobody looks."""
+"""CollisionDetection: stops the base before it hits an obstacle, and when data are missing."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from rtgen.runtime import RTC_OK, ReturnCode_t, ServiceError
 
 
 class CollisionDetection(CollisionDetectionBase):
-    """Holds the base while its way is too short, or its surroundings or velocity are not known.
+    """Holds the base while its free way is too short, or surroundings or velocity are unknown.
 
-    Its own end does not release the base: deactivated while it holds the base, the base stays held
-    until this component, or a hand, says Go. Its observable `stopped` is 1 while it holds the base.
+    Deactivation while it holds the base does not release it: the base is held until this
+    component, or an operator, sends Go. Its observable `stopped` is 1 while it holds the base.
     """
 
     def on_initialize(self) -> ReturnCode_t:
@@ -31,7 +31,7 @@ class CollisionDetection(CollisionDetectionBase):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Start without knowledge; a base that was held before is still held."""
+        """Start without data; a base that was held before is still held."""
         now = self.now()
         self._around.start(now)
         self._asked.start(now)
@@ -39,7 +39,7 @@ class CollisionDetection(CollisionDetectionBase):
         return RTC_OK
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
-        """Hold the base: nobody looks any more."""
+        """Hold the base, because collisions are no longer detected."""
         self._call(stop=True)
         return RTC_OK
 

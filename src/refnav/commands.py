@@ -1,4 +1,4 @@
-"""What an operator asks for: a goal, or a path of two or more waypoints, as text."""
+"""Commands of an operator as text: a goal, or a path of two or more waypoints."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def parse(line: str) -> Command | None:
 
 
 def parse_all(text: str, name: str) -> tuple[Command, ...]:
-    """The commands in a file's text, at least one; `name` is told in errors.
+    """Parse the commands in a file's text, at least one; `name` is used in errors.
 
     Raises CommandError with the file and the line.
     """

@@ -27,10 +27,10 @@ _KEPT: Final = 64
 
 
 class Drive:
-    """Works on the objects of a drive, by `step`.
+    """Simulates a drive (CiA 402) on its objects, by `step`.
 
-    `alarm` gets the code of a fault, and 0 once it is reset. While `remote` is not set, the
-    drive obeys nobody; it brakes if it was enabled.
+    `alarm` is called with the code of a fault, and with 0 once it is reset. While `remote` is not
+    set, the drive ignores commands; it brakes if it was enabled.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class Drive:
         for mode in [m for m in self._modes if not supported >> m - 1 & 1]:
             del self._modes[mode]
         self.machine.initialised()
-        self._tell()
+        self._publish()
 
     def run(self, seconds: float) -> None:
         """Lets time pass."""
@@ -88,7 +88,7 @@ class Drive:
         self._alarm(0)
         self.machine = PowerMachine(self._taken)
         self.machine.initialised()
-        self._tell()
+        self._publish()
 
     def leave(self) -> None:
         """Nobody commands the drive any more: it brakes as for a quick stop."""
@@ -107,7 +107,7 @@ class Drive:
             self.machine.fault()
 
     def step(self, dt: float) -> None:
-        """One turn of the drive's own loop, `dt` [s] after the one before."""
+        """One turn of the drive's control loop, `dt` [s] after the previous one."""
         objects = self._objects
         machine = self.machine
         machine.quick_stop_code = objects.Quick_stop_option_code
@@ -126,7 +126,7 @@ class Drive:
         self._limited = False
         self.axis.turn(self._wanted(dt), dt)
         self._supervise(dt)
-        self._tell()
+        self._publish()
 
     # What the axis is to do.
 
@@ -261,7 +261,7 @@ class Drive:
         return self._given(torque, dt)
 
     def _synchronous_position(self, dt: float) -> float:
-        """Mode 8: whoever sends the targets makes the profile; the drive's limits hold."""
+        """Mode 8: the sender of the targets generates the profile; the drive's limits apply."""
         objects = self._objects
         self._bits |= Status.FOLLOWS
         return self._direct_position(objects.Target_position, dt)
@@ -284,7 +284,7 @@ class Drive:
         self._speed = speed
         axis = self.axis
         ahead = position - axis.angle - speed * dt
-        # What an axis out of torque has fallen behind is made up so that it does not overshoot.
+        # The lag of an axis at its torque limit is made up without overshoot.
         strongest = 0.8 * self._strongest() / axis.motor.inertia
         return self._limit(
             axis.torque_for(speed + approach(ahead, strongest, dt), dt), dt
@@ -380,7 +380,7 @@ class Drive:
             self._objects.Error_code = 0
             self._alarm(0)
 
-    def _tell(self) -> None:
+    def _publish(self) -> None:
         """Shows it in the objects."""
         objects = self._objects
         units = self._units
@@ -401,7 +401,7 @@ class Drive:
             axis.current / objects.Motor_rated_current * 1e6
         )
         low, high = axis.motor.supply
-        # What is beyond the range of the drive's own meter shows as its end.
+        # A value outside the range of the drive's own meter is clipped.
         voltage = min(max(axis.voltage, low), high)
         objects.DC_link_circuit_voltage = round(voltage * 1000.0)
         objects.Modes_of_operation_display = self._mode

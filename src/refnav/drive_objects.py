@@ -7,7 +7,7 @@ from typing import Protocol
 
 
 class DriveObjects(Protocol):
-    """What each of the reference build's drives has; units are the drive's own.
+    """Objects common to the reference build's drives; units are the drive's own.
 
     Torques are in thousandths of the rated torque [mN m], currents of the rated current [mA].
     """
@@ -84,11 +84,11 @@ _TIMES = {0x03: 1.0, 0x47: 60.0}
 
 
 class Units:
-    """What a drive's numbers mean at its axis, by 608Fh, 6091h, 60A8h and 60A9h.
+    """Scales a drive's units to its axis, by 608Fh, 6091h, 60A8h and 60A9h.
 
-    A drive that counts increments counts them at the motor, which is its axis then; one that
-    tells degrees tells those of the axis behind the gear. `position` [rad], `velocity` [rad/s] and
-    `count` [rad], one step of the encoder. Raises ValueError for units that it does not know.
+    Increments are counted at the motor, which is the axis then; degrees are those of the axis
+    behind the gear. `position` [rad], `velocity` [rad/s] and `count` [rad], one step of the
+    encoder. Raises ValueError for unknown units.
     """
 
     def __init__(self, objects: DriveObjects) -> None:

@@ -1,4 +1,4 @@
-"""What the drives of the reference build have in common as CANopen devices."""
+"""Common part of the reference build's drives as CANopen devices."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _CONTROLWORD: Final = 0x6040, 0
 
 
 class DriveRunner:
-    """Lets a drive go with its device: it brakes when the node leaves operational.
+    """Runs a drive with its device: it brakes when the node leaves operational.
 
-    What it is in the meantime, without callbacks, is caught up with.
+    Time without callbacks is made up for.
     """
 
     def __init__(
@@ -59,7 +59,7 @@ class DriveRunner:
         self.drive.take(int(value))
 
     def _alarm(self, code: int) -> None:
-        """A fault is told as an emergency, and that it has gone."""
+        """Send an emergency message for a fault, and for its reset."""
         node = self._device.node
         with self._device.bus_lock:
             if self._alarmed:
@@ -76,7 +76,7 @@ class SimulatedDrive(CanopenDevice):
     """
 
     def switch_on(self, made: Callable[[Callable[[int], None]], Drive]) -> None:
-        """Makes the drive, which is given whom to tell of faults."""
+        """Construct the drive with the function that receives faults."""
         self._runner = DriveRunner(self, made)
         axis = self._runner.drive.axis
         self.observables["angle"] = lambda: (axis.angle,)
@@ -84,7 +84,7 @@ class SimulatedDrive(CanopenDevice):
 
     @property
     def axis(self) -> Axis:
-        """What the drive turns."""
+        """The load of the drive."""
         return self._runner.drive.axis
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:

@@ -50,7 +50,7 @@ class Board:
         self.levels = [0] * DIGITAL_BYTES
         self.output_voltages = [0.0] * ANALOGUE_OUTPUTS
         self.events: dict[str, None] = {}
-        self._told: list[int | None] = [None] * ANALOGUE_INPUTS
+        self._transmitted: list[int | None] = [None] * ANALOGUE_INPUTS
         self._outside = [False] * ANALOGUE_INPUTS
         self.step()
 
@@ -63,7 +63,7 @@ class Board:
         self._drive()
 
     def tells_first(self, name: str) -> bool:
-        """Whether an input's value is to be told when the board becomes operational."""
+        """Whether an input's value is transmitted when the board becomes operational."""
         if name.startswith("Analogue"):
             return bool(self._objects.Analogue_input_global_interrupt_enable)
         if name.startswith("Digital"):
@@ -104,16 +104,16 @@ class Board:
             name = f"Analogue_input_{number}"
             value = converted(voltage)
             if not enabled:
-                self._told[number - 1] = None
+                self._transmitted[number - 1] = None
             elif self._triggered(number, value):
-                self._told[number - 1] = value
+                self._transmitted[number - 1] = value
                 self.events[name] = None
             setattr(objects, name, value)
 
     def _triggered(self, number: int, value: int) -> bool:
         """Whether the input makes an event; the first value after the enabling does."""
         objects = self._objects
-        told = self._told[number - 1]
+        transmitted = self._transmitted[number - 1]
         trigger = getattr(objects, f"Trigger_of_analogue_input_{number}")
         upper = getattr(objects, f"Upper_limit_of_analogue_input_{number}")
         lower = getattr(objects, f"Lower_limit_of_analogue_input_{number}")
@@ -124,10 +124,14 @@ class Board:
         outside = bool((upper or lower) and (over or under))
         entered = outside and not self._outside[number - 1]
         self._outside[number - 1] = outside
-        if told is None:
+        if transmitted is None:
             return bool(trigger)
-        kinds = Trigger.DELTA | (Trigger.RISEN if value > told else Trigger.FALLEN)
-        return entered or bool(trigger & kinds and abs(value - told) >= max(delta, 1))
+        kinds = Trigger.DELTA | (
+            Trigger.RISEN if value > transmitted else Trigger.FALLEN
+        )
+        return entered or bool(
+            trigger & kinds and abs(value - transmitted) >= max(delta, 1)
+        )
 
     def _refer(self) -> None:
         """Makes the angle reference of its input."""
@@ -153,7 +157,7 @@ class Board:
 
 
 def converted(voltage: float) -> int:
-    """What the converter makes of a voltage."""
+    """The converter's value for a voltage."""
     if not isfinite(voltage):
         raise ValueError(f"{voltage} is no voltage")
     return min(max(round(voltage / FULL_SCALE * 0x7FFF), -0x8000), 0x7FFF)

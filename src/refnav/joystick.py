@@ -1,4 +1,4 @@
-"""What the four joysticks have in common: all but how they answer to the hand."""
+"""Common base of the four joysticks, without their response to the hand."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Response:
     sideways: bool = False
 
     def __call__(self, deflection: float) -> float:
-        """What a deflection within [-1, 1] gives, within [-1, 1]."""
+        """The output for a deflection, both within [-1, 1]."""
         size = abs(deflection)
         if self.digital:
             return copysign(1.0, deflection) if size >= 0.5 else 0.0
@@ -62,7 +62,7 @@ class Joystick(Component, Generic[P]):
         return RTC_OK
 
     def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Begin the script; without one nobody touches the stick."""
+        """Start the script; without one the stick stays at rest."""
         self._begin = self.now()
         self._held = False
         self._script: Script | None = None

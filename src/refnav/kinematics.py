@@ -1,7 +1,7 @@
-"""What the wheels of a base have to do with its motion: two driven wheels, or omni-wheels.
+"""Kinematics of a base: two driven wheels, or omni-wheels.
 
 Velocities are in the frame of the body: forward, to the left, counter-clockwise. Odometry and the
-simulated plant use the same equations, each with its own idea of the sizes.
+simulated plant use the same equations, each with its own sizes.
 """
 
 from __future__ import annotations

@@ -68,7 +68,7 @@ class Constant:
         """The pose does not matter."""
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
-        """The speeds asked for."""
+        """The commanded speeds."""
         return self._reference
 
 
@@ -97,7 +97,7 @@ class LineFollow:
         self._angle = remainder(theta - self._heading, tau)
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
-        """The speed asked for, and what leads back to the line."""
+        """The commanded speed, with a correction towards the line."""
         return self._speed, regulate(self.distance, self._angle, v, w, gains)
 
 
@@ -124,9 +124,9 @@ class ToPoint(LineFollow):
 
 
 class CircleFollow:
-    """RUN_CIRCLEFOLLOW: round (x, y) at a radius, counter-clockwise if that is positive.
+    """RUN_CIRCLEFOLLOW: around (x, y) at a radius, counter-clockwise if that is positive.
 
-    The law is the line's, with the angular speed of the circle as the one to keep: without that
+    The control law is the line's, with the angular speed of the circle as feed-forward: otherwise
     the base would settle outside the circle.
     """
 
@@ -151,7 +151,7 @@ class CircleFollow:
         self._angle = remainder(theta - tangent, tau)
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
-        """The speed asked for, and what leads back to the circle."""
+        """The commanded speed, with a correction towards the circle."""
         turn = self._speed / self._radius
         return self._speed, turn + regulate(
             self._distance, self._angle, v, w - turn, gains
@@ -177,7 +177,7 @@ class Spin:
         self._angle = remainder(self._heading - pose.theta, tau)
 
     def reference(self, v: float, w: float, gains: Gains) -> tuple[float, float]:
-        """The speed asked for, or the one from which a tenth of `max_acc_w` still brakes."""
+        """The commanded speed, or the one from which a tenth of `max_acc_w` still brakes."""
         angle = self._angle
         braking = sqrt(0.2 * gains.max_acc_w * abs(angle) / gains.control_cycle)
         speed = self._speed if self._speed < braking else max(braking, SLOWEST_SPIN)

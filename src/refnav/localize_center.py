@@ -1,4 +1,4 @@
-"""LocalizeCenter: the weighted mean of what odometry and the ceiling tell of the pose."""
+"""LocalizeCenter: the weighted mean of the poses from odometry and ceiling."""
 
 from __future__ import annotations
 

@@ -31,17 +31,17 @@ def text_of(folder: Path, name: str) -> str:
 
 
 def mistake(name: str, number: int, why: str) -> MapError:
-    """What is wrong with a line."""
+    """The error in a line."""
     return MapError(f"{name}:{number}: {why}")
 
 
 def lines(
     text: str, name: str, columns: Mapping[str, int]
 ) -> Iterator[tuple[int, str, tuple[float, ...]]]:
-    """Number of the line, letter and numbers of each line that is not empty.
+    """Number of the line, letter and numbers of each non-empty line.
 
-    `columns` tells how many finite numbers follow each letter; `name` is told in errors.
-    Raises MapError.
+    `columns` is the count of finite numbers after each letter; `name` is used in errors. Raises
+    MapError.
     """
     for number, line in enumerate(text.splitlines(), start=1):
         if number > LONGEST:

@@ -23,7 +23,7 @@ _MILLISECOND = 1_000_000
 
 
 class BoardParameters(PlantSizes, Protocol):
-    """What the board is made of, and its watchdog [s]; geometry in m."""
+    """Parameters of the board, and its watchdog [s]; geometry in m."""
 
     watchdog: float
     GearRatio: float

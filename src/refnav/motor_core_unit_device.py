@@ -12,7 +12,7 @@ from refrobots.components.motor_core_unit_device import MotorCoreUnitDeviceBase
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 _TURN: Final = 1 << 17
-"""What the absolute encoder on the gear axis makes of a turn."""
+"""Counts of the absolute encoder on the gear axis per turn."""
 
 
 class MotorCoreUnitDevice(SimulatedDrive, MotorCoreUnitDeviceBase):

@@ -23,11 +23,11 @@ THERE = 0.05
 CRAWL = 0.1
 """Speed just before a waypoint [m/s]."""
 SPIN_SPEED = 1.0
-"""Turning speed asked for; PathFollower limits it [rad/s]."""
+"""Commanded turning speed; PathFollower limits it [rad/s]."""
 REPEAT = SECOND // 10
 """A waypoint is sent again after so long, for a follower that was restarted [ns]."""
 PROGRESS = 0.05
-"""What counts as nearer to a waypoint [m, rad]."""
+"""Least progress that counts as nearer to a waypoint [m, rad]."""
 APPROACHES = 10
 """So often the base is turned and driven to a goal that it has missed."""
 STOP = iis.Path(type=iis.TravelMode.RUN_STOP)
@@ -78,7 +78,7 @@ class Navigation(NavigationBase):
             late = complaints(now, self._position)
             self.report(late or self._stuck(now))
             if self._waypoint is not None and now - self._sent >= REPEAT:
-                # Without a position nobody would see that the waypoint is reached.
+                # Without a position the arrival at the waypoint would go unnoticed.
                 self._write(STOP if late else self._waypoint)
         if self._path:
             status = iis.TimedState(data=self._state)
@@ -113,7 +113,7 @@ class Navigation(NavigationBase):
         self._clear()
 
     def _stuck(self, now: int) -> str:
-        """What to report of a base that gets no nearer to its waypoint."""
+        """The condition to report while the base gets no nearer to its waypoint."""
         here, target = self._here, self._path[self._index]
         if here is None:
             return ""

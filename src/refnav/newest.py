@@ -46,7 +46,7 @@ class Newest(Generic[T]):
 
     @property
     def complaint(self) -> str:
-        """What to report of a late input."""
+        """The condition to report for a late input."""
         return f"{self._port.name}: nothing newer than {self._limit():g} s"
 
     def _checked(self, sample: Any, now: int) -> T | None:
@@ -63,12 +63,12 @@ class Newest(Generic[T]):
 
 
 def complaints(now: int, *inputs: Newest[Any]) -> str:
-    """What to report of the inputs that are late; empty if none is."""
+    """The condition to report for all late inputs; empty if none is late."""
     return "; ".join(one.complaint for one in inputs if one.is_late(now))
 
 
 def all_in_time(component: Component, now: int, *inputs: Newest[Any]) -> bool:
-    """Whether no input is late; the component reports those that are."""
+    """Whether no input is late; the component reports late ones."""
     late = complaints(now, *inputs)
     component.report(late)
     return not late

@@ -14,9 +14,9 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 SIDE_STEPS = 10
 """So many arcs are tried to either side."""
 DETOUR = 0.1
-"""What it costs to leave the arc asked for, per 1/m, where getting on by the horizon is worth 1."""
+"""Cost of leaving the commanded arc, per 1/m; progress by the horizon is worth 1."""
 CHANGE = 0.05
-"""What it costs to leave the arc driven so far, per 1/m."""
+"""Cost of leaving the current arc, per 1/m."""
 ENOUGH = 0.3
 """A way shorter than this is not worth driving while there is a better one to turn to [m]."""
 TURN_STEP = pi / 12
@@ -26,10 +26,10 @@ MOST_TURNED = 8
 
 
 class ObstaclesAvoidance(ObstaclesAvoidanceBase):
-    """Plans with each scan; between two scans the points move as the base was told to.
+    """Plans with each scan; between scans the points are moved by the commanded velocity.
 
-    Where no arc gets on, the base turns on the spot to where one does. Its observable `free` is
-    the free way ahead [m].
+    If no arc makes progress, the base turns on the spot towards one that does. Its observable
+    `free` is the free way ahead [m].
     """
 
     def on_initialize(self) -> ReturnCode_t:
@@ -87,7 +87,7 @@ class ObstaclesAvoidance(ObstaclesAvoidanceBase):
         self.velocity_out.write(sample)
 
     def _follow(self) -> None:
-        """The velocity asked for can be driven, so nothing is planned."""
+        """Pass the commanded velocity on, because it is free of obstacles."""
         self._detour: float | None = None
         self._turning = 0.0
         self.report("")

@@ -34,7 +34,7 @@ class DeadReckoning:
     def update(self, angles: list[float]) -> Pose:
         """The pose after the wheels have turned to new absolute angles [rad].
 
-        The first angles only tell where to count from. Raises IndexError if a wheel is missing.
+        The first angles only set the origin. Raises IndexError if a wheel is missing.
         """
         left, right = angles[self._left], angles[self._right]
         if self._angles is not None:

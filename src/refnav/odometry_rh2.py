@@ -17,9 +17,9 @@ from rtgen.runtime import ReturnCode_t
 
 
 class OdometryRh2(Odometer[OdometryRh2Configuration], OdometryRh2Base):
-    """Takes over every pose of the localisation, and counts on from there.
+    """Adopts every pose of the localisation, and integrates from there.
 
-    It sends no pose before the first one: it would be one that nobody has measured.
+    It sends no pose before the first one, which would not be measured.
     """
 
     def on_initialize(self) -> ReturnCode_t:

@@ -22,10 +22,10 @@ STOP = Constant(0.0, 0.0)
 
 
 def motion(path: iis.Path) -> Motion:
-    """The way to travel that a waypoint asks for.
+    """The controller for a waypoint's mode of travel.
 
-    RUN_FREE and RUN_WHEEL_VEL cannot be told by a velocity of the base, which comes to rest, as
-    in RUN_STOP. Raises ValueError for a mode that does not exist and for a circle of radius 0.
+    RUN_FREE and RUN_WHEEL_VEL cannot be expressed by a velocity of the base, which stops, as in
+    RUN_STOP. Raises ValueError for an unknown mode and for a circle of radius 0.
     """
     match iis.TravelMode(path.type):
         case iis.TravelMode.RUN_LINEFOLLOW:

@@ -18,7 +18,7 @@ from refrobots.components.path_planning import (
 from rtgen.runtime import RTC_OK, ReturnCode_t
 
 SPEED = 1.0
-"""Forward speed asked for at every element of a path; the navigation has its own [m/s]."""
+"""Commanded forward speed of every path element; the navigation has its own [m/s]."""
 OFF_THE_MAP = 0.3
 """A base farther than this from its first node drives there first [m]."""
 

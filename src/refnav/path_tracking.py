@@ -60,7 +60,7 @@ class PathTracking(PathTrackingBase):
                 if jump:
                     return self.fail(f"position: {jump}")
             for progress in self._tracker.step(self._here, self.config):
-                self._tell(progress)
+                self._report_progress(progress)
         if self._here is not None and in_time:
             self._send(*self._tracker.command(self._here, self.config))
         else:
@@ -70,7 +70,7 @@ class PathTracking(PathTrackingBase):
     def _halt(self) -> None:
         self._send(0.0, 0.0)
         if self._tracker.is_under_way:
-            self._tell(self._tracker.interrupted())
+            self._report_progress(self._tracker.interrupted())
 
     def _take(self, path: iis.TimedPath2DSeq) -> None:
         if path.pose:
@@ -88,7 +88,7 @@ class PathTracking(PathTrackingBase):
         self.stamp(command)
         self.command.write(command)
 
-    def _tell(self, progress: Progress) -> None:
+    def _report_progress(self, progress: Progress) -> None:
         ids = [progress.number, int(progress.stopped)]
         state = iis.TimedPose2D(id=ids, data=pose_2d(progress.waypoint))
         self.stamp(state)

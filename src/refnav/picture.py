@@ -24,9 +24,9 @@ class PictureError(Exception):
 
 
 class Picture:
-    """What is to be drawn to a file, in order; coordinates in m, colours as matplotlib has them.
+    """A drawing to be written to a file, in order; coordinates in m, colours of matplotlib.
 
-    Raises PictureError for a kind of file that is unknown, or without matplotlib.
+    Raises PictureError for an unknown kind of file, or without matplotlib.
     """
 
     def __init__(self, path: Path) -> None:
@@ -38,7 +38,7 @@ class Picture:
         self._items: list[tuple[str, Any, str, str]] = []
 
     def line(self, points: Sequence[Point], colour: str, name: str = "") -> None:
-        """A line through points; with a name it is told in the legend."""
+        """A line through points; its name appears in the legend."""
         self._items.append(("line", list(points), colour, name))
 
     def points(self, points: Sequence[Point], colour: str, name: str = "") -> None:

@@ -1,6 +1,6 @@
-"""What planners have in common: goals and paths of the operator, and one FINISH for each path.
+"""Common base of planners: goals and paths of the operator, and one FINISH for each path.
 
-A path that the navigation shows no state of is not there (any more), and is planned and sent again.
+A path whose state the navigation does not report is lost, and is planned and sent again.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class Planner(Component, Generic[P]):
     def on_execute(self, ec_id: int) -> ReturnCode_t:
         """Take the pose and the goals, send the path for them, pass on its FINISH."""
         now = self.now()
-        # What has come until now belongs to the path before the one that this execution sends.
+        # States received until now belong to the path before the one sent in this execution.
         finish = self._follow_state(now)
         sample = self._position.read_newest(now)
         if sample is not None:

@@ -15,8 +15,8 @@ def turn_straight_turn(start: Pose, waypoints: Sequence[Pose]) -> list[Pose]:
     """The path from `start` through the waypoints, one or more of them.
 
     Towards each waypoint the base turns and drives straight forward; the heading of a waypoint is
-    that of the straight, but after the last one the base turns to the heading asked for. For n
-    waypoints that makes 2 n + 2 poses, `start` the first.
+    that of the straight, but after the last one the base turns to the requested heading. For n
+    waypoints this gives 2 n + 2 poses, `start` the first.
     """
     path = [start]
     here = start

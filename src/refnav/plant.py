@@ -112,5 +112,5 @@ class Plant:
 
 
 def counted(angle: float, count: float) -> float:
-    """What an encoder whose counts are so far apart makes of the angle of a wheel [rad]."""
+    """The angle of a wheel quantized by an encoder with this resolution [rad]."""
     return angle // count * count

@@ -47,8 +47,8 @@ class PoseHistory:
     def at(self, time: rtc.Time) -> Pose:
         """The last pose that is not later, else the oldest; IndexError if there is none."""
         stamp = (time.sec, time.nsec)
-        told = [pose for noted, pose in self._poses if noted <= stamp]
-        return told[-1] if told else self._poses[0][1]
+        earlier = [pose for noted, pose in self._poses if noted <= stamp]
+        return earlier[-1] if earlier else self._poses[0][1]
 
     def move(self, x: float, y: float, theta: float) -> None:
         """Move every pose by so much [m, rad]: what was found out later was true before."""

@@ -20,9 +20,9 @@ ALL_DONE = "all commands are carried out"
 
 
 class PositionInput(PositionInputBase):
-    """Sends the next command when the one before has led to FINISH.
+    """Sends the next command when the previous one has led to FINISH.
 
-    Its observable `goal` is where the command under way ends (x, y, theta) [m, rad].
+    Its observable `goal` is the end of the current command (x, y, theta) [m, rad].
     """
 
     defined_path = Command(
@@ -60,7 +60,7 @@ class PositionInput(PositionInputBase):
                     return self.fail(str(error))
             case _:
                 self.console_reader = ConsoleReader(self.console)
-                _tell(PROMPT)
+                _print(PROMPT)
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
@@ -95,7 +95,7 @@ class PositionInput(PositionInputBase):
         return RTC_OK
 
     def _send(self) -> None:
-        # What the planner's buffer refuses is sent again in the next execution.
+        # A command rejected by the planner's buffer is sent again in the next execution.
         while self._unsent and self.positon.write(self._unsent[0]) is PORT_OK:
             self._unsent.popleft()
         self._sent = True
@@ -113,7 +113,7 @@ class PositionInput(PositionInputBase):
             try:
                 command = self.defined_path if line.split() == ["path"] else parse(line)
             except CommandError as error:
-                _tell(str(error))
+                _print(str(error))
                 continue
             if command is not None:
                 return command
@@ -139,6 +139,6 @@ def _messages(command: Command) -> list[iis.TimedPose2D]:
     ]
 
 
-def _tell(text: str) -> None:
+def _print(text: str) -> None:
     # Standard output belongs to the report of a run.
     print(text, file=sys.stderr)

@@ -61,10 +61,10 @@ class Braking(Enum):
 
 
 class PowerMachine:
-    """Which state the drive is in, and how it has to brake; it knows no time.
+    """State machine of a drive and its braking modes (CiA 402), without time.
 
-    `taken` is told of every transition. The codes are those of 605Ah, 605Ch and 605Eh; without a
-    605Bh, a shutdown lets the axis coast.
+    `taken` is called for every transition. The codes are those of 605Ah, 605Ch and 605Eh; without
+    a 605Bh, a shutdown lets the axis coast.
     """
 
     def __init__(self, taken: Callable[[int], None] = lambda number: None) -> None:

@@ -1,4 +1,4 @@
-"""What rays hit. It runs on the small runtime, too."""
+"""Ray casting against walls and posts. It runs on the small runtime, too."""
 
 from math import inf
 

@@ -18,7 +18,7 @@ class Recent:
         return -1
 
     def take(self, key: bytes) -> int:
-        """A place for a new key: the one that was not needed for longest."""
+        """A slot for a new key: the least recently used one."""
         oldest = 0
         for place in range(len(self._keys)):
             if self._used[place] < self._used[oldest]:

@@ -17,14 +17,14 @@ log = logging.getLogger("refnav.ref_hard_rh3_tecs")
 
 
 class LinkError(Exception):
-    """The board cannot be reached; whether it did what it was asked for is not known."""
+    """The board is unreachable; whether it carried out the request is unknown."""
 
 
 class RefHardRh3Tecs(RefHardRh3TecsBase, MotorBoardClientBase):
     """RefHardRh3 with the wheels on a board: the ports of both definitions.
 
-    While the board cannot be reached, no angles are sent, and the board itself holds the wheels.
-    The observable `calls` counts the exchanges that were answered and those that were not.
+    While the board is unreachable, no angles are sent, and the board itself holds the wheels. The
+    observable `calls` counts the answered and the unanswered exchanges.
     """
 
     def on_initialize(self) -> ReturnCode_t:
@@ -46,12 +46,12 @@ class RefHardRh3Tecs(RefHardRh3TecsBase, MotorBoardClientBase):
         return RTC_OK
 
     def on_deactivated(self, ec_id: int) -> ReturnCode_t:
-        """Hold the wheels; if the board cannot be told, its watchdog does."""
+        """Hold the wheels; if the board is unreachable, its watchdog does."""
         self._hold()
         return RTC_OK
 
     def on_aborting(self, ec_id: int) -> ReturnCode_t:
-        """Hold the wheels; if the board cannot be told, its watchdog does."""
+        """Hold the wheels; if the board is unreachable, its watchdog does."""
         self._hold()
         return RTC_OK
 

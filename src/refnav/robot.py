@@ -1,4 +1,4 @@
-"""What the control RTCs of the four robots have in common: all but the body."""
+"""Common base of the control RTCs of the four robots, without the body."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class Post(NamedTuple):
 
 
 class Room:
-    """What stands in a room."""
+    """Walls and posts of a room."""
 
     def __init__(self, things: Sequence[Wall | Post]) -> None:
         self.things = things
@@ -64,7 +64,10 @@ class Room:
         return min((thing.distance(x, y) for thing in self.things), default=inf)
 
     def ranges(self, pose: Pose, angles: Sequence[float], most: float) -> list[float]:
-        """What a range finder at a pose measures at these angles [rad]; inf beyond `most` [m]."""
+        """Distances that a range finder at a pose measures at these angles [rad].
+
+        Inf beyond `most` [m].
+        """
         x, y, theta = pose
         near = [thing for thing in self.things if thing.distance(x, y) <= most]
         found = []
@@ -76,7 +79,7 @@ class Room:
 
 
 def parse(text: str, name: str) -> Room:
-    """The room in a file's text; `name` is told in errors. Raises MapError.
+    """Parse the room in a file's text; `name` is used in errors. Raises MapError.
 
     `w X1 Y1 X2 Y2` is a wall, `c X Y RADIUS` a post [m].
     """

@@ -11,7 +11,7 @@ from refnav.map_text import lines, mistake
 
 
 class RouteMap:
-    """Nodes by number, and what it costs to go from one to its neighbours."""
+    """Nodes by number, and the cost of going to their neighbours."""
 
     def __init__(
         self, nodes: Mapping[int, Pose], links: Mapping[int, Mapping[int, float]]
@@ -20,7 +20,7 @@ class RouteMap:
         self.links = links
 
     def nearest(self, x: float, y: float) -> int:
-        """The node nearest to a point [m]; of several the one named first."""
+        """The node nearest to a point [m]; of several the first in the file."""
         return min(
             self.nodes,
             key=lambda number: hypot(
@@ -48,10 +48,10 @@ class RouteMap:
 
 
 def parse(text: str, name: str) -> RouteMap:
-    """The map in a file's text, of one node or more; `name` is told in errors.
+    """Parse the map in a file's text, of one node or more; `name` is used in errors.
 
-    `n NUMBER X Y THETA` is a node [m, rad], `l FROM TO COST` a link in both directions, which
-    costs its length where COST is not above 0. Raises MapError.
+    `n NUMBER X Y THETA` is a node [m, rad], `l FROM TO COST` a link in both directions, whose
+    cost is its length if COST is not above 0. Raises MapError.
     """
     nodes: dict[int, Pose] = {}
     links: list[tuple[int, int, int, float]] = []

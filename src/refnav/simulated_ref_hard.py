@@ -1,4 +1,4 @@
-"""What RefHardRh2 and RefHardRh3 have in common: all but the gear."""
+"""Common base of RefHardRh2 and RefHardRh3, without the gear."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ class SimulatedRefHard(Component, Generic[P]):
         config = self.config
         base = self._base
         now = self.now()
-        # What steers the base knows nothing of an overrun either: it costs time, and bends no path.
+        # The base's controller ignores overruns: an overrun costs time, and bends no path.
         dt = min((now - self._now) * 1e-9, self._period)
         self._now = now
         # The wheels first run on at the speeds they had: a command acts from now on.

@@ -1,4 +1,4 @@
-"""What a hand does to the sticks of a game pad, as text: values that are held for some time."""
+"""Movements of a game pad's sticks as text: values held for some time."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from math import isfinite
 
 LONGEST = 86_400.0
-"""No value is held for longer [s]."""
+"""Longest time that a value is held [s]."""
 
 
 class ScriptError(ValueError):
@@ -35,10 +35,10 @@ class Script:
 
 
 def parse(text: str, name: str, columns: int, most: float = 1.0) -> Script:
-    """The script in a file's text; `name` is told in errors. Raises ScriptError.
+    """Parse the script in a file's text; `name` is used in errors. Raises ScriptError.
 
-    A line is `SECONDS VALUE...` with so many values, each within [-most, most]; `#` begins a
-    comment.
+    A line is `SECONDS VALUE...` with a fixed number of values, each within [-most, most]; `#`
+    starts a comment.
     """
     ends: list[float] = []
     values: list[tuple[float, ...]] = []

@@ -1,4 +1,4 @@
-"""What stands round the base: the points of the newest scan, moved as the base drives on."""
+"""Surroundings of the base: the points of the latest scan, moved as the base drives on."""
 
 from __future__ import annotations
 

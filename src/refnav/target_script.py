@@ -1,4 +1,4 @@
-"""What an operator asks for and when, as text: target lists of the common interfaces."""
+"""Timed commands of an operator as text: target lists of the common interfaces."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ class ScriptError(ValueError):
 
 @dataclass(frozen=True, slots=True)
 class TargetList:
-    """Targets given `at` seconds after the start; none clears the one there is."""
+    """Targets given `at` seconds after the start; an empty list clears the current one."""
 
     at: float
     targets: tuple[Pose, ...]
 
 
 def parse(text: str, name: str) -> tuple[TargetList, ...]:
-    """The target lists in a file's text, in order; `name` is told in errors.
+    """Parse the target lists in a file's text, in order; `name` is used in errors.
 
     Raises ScriptError.
     """

@@ -54,7 +54,7 @@ class Tracker:
         self._speeds = list(speeds)
         self._target = 1
         self._resting = len(path) < 2
-        self._told = not path
+        self._reported = not path
         self._before: Pose | None = None
 
     @property
@@ -64,7 +64,7 @@ class Tracker:
 
     def interrupted(self) -> Progress:
         """The path is given up: the waypoint reached last, stopped."""
-        self._resting = self._told = True
+        self._resting = self._reported = True
         return self._progress(stopped=True)
 
     def stop(self) -> None:
@@ -79,8 +79,8 @@ class Tracker:
         if not self._resting and self._target == len(self._path):
             off = wrap(self._path[-1].theta - here.theta)
             self._resting = abs(off) < parameters.turned
-        if self._resting and not self._told and self._is_still(here):
-            self._told = True
+        if self._resting and not self._reported and self._is_still(here):
+            self._reported = True
             yield self._progress(stopped=True)
         self._before = here
 
@@ -128,7 +128,7 @@ class Tracker:
         return (end.x - begin.x) / length, (end.y - begin.y) / length, length
 
     def _left(self, here: Pose) -> float:
-        """What is left of the present leg [m]; negative behind its end."""
+        """The remaining length of the current leg [m]; negative beyond its end."""
         x, y, _ = self._direction()
         end = self._path[self._target]
         return (end.x - here.x) * x + (end.y - here.y) * y

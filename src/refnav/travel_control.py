@@ -63,7 +63,7 @@ class TravelControl(TravelControlBase):
         return self._brake()
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Drive on, and tell how the robot has moved since the last execution."""
+        """Drive on, and report the motion since the last execution."""
         assert self._body is not None
         now = self.now()
         dt = (now - self._now) / SECOND

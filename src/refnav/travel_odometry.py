@@ -17,7 +17,7 @@ class TravelOdometry(TravelOdometryBase):
         config = self.config
         self._pose = Pose(config.start_x, config.start_y, config.start_theta)
         self._time = self.now()
-        self._heard = False
+        self._has_input = False
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
@@ -30,13 +30,13 @@ class TravelOdometry(TravelOdometryBase):
             dt = (time - self._time) / SECOND
             self._time = time
             if 0.0 < self.config.InformationTimeout < dt:
-                if self._heard:
+                if self._has_input:
                     return self.fail(
                         f"information: none for {dt:.3f} s; where the robot is by now"
                         " is not known"
                     )
                 dt = 0.0
-            self._heard = True
+            self._has_input = True
             data = sample.data
             moved = advance(*self._pose, data.vx * dt, data.va * dt, data.vy * dt)
             self._pose = Pose(*moved)

@@ -11,7 +11,7 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 ON_THE_WALL = 0.01
 """A marker this far behind the surface of a wall is on it [m]."""
 MOST = 8
-"""So many markers are told at most; the farthest are left out."""
+"""Maximum number of reported markers; the farthest are left out."""
 
 
 class UcodeReader(UcodeReaderBase):

@@ -7,13 +7,13 @@ from rtgen.runtime import RTC_OK, ReturnCode_t
 
 
 class UcodeSettlement(UcodeSettlementBase):
-    """One record for each reading, of the nearest marker; asking the server takes a while.
+    """One record for each reading, of the nearest marker; requests to the server take a while.
 
-    Its observable `asked` is how often the server was asked.
+    Its observable `asked` counts the requests.
     """
 
     def on_initialize(self) -> ReturnCode_t:
-        """Show how often the server is asked."""
+        """Show the number of requests."""
         self._asked = 0
         self.observables["asked"] = lambda: (float(self._asked),)
         return RTC_OK

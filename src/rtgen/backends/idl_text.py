@@ -428,8 +428,8 @@ class _Writer:
         raised = self._raises(operation.raises, scope)
         text += f" raises {raised}" if raised else ""
         if operation.context:
-            told = ", ".join(map(readable_string, operation.context))
-            text += f" context ({told})"
+            contexts = ", ".join(map(readable_string, operation.context))
+            text += f" context ({contexts})"
         return text
 
     def _raises(self, names: Sequence[ScopedName], scope: ScopedName) -> str:

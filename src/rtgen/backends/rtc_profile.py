@@ -216,9 +216,9 @@ def _data_port(model: Model, port: Port) -> _DataPort:
         doc=written(port.doc),
         facts=_property(profile_facts.of_port(port)),
         events=tuple(
-            {key: str(told.get(key) or "") for key in EVENT_ARGUMENTS}
-            for told in port.annotations
-            if told.name == EVENT
+            {key: str(annotation.get(key) or "") for key in EVENT_ARGUMENTS}
+            for annotation in port.annotations
+            if annotation.name == EVENT
         ),
     )
 

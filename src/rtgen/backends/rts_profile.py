@@ -108,9 +108,9 @@ def _connector(connection: Connection, ids: Mapping[str, str]) -> _Connector:
     def end(reference: PortReference) -> _End:
         return _End(ids[reference.instance], reference.instance, reference.port)
 
-    told = dict(connection.properties)
+    given = dict(connection.properties)
     data_type, interface, dataflow, subscription = (
-        told.get(key, default) for key, default in _ATTRIBUTES.items()
+        given.get(key, default) for key, default in _ATTRIBUTES.items()
     )
     return _Connector(
         id=connection.id or connection.name,
@@ -122,5 +122,5 @@ def _connector(connection: Connection, ids: Mapping[str, str]) -> _Connector:
         interface=interface,
         dataflow=dataflow,
         subscription=subscription,
-        properties=tuple(p for p in told.items() if p[0] not in _ATTRIBUTES),
+        properties=tuple(p for p in given.items() if p[0] not in _ATTRIBUTES),
     )

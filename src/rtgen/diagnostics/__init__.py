@@ -16,7 +16,7 @@ class Severity(StrEnum):
 
 
 LONGEST_TEXT = 1000
-"""Characters of a message, hint or label; what it quotes of a file may be longer."""
+"""Maximum length of a message, hint or label in characters; quotations of a file may be longer."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -56,9 +56,9 @@ class Diagnostic:
 
 @dataclass(frozen=True, slots=True)
 class Rule:
-    """What a code means: the record behind `rtgen explain` and behind each diagnostic.
+    """A rule: the record behind `rtgen explain` and behind each diagnostic with its code.
 
-    `explanation` is Markdown: what is wrong, an example, how to put it right.
+    `explanation` is Markdown: the error, an example, and how to fix it.
     """
 
     code: str
@@ -104,7 +104,7 @@ class InputError(Exception):
 
 
 class ToolError(Exception):
-    """What the input is not to blame for (disk, port, missing extra): exit code 3."""
+    """An error of the environment (disk, port, missing extra), not of the input: exit code 3."""
 
     def __init__(self, message: str, hint: str | None = None) -> None:
         self.message = message

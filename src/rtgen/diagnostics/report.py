@@ -145,7 +145,7 @@ def _prefix(span: Span | None) -> str:
 
 
 def _painter(colour: bool) -> _Paint:
-    """What puts a text into an ANSI style, or leaves it as it is."""
+    """Returns a function that applies an ANSI style, or the identity."""
     return (
         (lambda text, style: f"\x1b[{style}m{text}\x1b[0m")
         if colour

@@ -1,4 +1,4 @@
-"""What the compiler and the runtime both need to know: tables and grammars of the standards.
+"""Tables and grammars of the standards, shared by compiler and runtime.
 
-Each fact stands here once. The package imports nothing of rtgen and no third-party library.
+Each fact is defined once. The package imports nothing of rtgen and no third-party library.
 """

@@ -37,7 +37,7 @@ class PushPolicy(StrEnum):
 
 
 class FullPolicy(StrEnum):
-    """What a write to a full buffer does (`dataport.buffer.write.full_policy`)."""
+    """Policy of a write to a full buffer (`dataport.buffer.write.full_policy`)."""
 
     OVERWRITE = "overwrite"
     DO_NOTHING = "do_nothing"
@@ -45,7 +45,7 @@ class FullPolicy(StrEnum):
 
 
 class EmptyPolicy(StrEnum):
-    """What a read from an empty buffer does (`dataport.buffer.read.empty_policy`)."""
+    """Policy of a read from an empty buffer (`dataport.buffer.read.empty_policy`)."""
 
     READBACK = "readback"
     DO_NOTHING = "do_nothing"
@@ -57,14 +57,13 @@ IO_MODES: Final[Mapping[str, Subscription]] = {
     "block": Subscription.FLUSH,
     "nonblock": Subscription.NEW,
 }
-"""What the values of `dataport.io_mode` (OpenRTM 2) mean as subscriptions."""
+"""Subscription types for the values of `dataport.io_mode` (OpenRTM 2)."""
 
 OWN_PORT: Final = "rtgen.own_port"
-"""rtgen's property of a connector with an end, `INSTANCE.PORT`, that no definition has: a behaviour
-makes the port itself."""
+"""Property of a connector with an end, `INSTANCE.PORT`, that only the behaviour defines."""
 
 OVERRIDE: Final = "rtgen.openrtm."
-"""What stands before a property that is meant for the target openrtm alone."""
+"""Prefix of properties that only apply to the target openrtm."""
 
 STRICTNESS: Final = "port.connection.strictness"
 PUSH_RATE: Final = "dataport.publisher.push_rate"
@@ -77,11 +76,10 @@ _PREFIXES = ("dataport.", "port.")
 _INTEGER = re.compile(r"[0-9]{1,18}")
 
 IGNORED: Final = (_ADDRESS_PREFIX, "rtgen.")
-"""How properties begin that mean nothing to the embedded runtime: addresses, which system editors
-save, and what other targets read."""
+"""Prefixes of properties ignored by the embedded runtime: addresses and other targets."""
 
 Check: TypeAlias = Callable[[str], str | None]
-"""What a property must be, where a text is not that; else None."""
+"""Returns the expected form of an invalid property text; None for a valid one."""
 
 
 def _one_of(*words: str) -> Check:
@@ -167,9 +165,9 @@ SERVICE: Final[Mapping[str, Check]] = {STRICTNESS: _one_of("strict", "best_effor
 
 
 def violation(table: Mapping[str, Check], key: str, text: str) -> str | None:
-    """What the value of a property in the table must be; None if the text is that.
+    """The expected form of a property in the table; None if the text is valid.
 
-    Space around the value does not count.
+    Surrounding space is ignored.
     """
     return table[key](text.strip())
 

@@ -1,7 +1,7 @@
-"""Constraints of configuration parameters: the tree of an RtcProfile, its text, what it allows.
+"""Constraints of configuration parameters: tree of an RtcProfile, text form, evaluation.
 
-The text form is that of `conf.__constraints__.<name>` in a component of OpenRTM-aist:
-`100`, `x>=5`, `0<=x<=10`, `(a,b,c)`, `x<1,x>=2` (one for each item), `{k1:0<x<1,k2:x>=3}`.
+The text form is that of `conf.__constraints__.<name>` in a component of OpenRTM-aist: `100`,
+`x>=5`, `0<=x<=10`, `(a,b,c)`, `x<1,x>=2` (one for each item), `{k1:0<x<1,k2:x>=3}`.
 """
 
 from __future__ import annotations

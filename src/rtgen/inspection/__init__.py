@@ -1,1 +1,1 @@
-"""What `rtgen inspect` shows of a model: JSON, and text made from it."""
+"""Output of `rtgen inspect`: JSON of a model, and text made from it."""

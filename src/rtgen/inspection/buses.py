@@ -120,5 +120,7 @@ def lines(bus: Bus) -> Iterator[str]:
 
 
 def _shown(value: Value, node_id: int) -> str:
-    told = value_of(value, node_id)
-    return f"0x{told:X}" if isinstance(told, int) and told >= 0x100 else str(told)
+    number = value_of(value, node_id)
+    return (
+        f"0x{number:X}" if isinstance(number, int) and number >= 0x100 else str(number)
+    )

@@ -121,8 +121,8 @@ def lines(d: Device) -> Iterator[str]:
             shown = "" if value is None else f" = {value}"
             scale = "" if v.factor is None else f" times {v.factor!r}"
             unit = f" [{v.unit}]" if v.unit else ""
-            told = f"{_type(v)} {v.written_access} {v.name}{shown}{scale}{unit}"
-            yield f"    {v.subindex}: {told}"
+            line = f"{_type(v)} {v.written_access} {v.name}{shown}{scale}{unit}"
+            yield f"    {v.subindex}: {line}"
     for p in d.pdos:
         cob_id = value_of(p.cob_id, d.node_id)
         number = f"{cob_id:X}h" if isinstance(cob_id, int) else cob_id

@@ -72,7 +72,7 @@ def inspect(model: Model, diagnostics: Sequence[Diagnostic]) -> Json:
 
 
 def defined(declarations: Iterable[Declaration]) -> list[Declaration]:
-    """The declarations without those that are only declared in advance."""
+    """The declarations without forward declarations."""
     return [
         d
         for d in declarations

@@ -1,4 +1,4 @@
-"""What a TECS unit declares, for `rtgen.inspection.models`."""
+"""JSON of a TECS unit, for `rtgen.inspection.models`."""
 
 from __future__ import annotations
 

@@ -33,8 +33,8 @@ def identities(context: Context) -> Iterator[Diagnostic]:
     """Devices without an identity, so that they cannot be distinguished from others."""
     for device in context.model.devices:
         vendor = device.find(_IDENTITY, _VENDOR)
-        told = device.vendor_id or (None if vendor is None else vendor.current)
-        if not told:
+        vendor_id = device.vendor_id or (None if vendor is None else vendor.current)
+        if not vendor_id:
             yield rules.NO_VENDOR.at(
                 device.span if vendor is None else vendor.span,
                 f"{device.name} tells no vendor (1018h sub-index 1)",

@@ -22,7 +22,7 @@ def names(context: Context) -> Iterator[Diagnostic]:
         if isinstance(declaration, Component) or not is_emitted(declaration):
             continue
         name = declaration.name[-1]
-        yield from _told(declaration.span, name, mapping.attribute(declaration.name))
+        yield from _renamed(declaration.span, name, mapping.attribute(declaration.name))
         if name in _BUILTINS:
             yield rules.PYTHON_NAME.at(
                 declaration.span,
@@ -46,10 +46,10 @@ def names(context: Context) -> Iterator[Diagnostic]:
                 spans = {o.name: o.span for o in operations}
                 spans |= {a.name: a.span for a in attributes}
         for key, python in entries.items():
-            yield from _told(spans[key], key, python)
+            yield from _renamed(spans[key], key, python)
 
 
-def _told(span: Span, name: str, python: str) -> Iterator[Diagnostic]:
+def _renamed(span: Span, name: str, python: str) -> Iterator[Diagnostic]:
     if name != python:
         why = "a keyword of Python" if iskeyword(name) else "taken in the Python class"
         yield rules.PYTHON_NAME.at(

@@ -344,7 +344,7 @@ class Device:
         """DeviceInfo's product number, else the identity object's."""
         return self._identity(self.info.product_number, 2)
 
-    def _identity(self, told: int | None, subindex: int) -> int | None:
+    def _identity(self, declared: int | None, subindex: int) -> int | None:
         variable = self.find(0x1018, subindex)
         current = None if variable is None else variable.current
-        return current if told is None and isinstance(current, int) else told
+        return current if declared is None and isinstance(current, int) else declared

@@ -67,9 +67,9 @@ def service_pairs(
         providers = [p for p in interfaces(there, ends) if p.kind is PortKind.PROVIDER]
         consumers = [p for p in interfaces(here, ends) if p.kind is PortKind.CONSUMER]
         for consumer in consumers:
-            told = named.get(interface_key(here, consumer))
-            if told is not None:
-                fitting = [p for p in providers if interface_key(there, p) == told]
+            selected = named.get(interface_key(here, consumer))
+            if selected is not None:
+                fitting = [p for p in providers if interface_key(there, p) == selected]
             else:
                 offered = ends[there.instance].model
                 fitting = [p for p in providers if _serves(offered, p, consumer)]

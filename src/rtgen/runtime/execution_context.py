@@ -221,7 +221,7 @@ class Participant:
         if before is ERROR_STATE:
             self.component.reason = ""
         self.component._awaited = self.component._condition = ""
-        self.context._tell(self, before, state)
+        self.context._notify(self, before, state)
         if state is ERROR_STATE:
             succeeds(self.component, "on_aborting", self.handle)
 
@@ -463,7 +463,7 @@ class ExecutionContext:
             component.detach_context(participant.handle)
         return True
 
-    def _tell(
+    def _notify(
         self, participant: Participant, before: LifeCycleState, now: LifeCycleState
     ) -> None:
         if self._listener is not None:

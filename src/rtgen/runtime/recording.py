@@ -33,8 +33,10 @@ class JsonLinesRecorder:
         self, port: OutPort[Any], elapsed: Callable[[], int]
     ) -> Callable[[Any], None]:
         """A writer for the samples of a port that needs no snapshot."""
-        told = {"event": "sample", "instance": port.owner, "port": port.name}
-        text = json.dumps(told, ensure_ascii=False).removeprefix("{").removesuffix("}")
+        result = {"event": "sample", "instance": port.owner, "port": port.name}
+        text = (
+            json.dumps(result, ensure_ascii=False).removeprefix("{").removesuffix("}")
+        )
         between = f', {text}, "value": '
         printed = json_printer(port.type)
         write, lock = self._stream.write, self._lock
@@ -48,16 +50,16 @@ class JsonLinesRecorder:
 
 
 def _fields(record: Record) -> dict[str, Any]:
-    told: dict[str, Any] = {
+    result: dict[str, Any] = {
         "t": record.time,
         "event": record.kind,
         "instance": record.instance,
     }
     if isinstance(record, SampleRecord):
-        return told | {"port": record.port, "value": plain(record.value)}
-    told |= {
+        return result | {"port": record.port, "value": plain(record.value)}
+    result |= {
         "from": record.before.name,
         "to": record.after.name,
         "context": record.ec_id,
     }
-    return told | ({"reason": record.reason} if record.reason else {})
+    return result | ({"reason": record.reason} if record.reason else {})

@@ -123,13 +123,13 @@ def _partner(
     """
     wish = end(here, "required", consumer)
     if wish in named:
-        told = named.pop(wish)
+        selected = named.pop(wish)
         for provider in there.providers:
-            if end(there, "provided", provider) == told:
+            if end(there, "provided", provider) == selected:
                 _check_interfaces(consumer, provider)
                 return provider
         raise ConnectorPropertyError(
-            f"connector property {wish!r}: {told!r} is no provider"
+            f"connector property {wish!r}: {selected!r} is no provider"
         )
     fitting = [p for p in there.providers if _interface_difference(consumer, p) is None]
     for provider in fitting:

@@ -39,7 +39,7 @@ class Stream:
         waiting = -1
         while waiting != len(self._unsent):
             waiting = len(self._unsent)
-            self._tell()
+            self._wake_peer()
             self._push()
 
     def take(self, size: int) -> bytes:
@@ -86,7 +86,7 @@ class Stream:
         self.on_data = None
         self._unsent.clear()
         self._end.close()
-        self._tell()
+        self._wake_peer()
 
     def _push(self) -> None:
         try:
@@ -98,7 +98,7 @@ class Stream:
             self._unsent.clear()
             raise
 
-    def _tell(self) -> None:
+    def _wake_peer(self) -> None:
         if self._peer is not None and self._peer.on_data is not None:
             self._peer.on_data()
 

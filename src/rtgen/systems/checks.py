@@ -301,10 +301,10 @@ def _data(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnos
         )
         yield PORTS_DIFFER.at(connection.span, message)
         return
-    told = dict(connection.properties).get(_TYPE_KEY, types[0])
-    if told not in (types[0], str(source.type)):
+    declared = dict(connection.properties).get(_TYPE_KEY, types[0])
+    if declared not in (types[0], str(source.type)):
         span = connection.places.get(_TYPE_KEY, connection.span)
-        message = f"the connector says {told!r}, its ports have {types[0]!r}"
+        message = f"the connector says {declared!r}, its ports have {types[0]!r}"
         yield DATA_TYPE.at(span, message)
 
 

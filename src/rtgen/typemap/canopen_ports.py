@@ -70,8 +70,10 @@ class Quantity:
         """The type of a port for this variable alone; `module` contains those that RTC lacks."""
         if self.factor is not None:
             return ("RTC", "TimedDouble")
-        told = row(self.variable.data_type).timed
-        return (module, _OWN_TIMED[self.type]) if told is None else ("RTC", told)
+        port_type = row(self.variable.data_type).timed
+        return (
+            (module, _OWN_TIMED[self.type]) if port_type is None else ("RTC", port_type)
+        )
 
 
 def _usable(factor: float | None, variable: Variable) -> float | None:

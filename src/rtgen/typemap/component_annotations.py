@@ -33,7 +33,7 @@ _FIELDS = {
 }
 """Arguments of annotations of ports and parameters that correspond to fields."""
 
-Told: TypeAlias = Annotation | tuple[str, ...]
+WrittenAnnotation: TypeAlias = Annotation | tuple[str, ...]
 """An annotation as written, or name and arguments of one that corresponds to fields."""
 
 
@@ -111,7 +111,7 @@ def _of_parameter(
 # Annotations of which the fields are what counts.
 
 
-def told(item: Documented) -> tuple[Told, ...] | None:
+def written_annotations(item: Documented) -> tuple[WrittenAnnotation, ...] | None:
     """The annotations of an item as written; None for those that a profile implies.
 
     Those are the result of `annotations_of`, and events.
@@ -119,16 +119,16 @@ def told(item: Documented) -> tuple[Told, ...] | None:
     events = tuple(a for a in item.annotations if a.name in (EVENT_PORT, EVENT))
     if item.annotations in ((), (*annotations_of(item), *map(_whole, events))):
         return None
-    return tuple(_told(item, annotation) for annotation in item.annotations)
+    return tuple(_written(item, annotation) for annotation in item.annotations)
 
 
-def _told(item: Documented, annotation: Annotation) -> Told:
+def _written(item: Documented, annotation: Annotation) -> WrittenAnnotation:
     short = (annotation.name, *(key for key, _ in annotation.arguments))
     return short if _of_fields(item, short) == annotation else annotation
 
 
 def annotations_from(
-    item: Documented, entries: Sequence[Told]
+    item: Documented, entries: Sequence[WrittenAnnotation]
 ) -> tuple[Annotation, ...]:
     """The annotations of an item as written, as far as its fields still agree with them."""
     made: list[Annotation] = []

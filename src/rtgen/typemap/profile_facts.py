@@ -30,7 +30,7 @@ from rtgen.model import (
     ScopedName,
 )
 from rtgen.typemap import profile_texts
-from rtgen.typemap.component_annotations import Told, told
+from rtgen.typemap.component_annotations import WrittenAnnotation, written_annotations
 from rtgen.typemap.component_needs import declarations_of
 from rtgen.typemap.parameter_words import type_of
 from rtgen.typemap.parameters import Parameters
@@ -129,7 +129,7 @@ def value_from_json(found: Any) -> ConstantValue:
     raise ValueError(f"{str(found)[:40]} is no value")
 
 
-def annotations_to_json(entries: Sequence[Told]) -> list[Any]:
+def annotations_to_json(entries: Sequence[WrittenAnnotation]) -> list[Any]:
     """Convert annotations as written to JSON."""
     return [
         (
@@ -146,12 +146,12 @@ def annotations_to_json(entries: Sequence[Told]) -> list[Any]:
     ]
 
 
-def annotations_from_json(found: list[Any]) -> list[Told]:
+def annotations_from_json(found: list[Any]) -> list[WrittenAnnotation]:
     """Convert the result of `annotations_to_json` back. Raises ValueError."""
     return [_entry(entry) for entry in found]
 
 
-def _entry(found: Any) -> Told:
+def _entry(found: Any) -> WrittenAnnotation:
     match found:
         case [_, *_] if all(isinstance(part, str) for part in found):
             return tuple(found)
@@ -263,7 +263,7 @@ def _of_item(item: Port | ConfigurationParameter) -> Facts:
 
 
 def _of_annotations(item: Documented) -> Facts:
-    entries = told(item)
+    entries = written_annotations(item)
     return {} if entries is None else {"annotations": annotations_to_json(entries)}
 
 

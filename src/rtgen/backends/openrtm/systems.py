@@ -274,8 +274,8 @@ class _Writer:
         for pairs in self._pairs.values():
             for pair in pairs:
                 needs[pair.consumer_end.instance].add(pair.provider_end.instance)
-        told = {step.instance: step for step in system.activation}
-        waiting = list(told)
+        by_instance = {step.instance: step for step in system.activation}
+        waiting = list(by_instance)
         ordered: list[Activation] = []
         while waiting:
             pending = set(waiting)
@@ -284,7 +284,7 @@ class _Writer:
                 (i for i in waiting if not needs[i] & (pending - {i})), waiting[0]
             )
             waiting.remove(ready)
-            step = told[ready]
+            step = by_instance[ready]
             before = {step.instance for step in ordered}
             after = (*step.after, *sorted(needs[ready] - {ready}))
             ordered.append(
@@ -442,11 +442,11 @@ def _connection_text(connection: Connection) -> str:
     texts = (connection.name, str(connection.source), str(connection.target))
     properties = dict(connection.properties)
     if connection.service:
-        told = _mapping(properties)
+        mapping = _mapping(properties)
     else:
         own = {k: v for k, v in properties.items() if _DEFAULTS.get(k) != v}
-        told = _mapping(own, "**DATA")
-    arguments = [*map(string_literal, texts), told]
+        mapping = _mapping(own, "**DATA")
+    arguments = [*map(string_literal, texts), mapping]
     if connection.id not in ("", connection.name):
         arguments.append(f"id={string_literal(connection.id)}")
     return f"Connection({', '.join(arguments)})"

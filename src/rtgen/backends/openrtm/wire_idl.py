@@ -36,7 +36,7 @@ class WireIdl:
     def __init__(self, unit: Unit) -> None:
         self._unit = unit
         self._classic = Classic(unit.model)
-        self._told: set[str] = set()
+        self._warned: set[str] = set()
 
     def artifacts(self, plan: ComponentPlan) -> Iterator[Artifact]:
         """The IDL files of a component except OpenRTM's own, and the script that compiles them."""
@@ -80,8 +80,8 @@ class WireIdl:
         for declaration in self._unit.model.declarations:
             module = declaration.name[0]
             clashes = declaration.file in files and len(declaration.name) > 1
-            if clashes and module in stdlib_module_names and module not in self._told:
-                self._told.add(module)
+            if clashes and module in stdlib_module_names and module not in self._warned:
+                self._warned.add(module)
                 message = (
                     f"`{declaration.scoped}` is in the module `{module}`: omniORB may "
                     "put it into Python's module of that name"

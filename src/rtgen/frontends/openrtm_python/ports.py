@@ -35,7 +35,7 @@ _BIND = "bindEvent"
 _UNKNOWN_TYPE = "Unknown"
 
 
-class Tell(Protocol):
+class ReportAt(Protocol):
     """Reports a diagnostic."""
 
     def __call__(
@@ -47,12 +47,12 @@ class Ports:
     """Ports of a component whose constructor and onInitialize were evaluated."""
 
     def __init__(
-        self, walker: Walker, module: Module, component: Component, tell: Tell
+        self, walker: Walker, module: Module, component: Component, report_at: ReportAt
     ) -> None:
         self._walker = walker
         self._open_modules = module.open_modules
         self._component = component
-        self._tell = tell
+        self._report_at = report_at
 
     def _span(self, made: Made) -> Span:
         node = made.node
@@ -83,7 +83,7 @@ class Ports:
                 name = call.argument(0, "name")
                 shown = name if isinstance(name, str) else ""
                 message = f"the port {shown} is computed"
-                self._tell(rules.COMPUTED, self._span(call.made), message)
+                self._report_at(rules.COMPUTED, self._span(call.made), message)
         made = [each for each in self._walker.made if is_made(each, *_DATA_PORTS)]
         known: dict[tuple[bool, str], list[ProfileDataPort]] = {}
         for each in made:
@@ -101,21 +101,21 @@ class Ports:
         name = made.argument(0, "name")
         if not isinstance(name, str):
             message = f"the name of the port{self._holder(made)} is computed"
-            self._tell(rules.COMPUTED, span, message)
+            self._report_at(rules.COMPUTED, span, message)
             return None
         if made not in added:
-            self._tell(rules.NOT_ADDED, span, f"the port {name} is left out")
+            self._report_at(rules.NOT_ADDED, span, f"the port {name} is left out")
             return None
         if not (added[made] and made.certain):
             message = f"whether there is a port {name} depends on the run"
-            self._tell(rules.COMPUTED, span, message)
+            self._report_at(rules.COMPUTED, span, message)
         if is_made(made, *_EVENTS):
             return self._event_port(made, name, span)
         if is_made(made, *_WAITING):
             message = (
                 f"{name} is a CSP port, which waits for its peer; a plain one is made"
             )
-            self._tell(rules.NOT_CARRIED, span, message)
+            self._report_at(rules.NOT_CARRIED, span, message)
         return ProfileDataPort(
             name=name,
             output=is_made(made, *_OUTPUTS),
@@ -133,12 +133,12 @@ class Ports:
             self._chosen(span, name, types)
         else:
             message = f"the type of the port {name} is computed"
-            self._tell(rules.COMPUTED, span, message)
+            self._report_at(rules.COMPUTED, span, message)
         return _UNKNOWN_TYPE
 
     def _chosen(self, span: Span, name: str, types: list[str]) -> None:
         message = f"the type of the port {name} is chosen when it runs"
-        self._tell(rules.COMPUTED, span, message, f"it may be {', '.join(types)}")
+        self._report_at(rules.COMPUTED, span, message, f"it may be {', '.join(types)}")
 
     def _data_type(self, datum: Value) -> str | None:
         if is_made(datum, "instantiateDataType"):
@@ -156,24 +156,24 @@ class Ports:
             event = call.argument(0)
             if not isinstance(event, str):
                 message = f"an event of the port {name} is computed"
-                self._tell(rules.COMPUTED, self._span(call.made), message)
+                self._report_at(rules.COMPUTED, self._span(call.made), message)
                 continue
             datum = call.argument(2)
             type_ = self._data_type(datum) or ""
             if call.name != f"{_BIND}0" and not type_:
                 message = f"the type of the event {event} is computed"
-                self._tell(rules.COMPUTED, self._span(call.made), message)
+                self._report_at(rules.COMPUTED, self._span(call.made), message)
             if type_:
                 types[type_] = None
-            told = {"name": event, "type": type_}
+            values = {"name": event, "type": type_}
             events.append(
-                tuple((key, told[key]) for key in EVENT_ARGUMENTS if told.get(key))
+                tuple((key, values[key]) for key in EVENT_ARGUMENTS if values.get(key))
             )
         if len(types) > 1:
             self._chosen(span, name, list(types))
         elif not types:
             message = f"the port {name} takes events of any type"
-            self._tell(rules.COMPUTED, span, message)
+            self._report_at(rules.COMPUTED, span, message)
         return ProfileDataPort(
             name=name,
             output=False,
@@ -205,14 +205,14 @@ class Ports:
                 message = (
                     f"the name of the service port{self._holder(made)} is computed"
                 )
-                self._tell(rules.COMPUTED, span, message)
+                self._report_at(rules.COMPUTED, span, message)
             elif made not in added:
-                self._tell(rules.NOT_ADDED, span, f"the port {name} is left out")
+                self._report_at(rules.NOT_ADDED, span, f"the port {name} is left out")
             elif name not in seen:
                 seen.add(name)
                 if not made.certain:
                     message = f"whether there is a port {name} depends on the run"
-                    self._tell(rules.COMPUTED, span, message)
+                    self._report_at(rules.COMPUTED, span, message)
                 interfaces = tuple(self._interfaces(made))
                 yield ProfileServicePort(name=name, interfaces=interfaces)
 
@@ -227,7 +227,7 @@ class Ports:
             if not isinstance(instance, str) or not isinstance(type_, str):
                 shown = self._holder(port).strip() or str(port.argument(0, "name"))
                 message = f"an interface of the port {shown} is computed"
-                self._tell(rules.COMPUTED, span, message)
+                self._report_at(rules.COMPUTED, span, message)
                 continue
             provided = kinds[call.name]
             if not provided:

@@ -83,7 +83,7 @@ class ModuleReader:
         except (TooMuchError, RecursionError):
             start = Span(self._file, 1, 1, 1, 2)
             message = f"the module does more than {MOST_STEPS:,} steps before its class"
-            self._tell(rules.NO_COMPONENT, start, message)
+            self._report_at(rules.NO_COMPONENT, start, message)
             return None
         if spec is None or not classes:
             self._told_nothing(spec is None)
@@ -97,7 +97,7 @@ class ModuleReader:
         values = dict(self._pairs(items))
         self._told_entries(place, values)
         kind = values.get("activity_type", "")
-        ports = Ports(self._walker, self._module, component, self._tell)
+        ports = Ports(self._walker, self._module, component, self._report_at)
         return RtcProfile(
             file=self._file,
             span=self._span(made.node),
@@ -121,7 +121,7 @@ class ModuleReader:
             service_ports=tuple(ports.service_ports()),
         )
 
-    def _tell(
+    def _report_at(
         self, rule: Rule, span: Span, message: str, hint: str | None = None
     ) -> None:
         self.diagnostics.append(rule.at(span, message, hint=hint))
@@ -139,7 +139,7 @@ class ModuleReader:
                 what += f", and {name} is not found"
                 hint = "name the folder of its module with -I"
                 break
-        self._tell(rules.NO_COMPONENT, start, f"there is no {what}", hint)
+        self._report_at(rules.NO_COMPONENT, start, f"there is no {what}", hint)
 
     # What is done when the component is made.
 
@@ -159,7 +159,7 @@ class ModuleReader:
         except (TooMuchError, RecursionError):
             place = component.line[0]
             message = f"more than {MOST_STEPS:,} steps are needed; the rest is left out"
-            self._tell(
+            self._report_at(
                 rules.COMPUTED,
                 self._span(place.node, place.module.source.file),
                 message,
@@ -168,13 +168,13 @@ class ModuleReader:
     # The module spec and the class.
 
     def _pairs(self, items: Sequence[Item]) -> Iterator[tuple[str, str]]:
-        for (_, name), (node, told) in zip(items[::2], items[1::2], strict=False):
-            if not isinstance(name, str) or not isinstance(told, str):
+        for (_, name), (node, text) in zip(items[::2], items[1::2], strict=False):
+            if not isinstance(name, str) or not isinstance(text, str):
                 shown = name if isinstance(name, str) else ""
                 message = f"the entry {shown} of the module spec is computed"
-                self._tell(rules.COMPUTED, self._span(node), message)
+                self._report_at(rules.COMPUTED, self._span(node), message)
             else:
-                yield name, told
+                yield name, text
 
     def _told_callbacks(self, made: Class) -> None:
         bodies = [
@@ -187,7 +187,7 @@ class ModuleReader:
         if bodies:
             message = f"the bodies of {', '.join(bodies)} stay where they are"
             span = self._span(made.node, made.module.source.file)
-            self._tell(rules.BEHAVIOUR, span, message)
+            self._report_at(rules.BEHAVIOUR, span, message)
 
     def _told_entries(self, place: ast.expr, values: dict[str, str]) -> None:
         for key in values:
@@ -198,7 +198,7 @@ class ModuleReader:
                 and parts[1] in ("default", *_PROPERTIES)
             ):
                 continue
-            self._tell(rules.NOT_CARRIED, self._span(place), f"{key} is left out")
+            self._report_at(rules.NOT_CARRIED, self._span(place), f"{key} is left out")
 
     # Parameters.
 
@@ -225,7 +225,7 @@ class ModuleReader:
                 constraint = parse(values.get(f"conf.__constraints__.{name}", ""))
             except ConstraintError as error:
                 message = f"the constraint of {name} is left out: {error}"
-                self._tell(rules.NOT_CARRIED, span, message)
+                self._report_at(rules.NOT_CARRIED, span, message)
             yield ProfileParameter(
                 name=name,
                 type=word,
@@ -258,11 +258,11 @@ class ModuleReader:
             name = call.argument(0, "param_name")
             if not isinstance(name, str):
                 message = "the name of a parameter is computed"
-                self._tell(rules.COMPUTED, self._place(call), message)
+                self._report_at(rules.COMPUTED, self._place(call), message)
                 continue
             if not call.made.certain:
                 message = f"whether there is a parameter {name} depends on the run"
-                self._tell(rules.COMPUTED, self._place(call), message)
+                self._report_at(rules.COMPUTED, self._place(call), message)
             yield name, call
 
     def _word(self, name: str, call: Call | None, span: Span) -> str:
@@ -276,7 +276,7 @@ class ModuleReader:
                 return f"std::vector<{_WORDS[type(item[0])]}>"
         if call is not None:
             message = f"the type of the parameter {name} is computed; string is taken"
-            self._tell(rules.COMPUTED, span, message)
+            self._report_at(rules.COMPUTED, span, message)
         return "string"
 
     def _default(self, name: str, call: Call | None, span: Span) -> str:
@@ -284,7 +284,7 @@ class ModuleReader:
         if isinstance(default, str):
             return default
         message = f"the default of the parameter {name} is computed"
-        self._tell(rules.COMPUTED, span, message)
+        self._report_at(rules.COMPUTED, span, message)
         return ""
 
 

@@ -61,23 +61,26 @@ def read_source(path: Path) -> Source:
         reason = getattr(error, "strerror", None) or error
         found = rules.UNREADABLE.at(start, f"{file} cannot be read: {reason}")
         return Source(path, "", None, (found,))
-    told: list[Diagnostic] = []
+    diagnostics: list[Diagnostic] = []
     if assumed is not None:
         message = (
             f"the file is not in the encoding that it declares; {assumed} is taken"
         )
-        told.append(rules.ASSUMED.at(start, message))
+        diagnostics.append(rules.ASSUMED.at(start, message))
     tree, wrong = _parsed(text, file)
     if wrong is not None and (changed := _python_3(text, wrong.message)) is not None:
         tree, _ = _parsed(changed, file)
         if tree is not None:
             message = "this is Python 2; its syntax is converted to read it"
             return Source(
-                path, changed, tree, (*told, rules.ASSUMED.at(wrong.span, message))
+                path,
+                changed,
+                tree,
+                (*diagnostics, rules.ASSUMED.at(wrong.span, message)),
             )
     if wrong is not None:
-        return Source(path, text, None, (*told, wrong))
-    return Source(path, text, tree, tuple(told))
+        return Source(path, text, None, (*diagnostics, wrong))
+    return Source(path, text, tree, tuple(diagnostics))
 
 
 def _decoded(data: bytes) -> tuple[str, str | None]:

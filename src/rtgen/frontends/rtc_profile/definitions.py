@@ -27,7 +27,11 @@ from rtgen.model import (
 )
 from rtgen.model.rtc_profile import EVENT, EVENT_PORT, ProfileParameter, RtcProfile
 from rtgen.typemap import profile_facts, profile_texts
-from rtgen.typemap.component_annotations import Told, annotations_from, same_event
+from rtgen.typemap.component_annotations import (
+    WrittenAnnotation,
+    annotations_from,
+    same_event,
+)
 from rtgen.typemap.parameters import Parameters
 from rtgen.typemap.type_texts import names_in, parsed
 
@@ -85,8 +89,8 @@ class Definitions:
         if "default" not in parameter.facts:
             return made
         with self._passing_over(parameter.default_span):
-            told = parameter.facts["default"]
-            default = None if told is None else profile_facts.value_from_json(told)
+            fact = parameter.facts["default"]
+            default = None if fact is None else profile_facts.value_from_json(fact)
             tried = replace(made, default=default)
             if default is not None:
                 self.parameters.check_value(made.type, default)
@@ -199,7 +203,7 @@ class Definitions:
             if isinstance(self.declared.get(name), Interface):
                 yield name
             else:
-                self._tell(made.span, f"the interface {text} is not found")
+                self._report_at(made.span, f"the interface {text} is not found")
 
     def _with_base(self, made: Component, facts: Facts) -> Component:
         """The component with its base, if it has all members of the base."""
@@ -208,13 +212,13 @@ class Definitions:
             return made
         base = self.declared.get(tuple(text.split("::")))
         if not isinstance(base, Component):
-            self._tell(made.span, f"the component {text} is not found")
+            self._report_at(made.span, f"the component {text} is not found")
             return made
         ports = _inherited(made.ports, base.ports)
         configuration = _inherited(made.configuration, base.configuration)
         if ports is None or configuration is None:
             message = f"it is no {text} any more: what it inherits was changed"
-            self._tell(made.span, message)
+            self._report_at(made.span, message)
             return made
         return replace(made, base=base.name, ports=ports, configuration=configuration)
 
@@ -223,7 +227,7 @@ class Definitions:
     def _annotated(
         self, made: _Item, facts: Facts, events: Sequence[Annotation] = ()
     ) -> _Item:
-        entries: list[Told] = []
+        entries: list[WrittenAnnotation] = []
         with self._passing_over(made.span):
             entries = profile_facts.annotations_from_json(
                 facts.get("annotations") or []
@@ -245,9 +249,9 @@ class Definitions:
         try:
             yield
         except ValueError as error:
-            self._tell(span, str(error))
+            self._report_at(span, str(error))
 
-    def _tell(self, span: Span, message: str) -> None:
+    def _report_at(self, span: Span, message: str) -> None:
         text = f"the property {profile_facts.PROPERTY}: {message}"
         self.report(rules.FACTS.at(span, text))
 

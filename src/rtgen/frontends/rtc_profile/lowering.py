@@ -115,7 +115,7 @@ class Lowering:
         self._by_name[made.name] = made
         return made
 
-    def _tell(
+    def _report_at(
         self, rule: Rule, span: Span, message: str, hint: str | None = None
     ) -> None:
         self.diagnostics.append(rule.at(span, message, hint=hint))
@@ -137,7 +137,7 @@ class Lowering:
             name = (*name[:-1], last)
         if last != profile.name:
             message = f"{profile.name!r} {why}; the component is {last}"
-            self._tell(rules.NAME, profile.span, message)
+            self._report_at(rules.NAME, profile.span, message)
         return name
 
     def _id_part(
@@ -147,7 +147,7 @@ class Lowering:
         mended = breaking.sub("_", text)
         if mended != text:
             message = f"{text!r} would break the profile's id; {mended!r} is taken"
-            self._tell(rules.NAME, profile.span, message)
+            self._report_at(rules.NAME, profile.span, message)
         return mended
 
     def _outside_name(self, span: Span, text: str) -> str:
@@ -156,7 +156,7 @@ class Lowering:
         mended = mended if mended.strip() else "_"
         if mended != text:
             message = f"{text!r} cannot be printed; {mended!r} is taken"
-            self._tell(rules.NAME, span, message)
+            self._report_at(rules.NAME, span, message)
         return mended
 
     def _is_taken(self, name: ScopedName) -> bool:
@@ -187,8 +187,8 @@ class Lowering:
         )
         events: list[Annotation] = []
         if port.for_events:
-            told = (Annotation(EVENT, event) for event in port.events)
-            events = [Annotation(EVENT_PORT), *told]
+            occurrences = (Annotation(EVENT, event) for event in port.events)
+            events = [Annotation(EVENT_PORT), *occurrences]
         return self._definitions.port(made, port.facts, events)
 
     def _interface(
@@ -235,7 +235,7 @@ class Lowering:
             return type_
         wanted = "interface" if service else "struct or union"
         message = f"{port.type} is no {wanted}; it stays opaque"
-        self._tell(rules.WRONG_TYPE, port.type_span, message)
+        self._report_at(rules.WRONG_TYPE, port.type_span, message)
         return self._stand_in(profile, port, written, service)
 
     def _found(self, written: ScopedName, service: bool) -> ScopedName | None:
@@ -265,13 +265,13 @@ class Lowering:
             if (written, not service) in self._stand_ins:
                 kind = "data" if service else "a service"
                 message = f"{port.type} is {kind} elsewhere; it stays opaque"
-                self._tell(rules.WRONG_TYPE, port.type_span, message)
+                self._report_at(rules.WRONG_TYPE, port.type_span, message)
             else:
                 declared = f", which {port.idl_file} declares," if port.idl_file else ""
                 shown = port.type or "the type"
                 message = f"{shown}{declared} is not found; it stays opaque"
                 hint = "name its IDL file as a source, or its folder with -I"
-                self._tell(rules.UNKNOWN_TYPE, port.type_span, message, hint)
+                self._report_at(rules.UNKNOWN_TYPE, port.type_span, message, hint)
         return self._stand_in(profile, port, written, service)
 
     def _stand_in(
@@ -305,7 +305,7 @@ class Lowering:
         if type_ is None:
             message = f"the type {parameter.type!r} is not known; string is taken"
             hint = "int, double, bool, string, std::vector<double>, ..."
-            self._tell(rules.PARAMETER_TYPE, parameter.type_span, message, hint)
+            self._report_at(rules.PARAMETER_TYPE, parameter.type_span, message, hint)
             type_ = StringType()
         made = ConfigurationParameter(
             name=self._outside_name(parameter.span, parameter.name),
@@ -326,7 +326,7 @@ class Lowering:
         if is_widget(widget):
             return "" if widget == "text" else widget
         message = f"the widget of {parameter.name} is {widget!r}; text is taken"
-        self._tell(rules.BAD_WIDGET, parameter.span, message)
+        self._report_at(rules.BAD_WIDGET, parameter.span, message)
         return ""
 
     def _with_default(
@@ -345,7 +345,7 @@ class Lowering:
             self._parameters.check_value(plain, default)
         except ValueMismatchError as error:
             message = f"the default of {parameter.name}: {error}"
-            self._tell(rules.PARAMETER_VALUE, parameter.default_span, message)
+            self._report_at(rules.PARAMETER_VALUE, parameter.default_span, message)
             return made
         return replace(made, default=default)
 
@@ -359,14 +359,14 @@ class Lowering:
             limit = self._parameters.constraint(tried)
         except ValueError as error:
             message = f"the constraint of {parameter.name} is left out: {error}"
-            self._tell(rules.CONSTRAINT, parameter.span, message)
+            self._report_at(rules.CONSTRAINT, parameter.span, message)
             return made
         if limit is not None and not self._allowed(tried, limit):
             message = (
                 f"the constraint of {parameter.name} is left out: "
                 "its default does not meet it"
             )
-            self._tell(rules.CONSTRAINT, parameter.span, message)
+            self._report_at(rules.CONSTRAINT, parameter.span, message)
             return made
         return tried
 

@@ -42,7 +42,7 @@ class RemoteProvider:
         naming: Naming,
         consumer: Consumer[Any],
         port: RemotePort,
-        told: str | None,
+        selected: str | None,
         *,
         alone: bool,
     ) -> None:
@@ -50,7 +50,7 @@ class RemoteProvider:
         self.port = port
         self._objects = objects
         self._naming = naming
-        self._told = told
+        self._selected = selected
         self._alone = alone
         self._remote: Remote | None = None
         self._looking = threading.Lock()
@@ -148,11 +148,11 @@ class RemoteProvider:
                 f"{self.port} has no provider for {self.consumer}, which asks for "
                 f"{self._wanted.repository_id}; it has: {', '.join(found)}"
             )
-        told = signatures(chosen)
+        offered = signatures(chosen)
         missing = (
             []
-            if told is None
-            else [s for s in self._wanted.operations if s not in told]
+            if offered is None
+            else [s for s in self._wanted.operations if s not in offered]
         )
         if missing:
             raise PortTypeError(
@@ -162,15 +162,13 @@ class RemoteProvider:
         return chosen
 
     def _chosen(self, found: Mapping[str, Any]) -> Any:
-        """The provider named by a property, else that of the same name and type, else the only
-        one.
-        """
+        """The provider selected by a property, else of equal name and type, else the only one."""
         identity = self._wanted.repository_id
-        name = self.consumer.instance if self._told is None else self._told
+        name = self.consumer.instance if self._selected is None else self._selected
         if name in found and found[name]._is_a(identity):
             return found[name]
         fitting = [
-            r for r in found.values() if self._told is None and r._is_a(identity)
+            r for r in found.values() if self._selected is None and r._is_a(identity)
         ]
         return fitting[0] if self._alone and len(fitting) == 1 else None
 
@@ -209,7 +207,7 @@ class RemoteConnector:
                 naming,
                 consumer,
                 target,
-                _told(named, source, target, consumer),
+                _selected(named, source, target, consumer),
                 alone=kinds.count(consumer.interface) == 1,
             )
             for consumer in source.consumers
@@ -265,20 +263,20 @@ class RemoteConnector:
             provider.consumer._provider = None
 
 
-def _told(
+def _selected(
     named: dict[str, str], here: ServicePort, there: RemotePort, consumer: Consumer[Any]
 ) -> str | None:
     """The instance name of the provider that the properties select for a consumer."""
     wish = end(here, "required", consumer)
-    told = named.pop(wish, None)
-    if told is None:
+    selected = named.pop(wish, None)
+    if selected is None:
         return None
     prefix = f"{there.instance}.port.{there.port}.provided."
-    if not told.startswith(prefix):
+    if not selected.startswith(prefix):
         raise ConnectorPropertyError(
-            f"connector property {wish!r}: {told!r} is no provider of {there}"
+            f"connector property {wish!r}: {selected!r} is no provider of {there}"
         )
-    return told.rpartition(".")[2]
+    return selected.rpartition(".")[2]
 
 
 _LOST = (

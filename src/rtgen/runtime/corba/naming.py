@@ -41,7 +41,7 @@ class Naming:
             self._root = orb.string_to_object(text)._narrow(_Context)
         except (CORBA.Exception, ValueError) as error:
             raise NoNamingServiceError(
-                f"no naming service answers at {self.address}: {_told(error)}"
+                f"no naming service answers at {self.address}: {_error_text(error)}"
             ) from error
         if self._root is None:
             raise NoNamingServiceError(
@@ -110,7 +110,7 @@ class Naming:
             return ask()
         except (CORBA.Exception, ValueError) as error:
             raise TransportError(
-                f"cannot {what} at the naming service {self.address}: {_told(error)}"
+                f"cannot {what} at the naming service {self.address}: {_error_text(error)}"
             ) from error
 
 
@@ -136,5 +136,5 @@ def is_alive(reference: Any) -> bool:
     return True
 
 
-def _told(error: Exception) -> str:
+def _error_text(error: Exception) -> str:
     return repr(error).replace("CORBA.", "").replace("omniORB.", "")

@@ -96,10 +96,10 @@ def signatures(reference: Any) -> list[str] | None:
     Raises omniORB's exception if the object cannot be reached.
     """
     try:
-        told: list[str] = reference._obj.invoke(_SIGNATURES, _TELLING, ())
+        answer: list[str] = reference._obj.invoke(_SIGNATURES, _TELLING, ())
     except (CORBA.BAD_OPERATION, CORBA.NO_IMPLEMENT):
         return None
-    return told
+    return answer
 
 
 def _tell_fault(operation: str, found: Any, arguments: tuple[object, ...]) -> None:
@@ -159,9 +159,7 @@ class Objects:
         return made
 
     def exported(self, value: Any, interface: Interface) -> Any:
-        """Convert a servant, a stub or an `ObjectReference` to omniORBpy's reference, None to
-        nil.
-        """
+        """Convert a servant, stub or `ObjectReference` to omniORBpy's reference; None to nil."""
         if value is None:
             return None
         if isinstance(value, Stub):

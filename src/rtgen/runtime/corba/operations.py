@@ -36,11 +36,11 @@ class Operation:
         for _, class_ in call.raises:
             identity = class_._descriptor_.repository_id
             self._exceptions[identity] = types.exception(class_)
-        told = {identity: e.descriptor for identity, e in self._exceptions.items()}
+        raises = {identity: e.descriptor for identity, e in self._exceptions.items()}
         self.descriptor = (
             tuple(wire.descriptor for _, wire in given),
             None if call.oneway else tuple(wire.descriptor for wire in results),
-            told or None,
+            raises or None,
         )
         self.request = _converting([w.outgoing for w in arguments], [[]] * len(context))
         self.arguments = _converting([w.incoming for w in arguments], [])

@@ -53,7 +53,7 @@ class Follower:
         self._rtc = rtc
         self._lock = threading.Lock()
         self._again = False
-        self._told = ""
+        self._reported = ""
         self._ended = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -92,18 +92,18 @@ class Follower:
                 try:
                     self._work(ec_id, participant)
                 except Exception as error:
-                    self._tell(str(error))
+                    self._log_once(str(error))
                 work |= self._has_work(ec_id, participant)
             with self._lock:
                 if not work and not self._again:
                     self._thread = None
                     return
 
-    def _tell(self, failure: str) -> None:
+    def _log_once(self, failure: str) -> None:
         # Work that fails is repeated; its error is logged once.
-        if failure != self._told:
+        if failure != self._reported:
             log.warning("%s: %s", self._behaviour.instance_name, failure)
-        self._told = failure
+        self._reported = failure
 
     def _work(self, ec_id: int, participant: Participant) -> None:
         with self._behaviour._turn:

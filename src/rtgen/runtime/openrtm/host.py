@@ -47,9 +47,7 @@ class Host:
     """
 
     def __init__(self, rtc: Any, factory: Callable[[str], Component]) -> None:
-        """`rtc` is the OpenRTM component; `factory` constructs a behaviour from its instance
-        name.
-        """
+        """`rtc` is the OpenRTM component; `factory` makes a behaviour from its instance name."""
         self._rtc = rtc
         self._factory = factory
         self._codes = import_module("RTC")
@@ -357,5 +355,5 @@ class Host:
         """OpenRTM's return code; for a failure that of the behaviour, if it returned one."""
         if not failed:
             return self._codes.RTC_OK
-        told = self.behaviour._last_code
-        return getattr(self._codes, (RTC_ERROR if told is RTC_OK else told).name)
+        code = self.behaviour._last_code
+        return getattr(self._codes, (RTC_ERROR if code is RTC_OK else code).name)

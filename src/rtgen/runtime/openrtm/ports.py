@@ -69,10 +69,12 @@ class Inflow:
         self._known = connectors
         self._next = 0
         self._pulled = {}
-        told = [connector.profile().properties for connector in connectors]
-        self._pulling = tuple(_word(each, "dataflow_type") == "pull" for each in told)
-        self._handed_over |= any(map(_is_direct, told))
-        self.buffer.settings = _reading(told)
+        properties = [connector.profile().properties for connector in connectors]
+        self._pulling = tuple(
+            _word(each, "dataflow_type") == "pull" for each in properties
+        )
+        self._handed_over |= any(map(_is_direct, properties))
+        self.buffer.settings = _reading(properties)
 
     def _pushed(self) -> Any:
         """The next value that was pushed, or passed within the process; None without one."""
@@ -211,9 +213,9 @@ class Outflow:
 
     def _look_at(self, connectors: list[Any]) -> None:
         self._known = connectors
-        told = [connector.profile().properties for connector in connectors]
-        self._shares = any(map(_is_direct, told))
-        waits = any(_word(e, "buffer.write.full_policy") == "block" for e in told)
+        properties = [connector.profile().properties for connector in connectors]
+        self._shares = any(map(_is_direct, properties))
+        waits = any(_word(e, "buffer.write.full_policy") == "block" for e in properties)
         self._refusal = PortStatus.BUFFER_TIMEOUT if waits else PortStatus.BUFFER_FULL
 
     def _to_nobody(self) -> PortStatus:

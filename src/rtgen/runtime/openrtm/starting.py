@@ -39,8 +39,8 @@ def main(init: Callable[[Any], None], folder: Path, category: str, name: str) ->
 def arguments(argv: list[str], folder: Path, category: str, name: str) -> list[str]:
     """The arguments for `Manager.init`, without rtgen's own: it stops at unknown ones."""
     kept = [each for each in argv if not each.startswith(_INSTANCE)]
-    told = any(each.startswith("-f") for each in kept[1:])
-    if told or "RTC_MANAGER_CONFIG" in os.environ or Path("rtc.conf").is_file():
+    has_file = any(each.startswith("-f") for each in kept[1:])
+    if has_file or "RTC_MANAGER_CONFIG" in os.environ or Path("rtc.conf").is_file():
         return kept
     conf = f"{category}.{name}.config_file:{folder / name}.conf"
     return [*kept[:1], "-f", str(folder / "rtc.conf"), "-o", conf, *kept[1:]]

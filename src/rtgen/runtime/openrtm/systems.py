@@ -78,10 +78,10 @@ def main(system: System, arguments: Sequence[str] | None = None) -> int:
         client = Client(options.nameserver, options.timeout, options.run)
         if options.stop:
             for line in client.stop(system):
-                _tell(line)
+                _print(line)
             return OK
         for line in client.start(system, options.rate_scale):
-            _tell(line)
+            _print(line)
     except StartError as error:
         print(f"{system.name}: {error}", file=sys.stderr)
         return FAILED
@@ -131,7 +131,7 @@ def _positive(text: str) -> float:
     return number
 
 
-def _tell(line: str) -> None:
+def _print(line: str) -> None:
     print(line, flush=True)
 
 
@@ -166,7 +166,7 @@ class Client:
             naming = self._openrtm.CorbaNaming(self._orb, self._nameserver)
             naming.getRootContext()._non_existent()
         except Exception as error:
-            message = f"no naming service at {self._nameserver}: {_told(error)}"
+            message = f"no naming service at {self._nameserver}: {_error_text(error)}"
             raise StartError(message) from None
         return naming
 
@@ -199,7 +199,7 @@ class Client:
                 component.exit()
             except self._corba.SystemException as error:
                 # A component that ends may not be able to answer any more.
-                yield f"{instance.name} does not answer: {_told(error)}"
+                yield f"{instance.name} does not answer: {_error_text(error)}"
             else:
                 yield f"{instance.name} ended"
 
@@ -464,10 +464,10 @@ class _Step:
 
     def __exit__(self, kind: type[BaseException] | None, error: Any, _: object) -> None:
         if kind is not None and issubclass(kind, Exception):
-            raise StartError(f"{self._text}: {_told(error)}") from None
+            raise StartError(f"{self._text}: {_error_text(error)}") from None
 
 
-def _told(error: BaseException) -> str:
+def _error_text(error: BaseException) -> str:
     if isinstance(error, StartError):
         return str(error)
     return f"{type(error).__name__}: {error}"
