@@ -146,7 +146,7 @@ class ScheduleTarget:
         pass
 
     def known(self, message: Message) -> Message:
-        """A message as the analysis is told of it."""
+        """A message as input of the analysis."""
         return message
 
     def make(self, number: int) -> bytes:

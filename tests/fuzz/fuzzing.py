@@ -174,9 +174,9 @@ def run(
     jobs: int = 1,
     progress: Callable[[Report], None] = lambda _report: None,
 ) -> Report:
-    """Run the cases of a range; after each few thousand of them `progress` is told.
+    """Run a range of cases, calling `progress` every few thousand.
 
-    An interrupt ends the run; what is done by then is reported.
+    An interrupt ends the run; the results so far are reported.
     """
     total = Report()
     start = time.monotonic()

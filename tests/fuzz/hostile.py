@@ -132,5 +132,5 @@ class ConversionsTarget(HostileTarget):
 
 
 def _words(text: str) -> str:
-    """The text as far as every profile keeps it: outer and repeated blanks are not told apart."""
+    """The text as every profile preserves it: without outer and repeated blanks."""
     return " ".join(text.split())

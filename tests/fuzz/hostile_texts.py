@@ -1,7 +1,7 @@
 """Texts that would be code if they got into a file without quoting.
 
-Each has MARK in it, so that what comes of it in a file can be told from what rtgen wrote. A text
-has a twin, one harmless word, for the same definition without anything hostile.
+Each contains MARK, which distinguishes it in a file from text written by rtgen. A text has a
+twin, one harmless word, for the same definition without anything hostile.
 """
 
 from __future__ import annotations

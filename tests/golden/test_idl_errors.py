@@ -29,7 +29,7 @@ CASES = GOLDEN / "idl_errors"
 NAMES = sorted(path.name for path in CASES.iterdir() if path.is_dir())
 CODE = re.compile(r"\b(?:error|warning|note)\[([A-Z]+\d{4})\]")
 OF_THE_TOOL = ("PRJ", "ENV", "PY", "LINT", "RTC", "SYS")
-"""What the command line tells beside the definitions; these have their cases below `cases`."""
+"""Prefixes of codes that the tool itself reports; their cases are below `cases`."""
 
 
 def prepare(case: Path, folder: Path) -> dict[str, Any]:

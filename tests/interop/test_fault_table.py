@@ -340,7 +340,7 @@ def test_a_fault_of_the_node_of_a_program(name: str, medium: str) -> None:
 
 
 def fault(name: str, line: Line) -> None:
-    """The fault, what becomes of it, and the way back."""
+    """The fault, its effect, and the recovery."""
     row = TABLE[name]
     end = FAULTS[name](line)
     line.expect(row)

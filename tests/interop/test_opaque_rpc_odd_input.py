@@ -100,7 +100,7 @@ ANSWERS: dict[str, Callable[..., Any]] = {
 
 
 def board(target: type, calls: list[str], answers: dict[str, Any]) -> Any:
-    """A target whose functions answer so; what is not told answers 0 and 1 (`isnull`)."""
+    """A target with given answers; other functions answer 0 and 1 (`isnull`)."""
 
     def method(name: str) -> Callable[..., Any]:
         def called(_: object, *arguments: Any) -> Any:

@@ -116,9 +116,9 @@ def number_of_calls(interface: Any) -> int:
 
 
 def check_requests(interface: Any, found: list[tuple[str, str]]) -> None:
-    """What came to a servant is what the caller has sent, told as octets.
+    """Check that a servant received what the caller sent, as octets.
 
-    A oneway call may come after those that follow it.
+    A oneway call may arrive after later calls.
     """
     assert sorted(found) == sorted(
         (operation, _hex(of(call.request, number)))
@@ -128,7 +128,7 @@ def check_requests(interface: Any, found: list[tuple[str, str]]) -> None:
 
 
 def check_outcomes(interface: Any, found: list[tuple[str, tuple[str, str]]]) -> None:
-    """What came back to a caller is what the servant has answered, told as octets."""
+    """Check that the caller received what the servant answered, as octets."""
     expected = []
     for operation, call in calls_of(interface).items():
         expected.append((operation, ("", _hex(of(call.reply, 0)))))
@@ -163,7 +163,7 @@ def call_all(interface: Any, reference: Any) -> None:
 
 
 def servant(interface: Any) -> tuple[Any, list[tuple[str, str]]]:
-    """A servant of omniORB's, and the requests that come to it, told as octets of ours."""
+    """A servant of omniORB, and the requests it received, as octets of rtgen's codecs."""
     skeleton = omniORB.skeletonMapping[interface._descriptor_.repository_id]
     taken: list[tuple[str, str]] = []
     calls = calls_of(interface)

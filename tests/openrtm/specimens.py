@@ -1,4 +1,4 @@
-"""A value of any type, told by a number: what two processes can agree on without talking."""
+"""Values of any type determined by a number, for processes that do not communicate."""
 
 from __future__ import annotations
 

@@ -246,7 +246,7 @@ def test_openrtm_follows_the_behaviour(relay: Relay, ticking: None) -> None:
 
 
 class Gate:
-    """Lets a request pass when it is told to."""
+    """Lets a request pass on command."""
 
     def __init__(self, relay: Relay) -> None:
         self.code: ReturnCode_t | None = None

@@ -33,7 +33,7 @@ REASONS = {
     "PathPlanning": "route_map",
     "VelocityAdapter": "",
 }
-"""Some of every sort: why one ends in ERROR alone, or by initial values, as the log tells."""
+"""Some modules of every kind; the log explains those that end in ERROR."""
 IN_EVERY_RUN = {"Navigation", "PositionInput"}
 
 

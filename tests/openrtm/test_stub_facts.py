@@ -240,7 +240,7 @@ def test_a_transition_need_not_be_waited_for(lab: Lab) -> None:
 
 
 def test_a_component_always_has_a_context(lab: Lab) -> None:
-    """`None` gives the default one, whatever the manager is told."""
+    """`None` selects the default one, whatever the manager's options."""
     import OpenRTM
 
     component = lab.component("execution_contexts", "None")

@@ -17,7 +17,7 @@ MODULE = Path(__file__).parent / "modules" / "Doubler.py"
 
 @pytest.fixture
 def options(naming_service: str, request: pytest.FixtureRequest) -> dict[str, str]:
-    """What every manager of these tests is told; names are of the test alone."""
+    """Options of all managers in these tests; names are specific to the test."""
     return {
         "corba.nameservers": naming_service,
         "corba.endpoints": "127.0.0.1:",

@@ -215,7 +215,7 @@ interface refill { class_of pass(in class_of wire); };
 
 
 def test_names_that_clash(orb: Any, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Names of ours, of Python and of the module are told apart."""
+    """Names of generated code, of Python and of the module are distinguished."""
     folder = tmp_path_factory.mktemp("clashes")
     wires = wired_text(folder, CLASHES, "wire_typing")
     for kind in wires.kinds:

@@ -101,7 +101,7 @@ def test_the_wheel_is_rtgen_alone(whole: Path) -> None:
 
 
 def test_the_runtime_is_a_part_of_the_wheel(whole: Path, runtime: Path) -> None:
-    """The same files, so whoever has the whole has the runtime."""
+    """The same files, so an installation of the whole includes the runtime."""
     part = {
         name: data
         for name, data in contents(runtime).items()

@@ -31,7 +31,7 @@ LONGEST = 600 * SECOND
 
 
 def profile(file: Path = GOAL) -> model.System:
-    """A system as its file tells it."""
+    """A system as described by its file."""
     system, diagnostics, _ = read_system(file)
     assert system is not None, diagnostics
     assert not diagnostics

@@ -48,7 +48,7 @@ class Out:
 
 
 class Side:
-    """A drive, and the ports that lead to it; a cut one hears and tells nothing."""
+    """A drive, and the ports connected to it; a cut one neither receives nor sends."""
 
     def __init__(self, name: str) -> None:
         self.objects = objects("epos_drive")

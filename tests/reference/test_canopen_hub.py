@@ -55,7 +55,7 @@ def started(*arguments: str) -> Iterator[subprocess.Popen[str]]:
 
 
 def ended(process: subprocess.Popen[str]) -> tuple[str, str]:
-    """What a process says when it is told to end; Ctrl-C may be off in the background."""
+    """Output of a process until SIGTERM; Ctrl-C may be ignored in the background."""
     process.send_signal(signal.SIGTERM)
     told = process.communicate(timeout=30)
     assert process.returncode == 0, told

@@ -1,4 +1,4 @@
-"""Lamps on the ceiling: how the camera sees them, and the pose that they tell."""
+"""Lamps on the ceiling: pictures of the camera, and the pose computed from them."""
 
 from __future__ import annotations
 

@@ -89,7 +89,7 @@ def test_velocity_mode(name: str) -> None:
 
 @DRIVES
 def test_velocity_is_that_of_the_position(name: str) -> None:
-    """The units of both are those that the SI unit objects tell."""
+    """The units of both are those of the SI unit objects."""
     bench = Bench(name, Mode.PROFILE_VELOCITY)
     bench.objects.Target_velocity = bench.objects.Max_profile_velocity // 8
     bench.run(1.0)

@@ -24,7 +24,7 @@ class Parameters:
 def pursue(
     follower: Follower, here: Pose, leaders: list[Pose], *, sideways: bool = False
 ) -> list[Pose]:
-    """The poses of a robot that does what it is told, 50 times a second."""
+    """The poses of a robot that follows its commands, 50 times a second."""
     poses = [here]
     for leader in leaders:
         follower.observe(leader)

@@ -88,7 +88,7 @@ def test_analogue_inputs_are_silent_until_enabled(board: Board) -> None:
 
 
 def test_first_values(board: Board) -> None:
-    """What a board tells when it becomes operational: what may make events."""
+    """A board that becomes operational transmits the inputs that may cause events."""
     names = "Analogue_input_1", "Digital_inputs_1_to_8", "Angle_reference"
     assert [board.tells_first(name) for name in names] == [False, True, True]
     enable(board, Global_interrupt_enable_digital=False)
@@ -118,7 +118,7 @@ def test_delta(board: Board) -> None:
     ],
 )
 def test_triggers(board: Board, trigger: int, expected: list[int]) -> None:
-    """Changes are counted from the last value that was told; beyond a limit once each time."""
+    """Changes are counted from the last transmitted value; beyond a limit once each time."""
     enable(
         board,
         Trigger_of_analogue_input_1=int(trigger),

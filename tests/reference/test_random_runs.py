@@ -1,7 +1,7 @@
-"""Random runs: no collision, nobody drives by old data, nothing is called met that is not.
+"""Random runs: no collision, no driving by old data, no false report of success.
 
-`RTGEN_BUDGET` multiplies the runs, and `RTGEN_SEED` chooses others (see `seeds`); so does
-`python tests/reference/random_runs.py 500 --first N`.
+`RTGEN_BUDGET` multiplies the runs, and `RTGEN_SEED` chooses others (see `seeds`); so does `python
+tests/reference/random_runs.py 500 --first N`.
 """
 
 from __future__ import annotations

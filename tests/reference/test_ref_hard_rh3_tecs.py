@@ -15,7 +15,7 @@ from rtgen.runtime.opaque_rpc import E_OK, E_PAR, E_RPC, E_TMOUT, ERCD
 
 
 class FakeBoard(MotorBoard):
-    """Answers as it is told, and keeps what it was asked for."""
+    """Answers as configured, and records the requests."""
 
     def __init__(self) -> None:
         self.calls: list[str] = []

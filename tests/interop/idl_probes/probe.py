@@ -19,8 +19,10 @@ class Relation(Enum):
 
 @dataclass(frozen=True)
 class Probe:
-    """`codes` are what those of the findings begin with, in order; which of the syntax errors it
-    is (`IDL01`) is told by the golden cases. `gives` are declarations as `summary` has them.
+    """A probe.
+
+    `codes` are prefixes of the expected diagnostics' codes, in order; the exact syntax error
+    (`IDL01`) is checked by the golden cases. `gives` are declarations as printed by `summary`.
     """
 
     name: str

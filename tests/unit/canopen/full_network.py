@@ -32,7 +32,7 @@ HEARTBEAT = 1000
 TIMEOUT = 3000
 
 COUNT, NODE, HEARD = 0x2000, 0x2001, 0x2002
-"""How often the slave's application has run; its node-id; what it was told by another slave."""
+"""Objects: executions of the application; its node-id; values received from another slave."""
 
 SLAVE = DeviceDescription(
     "Counter",
@@ -115,7 +115,7 @@ NETWORK = Network(
 
 
 class Counter:
-    """A slave with its application, which counts; `heard` is what came by RPDO."""
+    """A slave with its application, which counts; `heard` are the values received by RPDO."""
 
     def __init__(self, node_id: int) -> None:
         self.heard: list[tuple[int, int]] = []
@@ -159,7 +159,7 @@ class Collector:
 
     @property
     def sum(self) -> str:
-        """What tells runs apart."""
+        """The parameters of a run."""
         return self._sum.hexdigest()
 
 

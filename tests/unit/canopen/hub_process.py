@@ -69,7 +69,7 @@ class HubProcess:
         os.kill(self._process.pid, number)
 
     def end(self, how: int = signal.SIGINT) -> str:
-        """Ends it; what it told on standard error since."""
+        """End it; returns its output on standard error since the last call."""
         if self._process.returncode is None:
             os.kill(self._process.pid, how)
             _, rest = self._process.communicate(timeout=30)

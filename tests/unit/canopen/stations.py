@@ -8,7 +8,7 @@ from rtgen.runtime.canopen.frames import Frame
 
 
 class Recorder:
-    """Notes what it gets and when, and answers as it is told."""
+    """Records received frames with their times, and answers as configured."""
 
     def __init__(
         self,

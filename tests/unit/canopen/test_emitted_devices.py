@@ -201,7 +201,7 @@ def compare(
     values: dict[tuple[int, int], Any],
     description: Any,
 ) -> None:
-    """The object dictionary has what the codec tells, where both tell it alike."""
+    """The object dictionary agrees with the codec, where both have the value."""
     for field, (index, subindex, _) in zip(fields, mapping, strict=True):
         kind = description.by_number[index, subindex].kind
         value = values[index, subindex]

@@ -167,7 +167,7 @@ def test_what_is_no_request_has_no_answer(frame: Frame) -> None:
 
 
 def scan(slaves: Sequence[LssSlave]) -> tuple[int, ...] | None:
-    """A fastscan master of its own: the smallest address, bit for bit; None if nobody is there."""
+    """An independent fastscan master: the smallest address, bit by bit; None without a slave."""
 
     def ask(number: int, bit: int, part: int, following: int) -> bool:
         frame = Frame(

@@ -740,7 +740,7 @@ def test_whatever_happens_a_reset_brings_the_network_back(seed: int) -> None:
 
 @pytest.mark.parametrize("deaf", [0x1000, 0x1018])
 def test_two_nodes_from_the_start_that_do_not_answer_everything(deaf: int) -> None:
-    """Requests cross answers of the other node, so one is not heard: that is no plain time-out."""
+    """Requests collide with responses of the other node and are lost, beyond a plain time-out."""
     bench = Bench(described())
     bench.slave()
     second = Slave(5)

@@ -154,7 +154,7 @@ def test_what_the_slave_refuses(
 
 
 def test_a_second_slave_of_the_same_id() -> None:
-    """The second one boots; the first finds it, and tells an EMCY."""
+    """The second node boots; the first one detects it, and sends an EMCY."""
     with Bench() as bench:
         bench.activate()
         second = DeviceNode(DEVICE, NODE)

@@ -138,7 +138,7 @@ class Observer:
         self._bus.send(can.Message(arbitration_id=0, data=data, is_extended_id=False))
 
     def seen(self, last: int) -> list[str]:
-        """Frames up to the error control of state `last`, which is told once."""
+        """Frames up to the error control frame of state `last`, which is sent once."""
         found: list[str] = []
         limit = time.monotonic() + 20
         while time.monotonic() < limit:

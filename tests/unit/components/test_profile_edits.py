@@ -128,7 +128,7 @@ def argument(item: dict[str, Any], name: str) -> Any:
 def edited(
     folder: Folder, edit: Edit
 ) -> tuple[dict[str, Any], dict[str, Any], list[str]]:
-    """The declaration before and after an edit, and what reading the profile tells."""
+    """The declaration before and after an edit, and the diagnostics of reading the profile."""
     model, component, _ = folder.read(folder.write("Arm.idl", ARM))
     root = etree.fromstring(folder.profile(model, component).encode())
     edit(root)

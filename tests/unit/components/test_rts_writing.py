@@ -44,7 +44,7 @@ def again(text: str) -> System:
 
 
 def plain(system: System) -> System:
-    """The system without what tells where it stands, its connectors as the schema orders them."""
+    """The system without places, its connectors in the order of the schema."""
     nowhere = Span("", 1, 1, 1, 1)
     by_kind = sorted(system.connections, key=lambda c: c.service)
     return replace(

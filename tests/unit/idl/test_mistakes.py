@@ -52,7 +52,7 @@ def told(diagnostic: Diagnostic, folder: Path) -> Found:
 
 
 def expected(name: str, line: int = 1) -> Found:
-    """What is to be told of a mistake whose text begins at a line."""
+    """The expected diagnostics of a mistake whose text starts at a line."""
     text, message, hint = MISTAKES[name]
     before = text.partition("§")[0]
     column = len(before.rpartition("\n")[2]) + 1

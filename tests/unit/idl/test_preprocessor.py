@@ -1,4 +1,4 @@
-"""The preprocessor on its own: texts, conditions, macros, and the way back to the source."""
+"""The preprocessor on its own: texts, conditions, macros, and places in the source."""
 
 from pathlib import Path
 

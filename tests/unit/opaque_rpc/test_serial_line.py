@@ -145,7 +145,7 @@ def call(channel: SerialChannel, value: int = 7) -> bytes:
 
 
 def far_answers(terminal: Terminal, *answers: bytes) -> threading.Thread:
-    """Answers each request at the far end, with noise or less than a reply if so told."""
+    """Answers each request at the far end, with noise or truncated replies on request."""
 
     def run() -> None:
         for answer in answers:

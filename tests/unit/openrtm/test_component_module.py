@@ -108,7 +108,7 @@ def test_an_in_port_and_an_out_port_of_one_identifier(tmp_path: Path) -> None:
 
 
 def test_ports_and_parameters_have_members_of_their_own(tmp_path: Path) -> None:
-    """However alike their names are, once they are identifiers."""
+    """Also if their names become equal as identifiers."""
     (plan,), _ = planned(
         tmp_path,
         a="""struct T { long x; }; interface I { void go(); };

@@ -111,7 +111,7 @@ class OtherTimedLong(TimedLong):
 
 
 class Actor(Component):
-    """A component that does in `on_execute` what it is told; notes its callbacks if asked to."""
+    """A component with configurable `on_execute`; records its callbacks on request."""
 
     profile: ClassVar[ComponentProfile] = ComponentProfile("Actor", rate=1000.0)
 

@@ -1,4 +1,4 @@
-"""Listeners and the JSON lines recorder: what is told, in which order, and that it repeats."""
+"""Listeners and the JSON lines recorder: records, their order, and repeatability."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ class Sample:
 
 
 class Probe(Component):
-    """Notes its callbacks, and does in them what it is told."""
+    """Records its callbacks, which behave as configured."""
 
     _type_name = "Probe"
     _rate = 10.0

@@ -1,4 +1,4 @@
-"""OpaqueRPC written once more, plainly: scalar by scalar, as `opaque-rpc-wire` tells it."""
+"""An independent OpaqueRPC implementation, scalar by scalar, after `opaque-rpc-wire`."""
 
 from __future__ import annotations
 

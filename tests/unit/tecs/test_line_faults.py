@@ -87,7 +87,7 @@ class Caller:
         self.board.kill()
 
     def check(self) -> None:
-        """Nothing was executed twice, nothing that nobody called, all that was answered."""
+        """Nothing was executed twice or without a call, and all that was answered was executed."""
         executed = self.executed()
         assert len(set(executed)) == len(executed)
         assert set(executed) <= {*self.answered, *self.failed}

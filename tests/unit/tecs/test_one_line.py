@@ -85,7 +85,7 @@ def counted(folder: Path) -> dict[str, int]:
 
 
 def test_the_lines_that_one_line_makes(tmp_path: Path) -> None:
-    """`docs/tecs.md` tells these figures beside those of the paper."""
+    """`docs/tecs.md` has these figures beside those of the paper."""
     counts = counted(tmp_path)
     assert joined(SIGNATURE, "sServer").count("RTCPlugin") == 1
     assert [part for part in counts if not counts[part]] == ["communication code"]

@@ -36,7 +36,7 @@ class Answers:
         self.result: object = None
 
     def wait_for(self, calls: int) -> None:
-        """Waits until so many calls were executed: nobody answers those of oneway functions."""
+        """Wait until this many calls were executed: oneway functions have no reply."""
         end = monotonic() + LONG
         while len(self.called) < calls and monotonic() < end:
             sleep(0.001)

@@ -1,4 +1,4 @@
-"""`rtgen rpc call` against `rtgen rpc serve` in another process, and against nobody."""
+"""`rtgen rpc call` against `rtgen rpc serve` in another process, and without a server."""
 
 from __future__ import annotations
 

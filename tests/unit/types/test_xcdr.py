@@ -34,7 +34,7 @@ def x(tmp_path_factory: pytest.TempPathFactory) -> Any:
 
 
 def both(value: Any, version: int, text: str) -> None:
-    """The little-endian octets of the value, and the way back in both byte orders."""
+    """The little-endian octets of the value, after a round trip in both byte orders."""
     wanted = bytes.fromhex(text)
     type_ = type(value)
     assert encode(type_, value, version, True).hex(" ", -4) == wanted.hex(" ", -4)

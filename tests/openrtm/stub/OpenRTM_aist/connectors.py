@@ -182,7 +182,7 @@ class OutPortPushConnector(Connector):
         self._publisher = PUBLISHERS[subscription](self._send, info.properties)
 
     def write(self, data: Any) -> int:
-        """A value that cannot be marshalled is refused, and nobody is told why."""
+        """A value that cannot be marshalled is rejected without a report."""
         try:
             octets = to_octets(data, self._info.little_endian)
         except Exception:

@@ -1,4 +1,4 @@
-"""What a manager is told: defaults, configuration file, command line."""
+"""Configuration of a manager: defaults, configuration file, command line."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def configuration(argv: list[str]) -> Properties:
 
 
 def _options(argv: list[str]) -> list[tuple[str, str]]:
-    """None at all if there is one that nobody knows."""
+    """None at all if one of them is unknown."""
     try:
         return getopt.getopt(argv[1:], "adif:o:p:")[0]
     except getopt.GetoptError:

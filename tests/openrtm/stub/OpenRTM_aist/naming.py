@@ -18,7 +18,7 @@ class CorbaNaming:
     """A naming service; names are texts: `context.kind/name.kind`."""
 
     def __init__(self, orb: Any, name_server: str) -> None:
-        """Raises CORBA's exceptions if nobody answers at `host:port`."""
+        """Raises CORBA's exceptions if there is no answer at `host:port`."""
         host, _, port = name_server.partition(":")
         place = f"corbaloc:iiop:{host}:{port or 2809}/NameService"
         self._root = orb.string_to_object(place)._narrow(CosNaming.NamingContext)

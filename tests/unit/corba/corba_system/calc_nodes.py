@@ -38,7 +38,7 @@ class Counter(CounterBase):
 
 
 class Caller(CallerBase):
-    """Calls at every tick, and tells what came out."""
+    """Calls at every tick, and reports the results."""
 
     number = 0
 
